@@ -31,7 +31,7 @@ from pathlib import Path
 LIMIT = 240
 LONGEST_WAIT = 600
 ENGINE = "hardpoint-engine"
-# Folder: its files, the integration tests that cover it, its crate, and the unit tests of that crate.
+# For each folder: its files, the integration tests that cover it, its crate, and the unit tests of this crate.
 FOLDERS = {
     "tracker": (["engine/src/solve/tracker/**/*.rs", "engine/src/solve/closed_form/mod.rs", "engine/src/solve/closed_form/carried.rs"], ["lanes::"], ENGINE, ["solve::"]),
     "certificates": (["engine/src/analyse/certificate/*.rs"], ["certificate::"], ENGINE, ["analyse::"]),
@@ -90,7 +90,7 @@ def code_lines(text):
     in_constant = False
     lines = text.split("\n")
     for number, line in enumerate(lines):
-        # Stops only at a block of unit tests. After `mod tests;`, code may follow.
+        # The script skips the rest of a file only after a block of unit tests. After `mod tests;`, code may follow.
         if line.strip() == "#[cfg(test)]" and lines[number + 1].rstrip().endswith("{"):
             return
         if re.match(r"^\s*(pub(\([^)]*\))? )?(const|static) ", line) and not line.rstrip().endswith(("{", ";")):

@@ -16,7 +16,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 COPY = ROOT / "target" / "walkthrough"
 STUDY = "studies/double_wishbone_axle.toml"
-# File, text after which the script inserts something, and inserted text.
+# For each file, pairs of two texts: a text of the file, and the text that the script inserts after it.
 SLOT = {
     "engine/src/characteristics/wheel.rs": [
         ("        strut_upper: StrutUpper [StrutUpper];\n",
@@ -51,7 +51,8 @@ QUANTITY = {
          "[], [SpringLower], 0, false, lanes, roll::springs_apart, None;\n"),
     ],
 }
-# Half the distance between the lower spring ends: in the design position of the study, and after the tuning.
+# Half the lateral distance between the lower spring ends, in mm. The first value is for the design position of the study, the
+# second for the tuned design.
 DESIGN, WANTED = 210.0, 216.0
 
 

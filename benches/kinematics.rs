@@ -1,6 +1,7 @@
 //! Cost of the main tasks: poses, rates, sensitivities and a whole tuning.
 //!
-//! Run with `cargo bench`. Times vary with the load of the machine: read the fastest, and compare within one run.
+//! Run with `cargo bench`. Times vary with the load of the machine. Use the fastest time of each task, and compare times of the
+//! same run only.
 
 use divan::{Bencher, black_box, counter::ItemsCount};
 use hardpoint::characteristics::{Characteristic, Constants, Quantity, WheelReading};

@@ -103,8 +103,8 @@ fn contradicting(optimise: &Optimise) -> Optimise {
     optimise
 }
 
-/// Robust tunings of 64 builds at 41 stations, with one and with four iterations. Their difference is the cost of three
-/// iterations, derivatives included.
+/// Robust tunings of 64 builds at 41 stations, with one and with four iterations. The difference between the two times is the
+/// cost of three iterations, derivatives included.
 #[divan::bench(args = [0, 4])]
 fn builds(bencher: Bencher, iterations: u64) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/double_wishbone_robust.toml");

@@ -11,17 +11,17 @@ use super::{Moving, Singular};
 /// roots have a choice of sign: the strut's length, and the distance of the tie-rod end from the plane 3-4-5. All other points
 /// follow rigidly.
 ///
-/// So a check of these signs excludes wrong roots for [`Drive::ArmAngle`]. For [`Drive::PaperTheta`] the check also needs
-/// the side of the arm. The sign of the Jacobian's determinant tells that side. The drive with the wheel travel could
-/// pass through a strut of zero length, as it passes through a tie-rod toggle. No real strut has zero length, so the
-/// branch ends there, too.
+/// So a check of these signs excludes wrong roots for [`Drive::ArmAngle`]. For [`Drive::PaperTheta`] the check also needs the
+/// side of the arm. The sign of the Jacobian's determinant distinguishes the two sides. The drive with the wheel travel could
+/// pass through a strut of zero length, as it passes through a tie-rod toggle. No real strut has zero length, so the branch
+/// ends there, too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Branch {
     /// Handedness of the knuckle. The mirror image of the knuckle has the other sign.
     chirality: bool,
-    /// True if the direction from 9 to 4 agrees with the direction from 6 to 7.
+    /// True if the direction from point 9 to point 4 agrees with the direction from point 6 to point 7.
     rod: bool,
-    /// True if 4 is on the positive side of the foot of 5 on the strut's axis.
+    /// True if point 4 is on the positive side of the foot of point 5 on the strut's axis.
     strut: bool,
     /// True if 8 is on the positive side of the plane 3-4-5. `None` for the drive with the wheel travel: this drive is not
     /// singular at a tie-rod toggle, so the side may change.
@@ -115,7 +115,7 @@ pub(crate) fn nearest_singularity(
     nearest.expect("there is at least one margin").0
 }
 
-/// |a| / b. Returns zero if that is not a number, so that unknown points count as singular.
+/// Quotient |a| / b. Returns zero if the quotient is not a number, so that unknown points count as singular.
 fn ratio(a: f64, b: f64) -> f64 {
     let ratio = a.abs() / b;
     if ratio.is_nan() { 0.0 } else { ratio }

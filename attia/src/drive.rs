@@ -32,14 +32,14 @@ impl Driver {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Driving {
     kind: Drive,
-    /// Centre of the circle, on the line 1-2.
+    /// Centre of the circle on which point 5 moves. It is on the line through points 1 and 2.
     centre: Vector3<f64>,
     /// Unit vectors in the plane of the circle: one towards the design position of point 5, one 90 degrees ahead of
     /// it.
     ahead: [Vector3<f64>; 2],
     radius: f64,
     z1: f64,
-    /// d51, the distance from 1 to 5.
+    /// Distance d51 from point 1 to point 5.
     d51: f64,
     wheel_centre: KnucklePoint,
     wheel_centre_height: f64,
@@ -111,7 +111,7 @@ impl Driving {
         self.radius / self.d51
     }
 
-    /// Drive equation for the arm angle at this position, scaled to a length: the left-hand side changes at the speed of point
+    /// Drive equation for the arm angle at this position. Its left-hand side is a length, which changes at the speed of point
     /// 5.
     pub(crate) fn along_the_arm(&self, moving: &Moving) -> Driver {
         let [e1, e2] = self.ahead;
@@ -160,8 +160,8 @@ impl Driving {
         self.d51 / self.wheel_centre.shares().map(f64::abs).iter().sum::<f64>()
     }
 
-    /// Number `-C_t` for a unit rate of the drive's value: the rate of the level of (15), minus the rate of the left-hand side
-    /// of (15) with fixed points.
+    /// Right-hand side `-C_t` of the velocity equation for equation (15) and a unit rate of the drive's value. C_t is the
+    /// partial derivative of the equation with respect to the drive, with fixed points.
     pub(crate) fn rate(&self, value: f64, moving: &Moving) -> f64 {
         match self.kind {
             Drive::ArmAngle => self.d51 * self.turned(value)[1].dot(moving[0] - self.centre),
@@ -170,12 +170,13 @@ impl Driving {
         }
     }
 
-    /// Part of the acceleration equation's right-hand side, `-2 C_qt v rate - C_tt rate^2`. `rate` is the rate of the drive's
-    /// value, and `velocity` holds the velocities of the points at this rate. The other part is for the acceleration of the
-    /// drive.
+    /// Part `-2 C_qt v rate - C_tt rate^2` of the right-hand side of the acceleration equation. `rate` is the rate of the
+    /// drive's value. `velocity` holds the velocities v of the points at this rate. The remaining part belongs to the
+    /// acceleration of the drive.
     pub(crate) fn curvature(&self, value: f64, rate: f64, velocity: &Moving) -> f64 {
         match self.kind {
-            // C_tt vanishes: the equation is harmonic in the angle, so C_tt = -C, and C = 0 at a solution.
+            // C is the left-hand side of the equation minus its right-hand side. It is harmonic in the angle, so C_tt = -C. At
+            // a solution C = 0, so C_tt vanishes.
             Drive::ArmAngle => 2.0 * self.d51 * self.turned(value)[1].dot(velocity[0]) * rate,
             Drive::PaperTheta => -self.d51 * self.d51 * value.cos() * rate * rate,
             Drive::Travel => 0.0,

@@ -8,7 +8,8 @@ use super::drive::Driver;
 use hardpoint_engine::nalgebra::SVector;
 use hardpoint_engine::number::Vector3;
 
-/// One number for each equation, or one for each unknown: x, y and z of point 5, then of 6, 7, 8 and 9.
+/// One number for each equation, or one for each unknown. The order of the unknowns is x, y and z of point 5, then of points 6,
+/// 7, 8 and 9.
 pub(crate) type Column = SVector<f64, 15>;
 /// A row for each equation, a column for each unknown.
 pub(crate) type Jacobian = [[f64; 15]; 15];
@@ -49,7 +50,7 @@ impl Fixed {
     }
 }
 
-/// Squares of the ten distances in this position.
+/// Squares of the distances in equations (1) to (10), in this position.
 pub(crate) fn distances_squared(points: &[Vector3<f64>; 9]) -> [f64; 10] {
     DISTANCES.map(|[i, j]| (points[i - 1] - points[j - 1]).norm_squared())
 }
@@ -72,7 +73,8 @@ pub(crate) fn residual(
     out
 }
 
-/// Writes equations (11) to (14), which are bilinear: x and y of a x b, then x and y of c x d with the paper's sign.
+/// Writes equations (11) to (14), which are bilinear in pairs of vectors. They are x and y of a x b, then x and y of c x d. The
+/// y-components have the paper's sign.
 fn collinearity(out: &mut Column, [a, b]: [Vector3<f64>; 2], [c, d]: [Vector3<f64>; 2]) {
     out[COLLINEARITY] = a.y * b.z - a.z * b.y; // (11)
     out[COLLINEARITY + 1] = a.x * b.z - a.z * b.x; // (12)
@@ -80,7 +82,8 @@ fn collinearity(out: &mut Column, [a, b]: [Vector3<f64>; 2], [c, d]: [Vector3<f6
     out[COLLINEARITY + 3] = c.x * d.z - c.z * d.x; // (14)
 }
 
-/// Vectors of equations (11) and (12), 6-7 and 4-9, and of (13) and (14), 7-9 and 4-9.
+/// Pairs of vectors whose vector products are zero: 6-7 and 4-9 for equations (11) and (12), 7-9 and 4-9 for equations (13) and
+/// (14).
 fn axis_vectors(fixed: &Fixed, moving: &Moving) -> [[Vector3<f64>; 2]; 2] {
     let [_, p6, p7, _, p9] = *moving;
     let b = p9 - fixed.0[3];
@@ -108,7 +111,8 @@ pub(crate) fn jacobian(fixed: &Fixed, moving: &Moving, driver: &Driver) -> Jacob
         add(&mut out, COLLINEARITY + k, 6, -by_a);
         add(&mut out, COLLINEARITY + k, 7, by_a);
         add(&mut out, COLLINEARITY + k, 9, by_b);
-        // The gradient with respect to c equals the gradient with respect to a, because the other vector is 4-9 in both products.
+        // Equations (13) and (14) contain 7-9 in place of 6-7, and the same vector 4-9. So their gradient with respect to 7-9
+        // equals the gradient of (11) and (12) with respect to 6-7.
         add(&mut out, COLLINEARITY + 2 + k, 7, -by_a);
         add(&mut out, COLLINEARITY + 2 + k, 9, by_a - by_first(c)[k]);
     }
@@ -126,8 +130,9 @@ fn add(jacobian: &mut Jacobian, row: usize, point: usize, gradient: Vector3<f64>
     }
 }
 
-/// Column `-C_t` of equations (1) to (14). Only equation (3) depends on the rack; `motion` is the velocity of point
-/// 3. With the acceleration of point 3 as `motion`, the result is the rack's part of the acceleration equations.
+/// Column `-C_t` of equations (1) to (14): their negative partial derivatives with respect to time. Only equation (3) depends
+/// on the rack. `motion` is the velocity of point 3. With the acceleration of point 3 as `motion`, the result is the rack's
+/// part of the acceleration equations.
 pub(crate) fn rack_column(fixed: &Fixed, moving: &Moving, motion: f64) -> Column {
     let mut out = Column::zeros();
     out[TIE_ROD] = 2.0 * (moving[3] - fixed.0[2]).y * motion;

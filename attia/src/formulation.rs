@@ -73,7 +73,7 @@ impl Formulation for PaperFormulation {
 struct Driven {
     equations: PointCoordinates,
     drive: Drive,
-    /// Factor from a drive value of the study to a drive value of the equations.
+    /// Factor that converts a drive value of the study to a drive value of the equations.
     sense: f64,
     coefficients: usize,
 }
@@ -97,7 +97,8 @@ impl Driven {
         })
     }
 
-    /// Converts a refusal to the engine's failure, with the drive value in the sign of the study.
+    /// Converts a refusal of the paper's equations to a failure of the engine. The failure contains the drive value with the
+    /// sign of the study.
     fn failure(&self, refusal: Refusal) -> Failure {
         let refusal = match refusal {
             Refusal::Unreachable { value, limit } => Refusal::Unreachable {

@@ -80,5 +80,5 @@ pub use tracking::{PointCoordinates, Pose, Station, solve_travel};
 
 use hardpoint_engine::number::Vector3;
 
-/// The unknown points 5, 6, 7, 8 and 9, in this order; also their velocities or accelerations.
+/// The unknown points 5, 6, 7, 8 and 9, in this order. The same type holds their velocities or accelerations.
 pub type Moving = [Vector3<f64>; 5];

@@ -84,7 +84,8 @@ impl PointCoordinates {
         ]);
         let all = fixed.all(&moving);
         let lengths_squared = distances_squared(&all);
-        // In a coplanar knuckle any point is acceptable here, because the condition number below is then infinite.
+        // If the knuckle is coplanar, the choice of this point does not matter. The condition number is then infinite, and the
+        // strut is refused.
         let wheel_centre =
             KnucklePoint::new(strut.wheel_centre, &moving).unwrap_or(KnucklePoint::BALL_JOINT);
         let driving = Driving::new(drive, strut, wheel_centre);

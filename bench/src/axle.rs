@@ -71,7 +71,7 @@ pub(super) fn measure(
     found.push((JACOBIAN, ONE_BY_ONE.to_owned(), 1));
     jobs.push(jacobians(&of_angles, variables)?);
     let mut timings = clock.in_rounds(&mut jobs);
-    // Jobs with several threads run alone, as for one wheel.
+    // Each job with several threads is measured alone, not in turn with other jobs.
     let many = &questions[0].many;
     let method = match (Width::widest(), many.worker()?.not_in_lanes()) {
         (Some(width), None) => format!("lanes, {}", width.name()),

@@ -1,5 +1,5 @@
-//! Numbers of twice the precision: an unevaluated sum of two doubles, about 32 digits. The benchmark measures the errors of
-//! doubles with them.
+//! Numbers of twice the precision: an unevaluated sum of two doubles, about 32 digits. The benchmark uses them to measure the
+//! errors of doubles.
 //!
 //! T. J. Dekker, A floating-point technique for extending the available precision, Numer. Math. 18, 1971. The square root takes
 //! one Newton step from the square root of the double.
@@ -144,14 +144,14 @@ impl Real for DoubleDouble {
         }
         root + (self - root * root) / (root + root)
     }
-    /// atan2(x, sqrt((1 - x)(1 + x)))
+    /// asin x = atan2(x, sqrt((1 - x)(1 + x)))
     fn asin(self) -> Self {
         let cosine = ((self.one() - self) * (self.one() + self)).sqrt();
         self.atan2(cosine)
     }
-    /// Sum of the double's angle and a small remainder. The tangent of the remainder is the vector's component normal
-    /// to the double's direction, divided by the component along that direction. The remainder is so small that it
-    /// equals its tangent.
+    /// Computes the angle in double precision and adds a small correction. The tangent of the correction is a quotient: the
+    /// vector's component normal to the approximate direction, divided by the component along this direction. The correction is
+    /// so small that it equals its tangent.
     fn atan2(self, x: Self) -> Self {
         let angle = DoubleDouble::from(self.high.atan2(x.high));
         let (sine, cosine) = angle.sin_cos();

@@ -38,7 +38,7 @@ pub struct Effects {
     pub measurements: Vec<Measurement>,
 }
 
-/// An effect as a change of a study.
+/// Change of a study that adds one effect.
 struct Change {
     name: &'static str,
     apply: fn(&mut WheelStudy),

@@ -1,4 +1,5 @@
-//! Equilibria per second of a wheel or an axle with elastic parts, and time of a whole sheet of tests with derivatives.
+//! Equilibria per second of a wheel or an axle with elastic parts. Also the time of a complete set of compliance tests with
+//! derivatives.
 
 use super::{Clock, Job, JobTime, Unmeasurable};
 use hardpoint_engine::bench_hooks::{equilibria_in_lanes, wheel_figures};
@@ -219,7 +220,7 @@ impl Equilibria {
 
     /// Measures the computing times of three jobs. The first one computes the equilibria of all sample loads, each started at
     /// the design position. The second one computes the equilibria of all side forces, each started at the equilibrium of the
-    /// previous one. The third one computes one sheet of tests.
+    /// previous one. The third one computes a complete set of compliance tests.
     fn timed(names: [&'static str; 3], works: [Box<dyn FnMut() + '_>; 3], clock: &Clock) -> Self {
         let items = [LOADS, LOADS, 1].into_iter();
         let jobs = items.zip(works).map(|(items, work)| Job { items, work });

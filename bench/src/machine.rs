@@ -16,7 +16,7 @@ pub struct Machine {
     pub version: &'static str,
     /// True if the program was built without optimisation. Its times then mean little.
     pub unoptimised: bool,
-    /// Number of samples per time.
+    /// Number of samples of each job.
     pub samples: usize,
     /// Shortest duration of a sample, in milliseconds.
     pub shortest_sample_ms: f64,

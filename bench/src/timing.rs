@@ -35,7 +35,7 @@ impl Timing {
 /// Settings of the measurements: number and duration of samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {
-    /// Number of samples per time.
+    /// Number of samples of each job.
     pub samples: usize,
     /// Shortest duration of a sample. Short work is repeated until it takes this long.
     pub shortest: Duration,
@@ -45,7 +45,7 @@ impl Default for Clock {
     fn default() -> Self {
         Clock {
             samples: 51,
-            // Shorter than the time slice of a scheduler, so that most samples run without interruption.
+            // A sample is shorter than the time slice of a scheduler, so most samples run without interruption.
             shortest: Duration::from_micros(200),
         }
     }
@@ -69,7 +69,7 @@ impl Clock {
         let mut samples = vec![Vec::with_capacity(self.samples); jobs.len()];
         for _ in 0..self.samples {
             for ((job, repeats), samples) in jobs.iter_mut().zip(&repeats).zip(&mut samples) {
-                // A run that is not counted: it restores the processor's caches after the previous job.
+                // The clock does not count this run. The run restores the processor's caches after the previous job.
                 elapsed(job, *repeats);
                 let time = elapsed(job, *repeats).as_secs_f64() * 1e9;
                 samples.push(time / f64::from(*repeats) / job.items as f64);

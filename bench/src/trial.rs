@@ -198,8 +198,8 @@ impl<'m, T: Scalar> Forward<'m, T> {
         }
     }
 
-    /// Calls `receive` for each hardpoint, with the configuration at a solved pose as a function of the hardpoint's coordinates:
-    /// J x_p = -F_p, with one factorisation for all hardpoints.
+    /// Calls `receive` for each hardpoint. The configuration at a solved pose is given as a function of the hardpoint's
+    /// coordinates. The derivative x_p of the pose follows from J x_p = -F_p. One factorisation of J serves all hardpoints.
     #[inline]
     pub(crate) fn each(
         &self,

@@ -301,7 +301,7 @@ struct Differences<'t, 's, 'm> {
     /// Size of the mechanism.
     size: f64,
     moved: Vec<Vector3<f64>>,
-    /// Values of the moved design, and of the unmoved one.
+    /// Outputs of the design with one moved coordinate, and outputs of the original design.
     values: Vec<f64>,
     base: Vec<f64>,
 }
@@ -326,7 +326,7 @@ impl Differences<'_, '_, '_> {
                 Ok(()) => task.values(solver, station_order, values),
                 Err(_) => values.fill(f64::NAN),
             };
-        // All coordinates share one solution of the unmoved design.
+        // The original design is solved once for all coordinates.
         if quotient.terms[0].0 == 0.0 {
             solve(solver, moved, base);
         }

@@ -18,7 +18,7 @@ use std::hint::black_box;
 enum Start {
     /// The design position.
     Cold,
-    /// Polynomial of this order through the previous stations. Order 0 takes the last station.
+    /// Extrapolation with a polynomial of this order through the poses of previous stations. Order 0 starts from the last pose.
     Predicted(usize),
 }
 
@@ -75,7 +75,7 @@ impl Walk {
                     earlier,
                     weights,
                 });
-                // The design position is known already, and two nodes of a polynomial must not coincide.
+                // The pose of the design position is already in the list. The polynomial must not have the same node twice.
                 if travels[station] != 0.0 {
                     known.push(travels[station]);
                 }
@@ -323,7 +323,7 @@ pub(crate) fn unchecked_and_checked<'s>(
 /// Tolerance of the equation, in metres. The program ends its iteration at the same tolerance.
 const UNCHECKED: f64 = 1e-13;
 
-/// Poses as the program finds them, including all checks.
+/// Measures the solver of the program, including all its checks.
 fn production(subject: &Subject<'_>, clock: &Clock) -> Result<Vec<Measurement>, Unmeasurable> {
     let suspension = subject.suspension;
     let station_order = StationOrder::through(&subject.travels);
@@ -358,7 +358,7 @@ fn production(subject: &Subject<'_>, clock: &Clock) -> Result<Vec<Measurement>, 
     }])
 }
 
-/// The fifteen equations of Attia's paper.
+/// Measures the fifteen equations of Attia's paper.
 fn point_coordinates(subject: &Subject<'_>, clock: &Clock) -> Option<Measurement> {
     let suspension = subject.suspension;
     let strut = Strut::of(&suspension.mechanism, &suspension.design)?;

@@ -58,10 +58,10 @@ pub struct Throughput {
 }
 
 const ANGLES: &str = "four angles";
-/// Job that shows the cost of the method itself, at a given angle of the arm. At each pose it evaluates the closed form once, and
-/// the four angles.
+/// Job that shows the cost of the closed form alone. The angle of the arm is given. At each pose, the job evaluates the closed
+/// form once and computes the four angles.
 const LIMIT: &str = "four angles at a given arm angle (the limit)";
-/// Largest angle of the arm for that measurement (rad).
+/// Largest angle of the arm (rad) in the measurement of the closed form alone.
 const LIMIT_ANGLE: f64 = 0.2;
 const ONE_BY_ONE: &str = "one by one";
 const GAINS: &str = "four angles and their gains";
@@ -105,7 +105,7 @@ impl Throughput {
         })
     }
 
-    /// Limit of the method: only its formulas, at a given arm angle.
+    /// Measurement of the closed form alone, at a given arm angle. It is the limit for the other methods.
     pub fn limit(&self) -> Option<&Measurement> {
         self.measurements.iter().find(|m| m.asked == LIMIT)
     }
@@ -277,7 +277,7 @@ fn quantities(suspension: &Suspension, characteristics: &[Characteristic]) -> Ve
     possible.map(|c| Quantity::Characteristic(*c)).collect()
 }
 
-/// Stations driven by the angle of the arm, as many as the motion has.
+/// Makes stations that are driven by the angle of the arm. Their number is the number of values of the motion.
 fn at_arm_angles(motion: &Motion, frame: &Frame) -> Stations {
     let last = motion.values.len().saturating_sub(1).max(1) as f64;
     let angle = |k: usize| LIMIT_ANGLE * (2.0 * k as f64 / last - 1.0);

@@ -140,8 +140,8 @@ impl<'a> Sweep<'a> {
         })
     }
 
-    /// Makes a job that computes values and `N - 1` derivatives with respect to the travel. Each has its gradient with respect to
-    /// every hardpoint coordinate.
+    /// Makes a job that computes values and `N - 1` derivatives with respect to the travel. The job also computes the gradient
+    /// of each of these numbers with respect to every hardpoint coordinate.
     pub(super) fn gradients<const N: usize>(&self, quantities: &'a [Quantity]) -> Job<'a> {
         let constants = Constants::of(self.suspension);
         let none = Vector3::new(0.0, 0.0, 0.0).map(Jet::constant);

@@ -36,8 +36,8 @@ pub struct Limit {
     pub cause: LimitCause,
     /// Part that is nearest to a singular position, if the mechanism has an arm and a tie rod.
     pub nearest: Option<PartMeasure>,
-    /// Outer ends of the links that are at a toggle with each other, if this toggle is the reason for the fold. For a
-    /// rigid axle, this is the outer end of the link with the largest force at the fold.
+    /// Outer ends of the links that are at a toggle with each other. Empty if such a toggle is not the reason for the fold. For
+    /// a rigid axle, the list contains the outer end of the link with the largest force at the fold.
     pub dependent: Vec<PointId>,
     /// Pose at the fold.
     pub pose: Pose<f64>,
@@ -350,10 +350,10 @@ impl Solver<'_> {
     }
 }
 
-/// The leverage of a rod is checked at these positions before an end, as fractions of the distance to the end.
+/// Positions at which the leverage of a rod is checked, as fractions of the distance to an end.
 const BEFORE_END: [f64; 4] = [0.99, 0.9999, 0.999_999, 0.999_999_99];
-/// If its leverage is below this, a rod counts as being at its toggle. The angle between the rod and its lever is then
-/// about half a degree.
+/// Leverage below which a rod counts as being at its toggle. At this leverage, the angle between the rod and its lever is about
+/// half a degree.
 pub(crate) const AT_TOGGLE: f64 = 0.01;
 
 impl Curve<'_> {

@@ -422,7 +422,7 @@ impl<T: Scalar> Row<T> {
                     passed,
                 }
             }
-            // This is the support of the far wheel. No part of the mechanism carries this force.
+            // The row of the held travel is the support of the far wheel. No part of the mechanism carries its force.
             Row::AxleTravel(row) => Reaction::Force {
                 point: row.far(),
                 force: at.spin_axis().zero(),

@@ -11,7 +11,7 @@ pub enum Accepted {
     Above(f64),
     /// Numbers below this limit.
     Below(f64),
-    /// Numbers between these limits, without the limits.
+    /// Numbers between these two limits. The limits themselves are not accepted.
     Between(f64, f64),
     /// Shares: numbers from 0 to 1, both included.
     Share,
@@ -29,7 +29,7 @@ impl Accepted {
         }
     }
 
-    /// First end of a range that the study does not accept.
+    /// Returns the first end of a range that is not an accepted value. `None` if the study accepts both ends.
     pub fn first_outside(self, range: [f64; 2]) -> Option<f64> {
         range.into_iter().find(|end| !self.contains(*end))
     }

@@ -18,7 +18,7 @@ pub enum NoValue {
     Unsupported,
     /// The elastic parts have no equilibrium under the load.
     NotHeld,
-    /// The formula divides by zero here.
+    /// The formula divides by zero in this state.
     NotFinite,
     /// The formula of a wheel characteristic has no value for the reason given.
     Undefined(&'static str),

@@ -74,7 +74,7 @@ impl Unit {
         }
     }
 
-    /// Factor from a value inside the program to the printed value.
+    /// Factor that converts a value inside the program to the printed value.
     pub fn printed_factor(self, length: LengthUnit) -> f64 {
         match self {
             Unit::Angle | Unit::AnglePerLength | Unit::AnglePerG => DEGREES,
@@ -201,7 +201,7 @@ mod tests {
                 1.355_817_948_331_400_4,
                 1.0,
             ),
-            // These are printed in the same unit for every study.
+            // Stiffnesses, angles per torque, angles per force and percentages have the same printed unit in every study.
             (Unit::Stiffness, mm, m, 150.0, 150.0),
             (Unit::AnglePerTorque, mm, m, 0.4, 0.4),
             (Unit::AnglePerForce, mm, pounds, 0.4, 0.4),

@@ -29,7 +29,7 @@ use nalgebra::DMatrix;
 pub(super) const MOST_HELD: usize = 2;
 /// Maximum number of corrections of a build.
 const MOST_ROUNDS: usize = 30;
-/// Corrections below this size count as rounding errors. Relative to the suspension's size.
+/// Size of a correction, relative to the suspension's size, below which it counts as a rounding error.
 pub(super) const ROUNDING: f64 = 1e-14;
 
 /// Adjustments that keep toe and camber at their nominal values.
@@ -38,7 +38,8 @@ pub(crate) struct Alignment {
     adjust: Vec<(BuildParameter, f64)>,
     /// Characteristics that keep their nominal values.
     held: Vec<Characteristic>,
-    /// Matrix M, with a row for each adjustment.
+    /// Matrix M, the pseudo-inverse of the derivative of the characteristics with respect to the adjustments. It has a row for
+    /// each adjustment.
     inverse: DMatrix<f64>,
     /// Derivative of the carrier's pose with respect to each adjustment, at the nominal design.
     follow: Vec<Vector6<f64>>,
@@ -73,7 +74,7 @@ impl Alignment {
         let built = assembler.build(assembler.drawn(), Rest::Height(0.0))?;
         let by = alignment.by(assembler, &built);
         alignment.inverse = inverse(&by).ok_or(SetUpError::Unsettled)?;
-        // A value that no adjustment changes cannot be kept.
+        // If no adjustment changes a characteristic, the alignment cannot keep its value.
         let held_all =
             (&by * &alignment.inverse - DMatrix::identity(held.len(), held.len())).amax();
         if held_all < 1e-6 {
@@ -225,7 +226,8 @@ impl Alignment {
         design
     }
 
-    /// Returns the direction, extended by the changes of the adjustments that keep the characteristics in `held`.
+    /// Returns a direction of parts with additional adjustments. The adjustments change so that the characteristics in `held`
+    /// keep their values along the direction.
     pub(crate) fn aligned_direction(
         &self,
         assembler: &Assembler,

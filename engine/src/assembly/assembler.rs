@@ -1,7 +1,7 @@
 //! Assembly of parts.
 //!
 //! The knuckle's pose q satisfies the closure equations with the lengths and shapes of the parts. A sixth equation gives the
-//! height of the wheel centre. With A the inverse of the Jacobian in the nominal position,
+//! height of the wheel centre. With A the inverse of the Jacobian in the nominal position, the iteration
 //!
 //! ```text
 //! q <- q - A F(q, parts)
@@ -47,7 +47,7 @@ pub struct Assembler {
     /// Pose of the nominal design, and the inverse of the Jacobian there.
     home: Linearised,
     size: f64,
-    /// Rounding of positions, as a length.
+    /// Size of the rounding errors of positions, as a length.
     rounding: f64,
 }
 
@@ -154,7 +154,7 @@ impl Assembler {
         self.size
     }
 
-    /// Rounding of positions, as a length.
+    /// Size of the rounding errors of positions, as a length.
     pub(super) fn rounding(&self) -> f64 {
         self.rounding
     }

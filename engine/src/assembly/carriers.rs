@@ -29,8 +29,8 @@ use crate::number::{Each, Matrix3, Real, Vector3};
 use std::borrow::Cow;
 
 impl Assembler {
-    /// Returns the parts of a solid axle after rotating its rockers: with the axle in its nominal pose, every rod has its
-    /// own length. Parts of other suspensions are returned unchanged.
+    /// Returns the parts of a solid axle with its rockers rotated. In the returned positions, every rod has its own length
+    /// while the axle is in its nominal pose. Parts of other suspensions are returned unchanged.
     pub(super) fn turned<'p, T: Real>(&self, parts: &'p Parts<T>) -> Cow<'p, Parts<T>> {
         let mut turned = Cow::Borrowed(parts);
         if self.suspension().mechanism.rigid_axle.is_some() {
@@ -39,7 +39,7 @@ impl Assembler {
         turned
     }
 
-    /// Rotates the rockers in place, as [`Assembler::turned`] does for a copy.
+    /// Rotates the rockers of these parts. Unlike [`Assembler::turned`], the function changes the parts and makes no copy.
     #[inline(always)]
     pub(super) fn turn_rockers<T: Real>(&self, parts: &mut Parts<T>) {
         let mechanism = &self.suspension().mechanism;
@@ -218,13 +218,13 @@ impl<T: Real> ArmFrame<T> {
         }
     }
 
-    /// Returns the coordinates of a point in the frame.
+    /// Returns the coordinates of a point in the frame of the arm.
     #[inline(always)]
     fn read(&self, point: Vector3<T>) -> Vector3<T> {
         self.axes.apply_transposed(point - self.origin)
     }
 
-    /// Returns the point with these coordinates.
+    /// Returns the point with these coordinates in the frame of the arm.
     #[inline(always)]
     fn place(&self, coordinates: Vector3<T>) -> Vector3<T> {
         self.origin + self.axes.apply(coordinates)

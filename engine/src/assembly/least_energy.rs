@@ -101,7 +101,7 @@ impl<T: Real> Rows<T> {
         })
     }
 
-    /// Shares s after the correction (6).
+    /// Numbers s of equation (3) after the correction (6).
     fn shares(&self, before: &Vector6<T>, inverse: &Matrix6<f64>) -> Vector6<T> {
         let rows = self.jacobian();
         let left: Vector6<T> = array_of(|j| {
@@ -207,7 +207,7 @@ impl Assembler {
                 at.rounds = round + 1;
                 return Some(at);
             }
-            // With this form of the test, NaN is rejected.
+            // The test is written so that it also rejects NaN.
             let contracts = 2.0 * size < before;
             if !contracts {
                 return None;

@@ -165,7 +165,7 @@ impl Assembler {
     pub fn design_by(&self, built: &Built, direction: &Direction) -> (Vec<Vector3<f64>>, f64) {
         let rise = match built.rest {
             Rest::Height(_) => 0.0,
-            // The spring keeps its length.
+            // The spring keeps its length, so the height changes with the parts.
             Rest::Spring(_) => {
                 let by_parts = self.spring_by(built, direction, 0.0);
                 let by_height = self.spring_by(built, &[], 1.0);

@@ -1,7 +1,7 @@
 //! Corrections of a pose with a constant inverse Jacobian, for one build or for several builds at once (one per SIMD
 //! lane).
 //!
-//! With A the inverse of the Jacobian in a known position, q the pose and F the closure equations of the parts,
+//! With A the inverse of the Jacobian in a known position, q the pose and F the closure equations of the parts, the iteration
 //!
 //! ```text
 //! q <- q - A F(q, parts)                                                                       (1)
@@ -15,10 +15,10 @@
 //! da = -M (w(q, parts) - wanted),   parts <- parts + da,   q <- q + T da                       (2)
 //! ```
 //!
-//! T is the derivative of the pose with respect to an adjustment. So (1) and (2) together are Newton's method in all
-//! unknowns, with one inverse. The method continues as long as each correction is at most half of the previous one. With
-//! adjustments, it also continues if a correction is at most a quarter of the one before the previous one. A lane that
-//! has settled no longer changes, so its result depends on its own build alone.
+//! T is the derivative of the pose with respect to an adjustment. So (1) and (2) together are Newton's method in all unknowns,
+//! with one inverse. The method continues as long as each correction is at most half of the previous one. With adjustments, it
+//! also continues if a correction is at most a quarter of the one before the previous one. A lane that has converged no longer
+//! changes, so its result depends on its own build alone.
 
 use super::alignment::{Alignment, ROUNDING};
 use super::assembler::{Assembler, Linearised};
@@ -28,7 +28,7 @@ use crate::mechanism::constraint::PartDimensions;
 use crate::mechanism::{Closure, Pose, Turn};
 use crate::number::{Each, Jet, Matrix3, Outlined, Real, SimdReal, Vector3};
 
-/// Maximum number of corrections. A build whose corrections halve each time settles much earlier.
+/// Maximum number of corrections. A build whose corrections halve each time converges much earlier.
 const MOST_ROUNDS: usize = 40;
 /// Largest move of the carrier in one correction, relative to the mechanism's size, and largest rotation in rad.
 const FARTHEST: f64 = 0.2;
@@ -38,7 +38,7 @@ const LEAST_LEVERAGE: f64 = 0.0625;
 /// Corrects a pose until the corrections are rounding errors.
 pub(super) struct Settling<'s, B> {
     pub(super) assembler: &'s Assembler,
-    /// The parts. If they are aligned, they receive the adjustments.
+    /// The parts. If there is an alignment, its adjustments are added to the parts.
     pub(super) parts: &'s mut Parts<B>,
     pub(super) alignment: Option<&'s Alignment>,
     /// Height of the wheel centre above its nominal height.
@@ -49,7 +49,7 @@ pub(super) struct Settling<'s, B> {
 }
 
 impl<B: SimdReal> Outlined for Settling<'_, B> {
-    /// The pose, and the lanes in which it has settled. Poses and adjustments of other lanes are undefined.
+    /// The pose, and the lanes in which it has converged. In other lanes, the pose and the adjustments are undefined.
     type Output = (Pose<B>, B::Mask);
 
     #[inline(always)]
@@ -101,7 +101,7 @@ impl<B: SimdReal> Outlined for Settling<'_, B> {
                 );
             }
             pose = selected(open, &next, &pose);
-            // Size of the next correction, if it is smaller by the same ratio again.
+            // Expected size of the next correction, if the corrections shrink again by the same ratio.
             let ratio = moved / before;
             let ahead = moved * B::select(ratio.less(one), ratio, one);
             let ends = open & ahead.less(rounding) & !before.less(moved);
@@ -110,7 +110,7 @@ impl<B: SimdReal> Outlined for Settling<'_, B> {
             if alignment.is_some() {
                 contracts = contracts | (twice + twice).less(earlier);
             }
-            // With this form of the test, NaN is rejected.
+            // The test is written so that it also rejects NaN.
             rejected = rejected | (open & !ends & !contracts);
             settled = settled | ends;
             round += 1;
@@ -125,7 +125,7 @@ impl<B: SimdReal> Outlined for Settling<'_, B> {
     }
 }
 
-/// Task that writes the built designs of settled parts.
+/// Task that writes the built designs of parts whose poses have converged.
 struct Placing<'s, B> {
     assembler: &'s Assembler,
     parts: &'s Parts<B>,

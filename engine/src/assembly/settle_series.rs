@@ -1,9 +1,8 @@
 //! Derivatives of built designs with respect to the nominal design, one build per SIMD lane.
 //!
-//! The parts are first-order Taylor series p + p' e in one variable e of the nominal design. Their poses are corrected
-//! like those of plain parts (module `settle`), but here the values are already settled. Each correction uses the inverse
-//! of the nominal design. The closer the parts are to nominal, the more a correction reduces the error of the pose's
-//! derivative.
+//! The parts are first-order Taylor series p + p' e in one variable e of the nominal design. Their poses are corrected like
+//! those of plain parts (module `settle`), but here the values have already converged. Each correction uses the inverse of the
+//! nominal design. The closer the parts are to nominal, the more a correction reduces the error of the pose's derivative.
 
 use super::alignment::Alignment;
 use super::assembler::Assembler;
@@ -14,8 +13,8 @@ use crate::number::{Jet, Matrix3, Outlined, SimdReal, Vector3};
 
 /// Maximum number of corrections.
 const MOST_ROUNDS: usize = 40;
-/// A derivative has settled if its next correction would be below this limit. The limit is relative to the fastest
-/// nominal point or to the largest correction.
+/// Limit on the estimated next correction of a derivative. Below this limit, the derivative has converged. The limit is
+/// relative to the largest derivative of a nominal point or to the largest correction.
 const FINE: f64 = 1e-15;
 /// Limit on the last correction of a derivative. If corrections no longer shrink and are below this limit, the
 /// derivative has converged.
@@ -24,7 +23,7 @@ const COARSE: f64 = 1e-12;
 /// A first-order Taylor series.
 type Series<B> = Jet<B, 2>;
 
-/// Corrects the derivative of a settled pose and writes the built design as a Taylor series.
+/// Corrects the derivative of a converged pose and writes the built design as a Taylor series.
 pub(super) struct SettlingSeries<'s, B> {
     pub(super) assembler: &'s Assembler,
     pub(super) alignment: Option<&'s Alignment>,
@@ -37,7 +36,7 @@ pub(super) struct SettlingSeries<'s, B> {
 }
 
 impl<B: SimdReal> Outlined for SettlingSeries<'_, B> {
-    /// Lanes in which the derivative has settled.
+    /// Lanes in which the derivative has converged.
     type Output = B::Mask;
 
     #[inline(always)]
@@ -61,7 +60,7 @@ impl<B: SimdReal> Outlined for SettlingSeries<'_, B> {
         let mut settled = like.one().less(like.zero());
         let mut rejected = settled;
         let (mut before, mut earlier) = (like.zero(), like.zero());
-        // If the pose hardly moves, the derivatives of the parts determine the rounding error.
+        // If the pose hardly moves, the derivatives of the nominal points determine the rounding error.
         let mut largest = like.zero();
         for point in &parts.drawn {
             let rate = Vector3::new(point.x.0[1], point.y.0[1], point.z.0[1]).norm();
@@ -84,7 +83,7 @@ impl<B: SimdReal> Outlined for SettlingSeries<'_, B> {
                     |by: Series<B>| {
                         moved = larger(moved, by.0[1].abs());
                         let none = by.0[0].zero();
-                        // The values of the adjustments are already settled.
+                        // The values of the adjustments have already converged.
                         Jet([none, B::select(open, by.0[1], none)])
                     },
                 );

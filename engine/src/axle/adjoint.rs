@@ -8,14 +8,15 @@ use crate::derive::{Linearised, Seeds};
 use crate::number::{Each, Jet, Real, Tape, Tracked, Vector3, array_of};
 use std::cell::Cell;
 
-/// Largest count of series coefficients that each value of a wheel has along one line.
+/// Largest number of series coefficients of each number of a wheel, along one straight line in travel and rack.
 const MOST_POWERS: usize = 4;
 /// Upper limit for the count of numbers that describe a wheel. The code computes this limit as the size in bytes of a
 /// wheel in which each number is one byte.
 const MOST_NUMBERS: usize = size_of::<WheelPose<u8>>();
 
 impl<'t> Reading<Tracked<'t>> {
-    /// Makes a wheel whose numbers are all inputs on the tape, in the order of lines, parts and powers.
+    /// Makes a wheel whose numbers are all inputs on the tape. The inputs are ordered by line (of travel and rack), then by
+    /// part of the wheel, then by power of the series.
     pub fn on_tape<const N: usize>(tape: &'t Tape, lines: &[Snapshot<N>], parts: &Parts) -> Self {
         const { assert!(N <= MOST_POWERS) };
         let zero = Tracked::constant(0.0);
@@ -44,7 +45,7 @@ impl<'t> Reading<Tracked<'t>> {
     }
 }
 
-/// Number of inputs that a wheel with `lines` lines puts on the tape.
+/// Number of inputs that a wheel puts on the tape, if its series are given along `lines` straight lines in travel and rack.
 pub(super) fn inputs_on_tape<const N: usize>(parts: &Parts, lines: usize) -> usize {
     parts.count * N * lines
 }

@@ -17,8 +17,8 @@ use crate::mechanism::NoPose;
 use crate::model::Side;
 use crate::number::{Each, Vector3};
 
-/// Number of terms of the series. Loads contain velocities. The program differentiates loads with respect to the travel
-/// and the design.
+/// Number of terms of the series that loads need. Loads contain velocities, and the program differentiates loads with respect
+/// to the travel and the design.
 pub(super) const LOAD_TERMS: usize = 3;
 /// Largest number of Newton steps, including steps back to a travel that the wheels can reach.
 const MOST_STEPS: usize = 60;
@@ -47,7 +47,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
             load: axle_load(&state),
             by_heave: axle_load(&state.moving(Motion::Heave))[1],
         };
-        // NaN also fails this condition.
+        // The condition is also false if one of the values is NaN.
         if carried.by_heave > 0.0 && carried.load.is_finite() {
             Ok(carried)
         } else {

@@ -27,7 +27,7 @@ pub struct AxleMotion {
     pub combine: Combine,
     /// True if results have a column for the rack.
     pub shows_rack: bool,
-    /// Angles of the steering wheel that belong to these displacements, if the study gives angles.
+    /// Angle of the steering wheel for each displacement of the rack. `None` if the study gives no angles.
     pub steering_wheel: Option<Vec<f64>>,
     /// Law of one coordinate over time, if the study gives such a law. Results are then functions of time.
     pub time: Option<AxleTime>,

@@ -40,8 +40,8 @@ impl Carriers {
         }
     }
 
-    /// Returns the powers of travel and rack whose coefficient is the first derivative with respect to the difference
-    /// of travels (the wheel's own share of it), for a rigid axle.
+    /// Powers of travel and rack of the coefficient that is the first derivative with respect to the difference of travels.
+    /// Here this wheel rises, and the other wheel falls at the same rate. Only for a rigid axle.
     #[inline(always)]
     pub(crate) fn by_difference(self) -> [usize; 2] {
         match self.held() {
@@ -50,8 +50,8 @@ impl Carriers {
         }
     }
 
-    /// Returns the powers of travel and rack whose coefficient is the first derivative with respect to the mean travel,
-    /// for a rigid axle.
+    /// Powers of travel and rack of the coefficient that is the first derivative with respect to the mean travel. Only for a
+    /// rigid axle.
     #[inline(always)]
     pub(crate) fn by_mean(self) -> [usize; 2] {
         let [travel, rack] = self.by_difference();

@@ -58,7 +58,7 @@ macro_rules! catalogue {
         }
 
         impl WheelQuantity {
-            /// All variants, in their order.
+            /// All quantities of a wheel, in the order of the catalogue.
             pub const ALL: &'static [WheelQuantity] = &[$(WheelQuantity::$wheel),*];
 
             /// Catalogue entry.
@@ -96,7 +96,7 @@ macro_rules! catalogue {
         }
 
         impl AxleQuantity {
-            /// All variants, in their order.
+            /// All quantities of an axle, in the order of the catalogue.
             pub const ALL: &'static [AxleQuantity] = &[$(AxleQuantity::$axle),*];
 
             /// Catalogue entry.

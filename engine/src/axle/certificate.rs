@@ -113,7 +113,8 @@ impl<'a> Wheel<'a> {
             let [x, y, z] = lever.to_array().each(f64::abs);
             1.0 + (x + y + z) / scale
         };
-        // The travel that drives a rigid axle is half the sum or half the difference of the rises of the wheel centres.
+        // For a rigid axle, the travel that drives it is half the sum or half the difference of the rises of the wheel centres.
+        // So the larger of both bounds holds for this travel.
         let far = mechanism
             .rigid_axle
             .as_ref()
@@ -125,7 +126,7 @@ impl<'a> Wheel<'a> {
             prover,
             mechanism,
             design: suspension.design.iter().map(exact).collect(),
-            // Allows for a few roundings of positive numbers.
+            // The last factor covers a few rounding errors of positive numbers.
             rise: rise * (1.0 + 8.0 * f64::EPSILON),
         }
     }
@@ -204,7 +205,7 @@ impl<'a> AxleCertifier<'a> {
                 let wheels = over(travels.each(Interval::point))?;
                 let roll = on_plane.then_some(placed.roll);
                 let proof = self.at_travels(&wheels, roll)?;
-                // Accounts for the rounding of the mean of both travels.
+                // The last term covers the rounding of the mean of both travels.
                 let rounding = if self.is_rigid {
                     f64::EPSILON * (travels[0].abs() + travels[1].abs())
                 } else {
@@ -272,7 +273,7 @@ impl<'a> AxleCertifier<'a> {
             position_errors: self.position_errors(&wheels),
             travel_error: errors[0].max(errors[1]),
             roll_error: 0.0,
-            // Subtracts a few roundings.
+            // The factor 1 - 1e-12 covers a few rounding errors.
             uniqueness: nearest.min(reach(0).min(reach(1)) * (1.0 - 1e-12)).max(0.0),
         })
     }

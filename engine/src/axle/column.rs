@@ -347,7 +347,7 @@ impl AxlePlan {
                 Some(_) => value.by_time(order, by),
                 None => value.by_motion(order, by, rack_sign),
             };
-            // Quantities that contain velocities have no second derivative with respect to a drag link.
+            // Quantities that contain velocities have no second derivative with respect to the displacement of a drag link.
             let is_of_rates = value.quantity().is_some_and(|q| q.rate_order() > 0);
             let is_known = |(order, by): &(usize, &ByMotion)| {
                 let is_by_gear = is_steered && by.0 == Motion::Rack;

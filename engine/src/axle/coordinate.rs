@@ -23,7 +23,7 @@ pub enum Coordinate {
 }
 
 impl Coordinate {
-    /// All variants, in their order.
+    /// All coordinates, in the order of the variants.
     pub const ALL: [Coordinate; 6] = [
         Coordinate::Roll,
         Coordinate::Heave,

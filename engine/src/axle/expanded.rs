@@ -32,7 +32,7 @@ const TERMS_OF_RIGID: usize = 4;
 #[derive(Clone, Debug)]
 pub(crate) struct Expandable<'a> {
     pub(super) mechanism: &'a Mechanism,
-    /// Design in which the wheel was solved, with its steering gear in the middle.
+    /// Design in which the wheel was solved. Its steering gear is in the centre position.
     pub(super) design: &'a [Vector3<f64>],
     pub(super) pose: Pose<f64>,
     /// LU factors of the Jacobian in this pose.

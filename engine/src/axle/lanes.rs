@@ -146,7 +146,7 @@ impl Quantity {
         }
     }
 
-    /// Returns the slots of a wheel that the quantity uses, if the lanes contain several designs.
+    /// Returns the slots (numbers of a wheel) that the quantity uses. Only for lanes that contain several designs.
     pub fn lane_slots(self, side: Side) -> Slots {
         match self {
             Quantity::Corner(own, _) if own != side => Slots::default(),

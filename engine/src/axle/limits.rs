@@ -53,15 +53,15 @@ pub struct AxleEnd {
     pub end: RangeEnd,
 }
 
-/// The end of the roll angle is reported only if the axle has a pose at this fraction of it.
+/// Fraction of the roll angle at which the axle must have a pose. Otherwise the end of the roll angle is not reported.
 const BEFORE_END: f64 = 0.999;
-/// Same fraction as [`BEFORE_END`], but for a rigid axle. Near the end of a rigid axle's motion (a fold), the heights
-/// of the wheels change with the square root of the distance to this end.
+/// Fraction as in [`BEFORE_END`], but for a rigid axle. Near a fold, where a rigid axle's motion ends, the heights of the
+/// wheels change with the square root of the distance to the fold.
 const BEFORE_FOLD: f64 = 0.97;
 /// Fractions of the travel at a toggle. The program tries them in turn until the axle has a pose. At these fractions,
 /// the heights of the wheels differ from the heights at the toggle by at most 1e-8 of the travel.
 const BEFORE_TOGGLE: [f64; 3] = [1.0 - 1e-12, 1.0 - 1e-10, 1.0 - 1e-8];
-/// Toggles are searched up to this displacement of a steering gear, relative to the mechanism's size.
+/// Largest displacement of a steering gear, relative to the mechanism's size, in the search for toggles.
 const FARTHEST_GEAR: f64 = 2.0;
 
 impl Axle {
@@ -208,7 +208,7 @@ impl<const N: usize> AxleSolver<'_, N> {
     fn roll_end(&mut self, ends: [&RangeEnd; 2]) -> Option<AxleEnd> {
         let [left, right] = ends;
         let end = if self.is_rigid() {
-            // Parts of the axle are named as they are seen from the left wheel.
+            // The name of each part of the axle is its name as seen from the left wheel.
             AxleEnd {
                 value: left.value(),
                 side: Side::Left,

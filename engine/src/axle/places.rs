@@ -98,7 +98,7 @@ pub(super) fn proof(plan: &AxlePlan, proved: &AxleProof) -> Proof {
     let [left, right] = proved.position_errors;
     let mut bounds = vec![left, right];
     bounds.extend(travels.then_some(proved.travel_error));
-    // The factor is larger than the rounding of the conversion.
+    // The factor covers the rounding error of the conversion to degrees.
     bounds.extend(roll.then(|| proved.roll_error.to_degrees() * (1.0 + 1e-12)));
     bounds.push(proved.uniqueness);
     Proof {

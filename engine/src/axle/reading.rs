@@ -248,8 +248,7 @@ pub(super) fn zipped<T: Copy, U: Copy>(
 }
 
 impl<const N: usize> Reading<Jet<f64, N>> {
-    /// Makes a wheel whose numbers are series in a variable other than travel and rack. Its derivatives with respect to
-    /// travel and rack are unknown.
+    /// Makes a wheel without derivatives with respect to travel and rack. Its numbers are series in another variable.
     pub fn without_rates(read: &Snapshot<N>) -> Self {
         let value = |series: Jet<f64, N>| Taylor::through(&[&[series]]);
         Reading::made_of(&read.0, value, |series| series)

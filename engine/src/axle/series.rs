@@ -1,9 +1,8 @@
-//! Positions of an axle as power series in a number e. The designs, or the displacement of the steering gear, change
-//! with e.
+//! Positions of an axle as power series in a number e. The designs, or the displacement of the steering gear, change with e.
 //!
-//! The poses of both wheels are computed from their closure equations, order by order. The travels, or the roll angle,
-//! are computed from the condition f = h_l - h_r = 0 on the heights of both contact points. If the roll angle is given,
-//! the travels are z +- s(e). If both travels are given on a plane, the roll angle phi(e) changes:
+//! The poses of both wheels are computed from their closure equations, order by order. The travels, or the roll angle, are
+//! computed from the condition f = h_l - h_r = 0 on the heights of both contact points. If the roll angle is given, the travels
+//! are z +- s(e). If both travels are given on a plane, the roll angle phi(e) changes:
 //!
 //! ```text
 //! s_k = -f_k/(n.C_l' + n.C_r'),   phi_k = -f_k/track                                           (1)
@@ -11,10 +10,9 @@
 //!
 //! with f_k the coefficient of f that remains when the lower orders of s or phi are known.
 //!
-//! In a solid axle, C_b' is the velocity with respect to the wheel's own share of the difference of travels, and the
-//! mean travel is held. In a steered solid axle, the steering gear displaces the drag link's end. If this displacement
-//! increases by e in a constant design, each second coefficient is half a second derivative with respect to this
-//! displacement.
+//! In a solid axle, C_b' is the velocity while wheel b rises and the other wheel falls at the same unit rate. The mean travel
+//! is held. In a steered solid axle, the steering gear displaces the drag link's end. If this displacement increases by e in a
+//! constant design, each second coefficient is half a second derivative with respect to this displacement.
 
 use super::carriers::Carriers;
 use super::reading::{Parts, Reading, Snapshot};

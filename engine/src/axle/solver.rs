@@ -1,9 +1,9 @@
 //! Solver for the position of an axle: it solves both corners and the conditions at the ground.
 //!
-//! On a plane ground both contact points have the same height, f = h_l(z_l) - h_r(z_r) = 0 with h = n.C. For a given
-//! roll angle and z_l, z_r = heave +- s, this is one equation in s. Its slope n.C_l' + n.C_r' is near 2. The slope
-//! stays positive until a wheel reaches a fold, the turning point at which the travel reverses. So Newton's method
-//! finds the only root. For given travels, f = 0 is one equation in the roll angle, with the slope -track.
+//! On a plane ground with the normal n, both contact points C have the same height h = n.C. So f = h_l(z_l) - h_r(z_r) = 0. For
+//! a given roll angle and z_l, z_r = heave +- s, this is one equation in s. Its slope n.C_l' + n.C_r' is near 2. The slope
+//! stays positive until a wheel reaches a fold, the turning point at which the travel reverses. So Newton's method finds the
+//! only root. For given travels, f = 0 is one equation in the roll angle, with the slope -track.
 
 mod corner;
 mod linearised;
@@ -49,7 +49,8 @@ fn rack_end(failure: &NoPose) -> Option<f64> {
     }
 }
 
-/// Joins the results of both wheels. If both wheels fail at the rack, returns the failure of the range that ends first.
+/// Joins the results of both wheels. If neither wheel can reach the rack displacement, returns the failure of the wheel whose
+/// rack range ends first.
 pub(super) fn join_results<T>(
     left: Result<T, NoPose>,
     right: Result<T, NoPose>,
@@ -205,7 +206,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let parts = Parts::of(&slots, Carriers::of(axle));
         let order = |q: &Quantity| q.rate_order();
         let orders_by_rack = quantities.iter().filter(|q| q.info().by_rack).map(order);
-        // The additional terms are for derivatives along motions.
+        // The solver needs additional terms for derivatives along motions.
         let further = (N - 1).saturating_sub(quantities.iter().map(order).max().unwrap_or(0));
         let degree_with_rack = if by_rack {
             N - 1
@@ -228,7 +229,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             setup: &axle.setup,
             parts,
             lines: Line::needed(if axle.is_rigid() {
-                // Each wheel of a rigid axle moves with both travels.
+                // Each wheel of a rigid axle moves with both travels, so the series need all terms of both.
                 N - 1
             } else {
                 degree_with_rack
@@ -370,9 +371,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.axle.left.mechanism.rigid_axle.as_ref()
     }
 
-    /// Returns drive and rack of each wheel at these travels, in its own frame. For a rigid axle, the mean travel and
-    /// half the difference of the travels take their place: one of them is the drive, and the one that is held replaces
-    /// the rack.
+    /// Returns drive and rack of each wheel at these travels, in its own frame. A rigid axle has the mean travel and half the
+    /// difference of the travels instead. One of these two is the drive. The other one is held and replaces the rack.
     pub(crate) fn coordinates(&self, travels: [f64; 2], rack: f64) -> [(f64, f64); 2] {
         let [left, right] = travels;
         match self.rigid() {
@@ -412,7 +412,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         }
     }
 
-    /// Numbers of each wheel that are computed.
+    /// Parts of each wheel that the solver computes.
     pub(super) fn parts(&self) -> &Parts {
         &self.parts
     }

@@ -253,7 +253,7 @@ impl ForceCurve {
         if here <= points[0][0] {
             return straight(0);
         }
-        // NaN fails this comparison.
+        // The comparison is false for NaN.
         let is_inside = here < points[end][0];
         if !is_inside {
             return straight(end);
@@ -374,7 +374,7 @@ mod tests {
         let slope = |i: usize| match i {
             0 => secant(0),
             4 => secant(3),
-            // The curve has an extremum at these points.
+            // The curve has an extremum at these points, so its slope is zero.
             2 | 3 => 0.0,
             _ => {
                 let (h, k) = (4.0, 2.5);

@@ -1,10 +1,9 @@
 //! An axle in one pose, with all inputs of formulas.
 //!
-//! An [`AxleState`] contains both wheels as functions of their travels and racks. Along a [`Motion`] the travels, the
-//! rack and the roll angle change. Their rates are computed from the state itself. [`AxleState::moving`] returns the
-//! same state as series along the motion. These series contain the derivatives. C' and C,r are velocities of the
-//! carrier's point at the contact point, with respect to the wheel's own travel and to the rack. With h = n.C and, on a
-//! plane, f = h_l - h_r = 0,
+//! An [`AxleState`] contains both wheels as functions of their travels and racks. Along a [`Motion`] the travels, the rack and
+//! the roll angle change. Their rates are computed from the state itself. [`AxleState::moving`] returns the same state as
+//! series along the motion. These series contain the derivatives. C' and C,r are velocities of the carrier's point at the
+//! contact point, with respect to the wheel's own travel and to the rack. With h = n.C and, on a plane, f = h_l - h_r = 0,
 //!
 //! ```text
 //! roll        z_l' = -z_r' = -track/F        F = n.C_l' + n.C_r'
@@ -12,20 +11,19 @@
 //! rack        z_l' = -z_r' = -(n.C_l,r - n.C_r,r)/F
 //! ```
 //!
-//! because C is the lowest point of the wheel: its displacement along the rim does not change its height to first
-//! order.
+//! because C is the lowest point of the wheel: its displacement along the rim does not change its height to first order.
 //!
-//! Each wheel of a rigid axle moves with both travels. C_b,d and C_b,h are velocities of the carrier's point at contact
-//! point b. C_b,d is with respect to the wheel's own share of the difference (d z_own = -d z_other), and C_b,h with
-//! respect to the mean travel. Then F above contains C_b,d, and
+//! Each wheel of a rigid axle moves with both travels. C_b,d and C_b,h are velocities of the carrier's point at contact point
+//! b. For C_b,d, wheel b rises and the other wheel falls at the same unit rate (d z_own = -d z_other). C_b,h is with respect to
+//! the mean travel. Then F above contains C_b,d, and
 //!
 //! ```text
 //! heave       z_l' = 1 + D,  z_r' = 1 - D        D = -(n.C_l,h - n.C_r,h)/F
 //! ```
 //!
 //! A pose on a plane can be defined by its roll angle and mean travel, by both travels, or by a load. Derivatives along
-//! [`Motion::Rack`] depend on this choice, since the given coordinates of the station stay constant. Formulas of the
-//! catalogue must not depend on this choice, so they use the other motions.
+//! [`Motion::Rack`] depend on this choice, since the given coordinates of the station stay constant. Formulas of the catalogue
+//! must not depend on this choice, so they use the other motions.
 
 use super::Quantity;
 use super::carriers::Carriers;
@@ -145,32 +143,34 @@ impl<T: Real, W: WheelParts<T>> WheelState<'_, T, W> {
         self.reading.centre() + self.contact_lever()
     }
 
-    /// Velocity C' of the carrier's point at C with respect to the wheel's own travel. The wheel does not rotate
-    /// relative to its carrier.
+    /// Velocity C' of the carrier's point at the contact point C with respect to the wheel's own travel. The wheel does not
+    /// rotate relative to its carrier.
     #[inline(always)]
     pub fn contact_velocity(&self) -> Vector3<T> {
         self.carried_at_contact(self.reading.by_travel())
     }
 
-    /// Velocity of the carrier's point at C with respect to the rack.
+    /// Velocity of the carrier's point at the contact point C with respect to the rack.
     #[inline(always)]
     pub fn contact_by_rack(&self) -> Vector3<T> {
         self.carried_at_contact(self.reading.by_rack())
     }
 
-    /// Velocity at C with respect to the wheel's own share of the difference of travels, for a rigid axle.
+    /// Velocity of the carrier's point at the contact point C, while this wheel rises and the other wheel falls at the same
+    /// unit rate. Only for a rigid axle.
     #[inline(always)]
     pub fn contact_by_difference(&self) -> Vector3<T> {
         self.carried_at_contact(self.reading.twist(self.carriers.by_difference()))
     }
 
-    /// Velocity at C with respect to the mean travel, for a rigid axle.
+    /// Velocity of the carrier's point at the contact point C with respect to the mean travel. Only for a rigid axle.
     #[inline(always)]
     pub fn contact_by_mean(&self) -> Vector3<T> {
         self.carried_at_contact(self.reading.twist(self.carriers.by_mean()))
     }
 
-    /// Velocity at C of a carrier. `twist` is the velocity of the wheel centre and the angular velocity of the carrier.
+    /// Velocity of the carrier's point at the contact point C. `twist` is the velocity of the wheel centre and the angular
+    /// velocity of the carrier.
     #[inline(always)]
     fn carried_at_contact(&self, twist: [Vector3<T>; 2]) -> Vector3<T> {
         outlined!(
@@ -194,8 +194,8 @@ impl<T: Real, W: WheelParts<T>> WheelState<'_, T, W> {
         self.ground.normal().dot(self.contact_velocity())
     }
 
-    /// Derivative of [`WheelState::height`] with respect to the wheel's own share of the difference of travels, for a rigid
-    /// axle.
+    /// Derivative of [`WheelState::height`] while this wheel rises and the other wheel falls at the same unit rate. Only for a
+    /// rigid axle.
     #[inline(always)]
     pub fn rise_by_difference(&self) -> T {
         self.ground.normal().dot(self.contact_by_difference())
@@ -269,8 +269,8 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         }
     }
 
-    /// Returns the state with both wheels on one plane ground, whatever coordinates the study gives. In its derivatives, the
-    /// roll angle and the mean travel are constant, except for the one that changes along the motion.
+    /// Returns the state with both wheels on one plane ground, whatever coordinates the study gives. If the rack, the mean
+    /// travel or the roll angle of this state changes, the other two stay constant.
     #[inline(always)]
     pub fn on_plane(&self) -> Self {
         AxleState {
@@ -291,7 +291,8 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
     fn rises(&self) -> [T; 2] {
         let [left, right] = self.wheels();
         if self.carriers.is_rigid() {
-            // The contact points of a rigid axle rise with each wheel's own share of the difference of travels.
+            // For a rigid axle, each contact point's rise is its derivative while its own wheel rises and the other wheel falls
+            // at the same rate.
             [left, right].each(|wheel| wheel.rise_by_difference())
         } else {
             [left.rise(), right.rise()]
@@ -440,9 +441,9 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
 }
 
 impl<T: Real> AxleState<'_, T> {
-    /// Corrects travels or roll angle to first order, so that both wheels are on the same ground. For numbers with
-    /// gradients, this correction adds the gradients of the travels or of the roll angle, if they are results. The
-    /// arguments are the values of F and of the track, without derivatives.
+    /// Corrects travels or roll angle to first order, so that both wheels are on the same ground. The corrected numbers are
+    /// those that the study does not give: the travels or the roll angle. In numbers with gradients, the correction also adds
+    /// the gradients of these results. The arguments are the values of F and of the track, without derivatives.
     pub fn settled(&self, [rise, track]: [f64; 2]) -> Self {
         let like = self.like();
         match self.hold {

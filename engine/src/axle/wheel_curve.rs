@@ -27,9 +27,9 @@ use crate::number::{Each, SimdReal, SimdTask, Vector3, array_of, run_short};
 const MOST_PIECES: i32 = 48;
 /// Initial length of pieces, relative to the mechanism's size.
 const LENGTH: f64 = 1.0 / 24.0;
-/// The length of the pieces is halved at most this number of times.
+/// Largest number of times that the length of the pieces is halved.
 const MOST_HALVINGS: u32 = 4;
-/// Value of t at which each piece is compared with a pose.
+/// Relative position t in a piece (0 to 1) at which the piece is compared with a pose.
 const CHECK: f64 = 0.31;
 /// Largest accepted error of a piece, relative to the size of the number and the length of the piece.
 const TOLERANCE: f64 = 4e-13;
@@ -464,7 +464,7 @@ impl Piece {
 /// Evaluates all polynomials of a piece, with three derivatives.
 struct Evaluation<'p> {
     polynomials: &'p Powers<8>,
-    /// Value of t, and length of the piece.
+    /// Relative position t in the piece (0 to 1), and length of the piece.
     at: [f64; 2],
     coefficients: &'p mut Powers<4>,
 }

@@ -41,7 +41,8 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// Change of the keys of a case with which every axle distributes its forces by load. `None` if it already does.
+    /// Returns the change of the case's keys after which every axle distributes its forces in proportion to the wheel loads.
+    /// `None` if the case already does so.
     pub(super) fn towards_shares_by_load(&self) -> Option<&'static str> {
         use LongitudinalShares::{ByLoad, Equal};
         match (self.lateral_shares, self.longitudinal_shares) {
@@ -122,7 +123,7 @@ impl Case {
 /// Reason why a case has no equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NoEquilibrium {
-    /// In a state during the solution, a wheel has no pose.
+    /// A wheel has no pose in one of the states that the solver tried.
     NoPose {
         /// Axle: 0 front, 1 rear.
         axle: usize,
@@ -137,8 +138,8 @@ pub enum NoEquilibrium {
     NoContactSet {
         /// Wheel for which neither contact nor lift satisfies the equations.
         wheel: WheelPlace,
-        /// Change of the case's keys, if an axle distributes a force independently of the wheel loads. Such a distribution
-        /// may be the reason for the failure.
+        /// Change of the case's keys that may remove the failure. `None` if every axle already distributes its forces in
+        /// proportion to the wheel loads.
         remedy: Option<&'static str>,
     },
     /// All wheels have lifted.

@@ -23,7 +23,7 @@ pub struct WheelRates<T> {
 pub struct AxleMotion<T> {
     /// A point of the axle.
     pub point: Vector3<T>,
-    /// Velocity of this point.
+    /// Velocity of `point`.
     pub velocity: Vector3<T>,
     /// Angular velocity of the axle.
     pub turn: Vector3<T>,
@@ -331,9 +331,9 @@ impl<T: Real> Displacement<T> {
     }
 }
 
-/// Returns a vector of a wheel and its derivatives with respect to both coordinates. At the travels of the series,
-/// value and derivatives are simply coefficients. This branch then uses the coefficients directly, because the compiler
-/// would not inline the closure for SIMD lanes.
+/// Returns a vector of a wheel and its derivatives with respect to both coordinates. If the wheel is read at the travel of its
+/// coefficients, these coefficients are the results. The code treats this case separately, because the compiler would not
+/// inline the closure for SIMD lanes.
 #[inline(always)]
 fn vector<T: Real, U: Real, W: WheelParts<U>>(
     at: &Displacement<T>,

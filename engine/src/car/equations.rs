@@ -34,7 +34,8 @@ pub(super) const BODY: usize = 8;
 pub(super) const VERTICAL: usize = 10;
 pub(super) const ROLL_MOMENT: usize = 11;
 pub(super) const PITCH_MOMENT: usize = 12;
-/// If gamma, phi and theta (in this order) are prescribed, the solver replaces these equations.
+/// Indices of the equations that the solver replaces if these unknowns are prescribed: height gamma, roll phi and pitch theta,
+/// in this order.
 pub(super) const HELD_ROWS: [usize; 3] = [2, 0, 1];
 
 /// Inputs that stay fixed while the solver changes the unknowns.
@@ -67,9 +68,9 @@ pub struct WheelState<T> {
     pub across: Vector3<T>,
     /// Contact point C.
     pub contact: Vector3<T>,
-    /// Derivative C' with respect to the wheel's own travel.
+    /// Velocity C' of the carrier's point at the contact point, with respect to the wheel's own travel.
     pub contact_rate: Vector3<T>,
-    /// Velocity of the carrier's point at C with respect to the other wheel's travel, for a solid axle.
+    /// Velocity of the carrier's point at the contact point, with respect to the other wheel's travel. Only for a solid axle.
     pub contact_by_other: Option<Vector3<T>>,
     /// Loaded radius.
     pub radius: T,

@@ -31,14 +31,14 @@ use crate::solve::closed_form::{ArmState, ClosedForm};
 use crate::threads::checkpoint;
 use std::f64::consts::PI;
 
-/// Pieces narrower than this (rad) are not halved any further.
+/// Width of a piece (rad) below which the search does not halve it.
 const NARROWEST: f64 = 1e-10;
 /// Largest number of pieces for each of the four functions. A search of this many pieces takes a quarter of a second.
 /// An ordinary design needs 400 pieces. A design with parallel arms needs 1,500, and so does a design in which the
 /// lever of the tie rod is a hundredth of the arm.
 const MOST_PIECES: usize = 20_000;
-/// Newton's method is tried on an undecided piece that is narrower than this (rad). `NEXT_TRY` is the factor by which
-/// the piece must be narrower for the next try.
+/// Width of an undecided piece (rad) below which the search tries Newton's method. After a failed try, the next one follows
+/// when the piece is narrower by the factor `NEXT_TRY`.
 const FIRST_TRY: f64 = 0.02;
 const NEXT_TRY: f64 = 0.1;
 /// Offsets (rad) from a toggle at which poses are tried if the toggle itself has no pose.
@@ -53,7 +53,7 @@ type Value = Jet<Interval, 3>;
 struct Piece {
     low: f64,
     high: f64,
-    /// Newton's method is tried next if the piece is narrower than this.
+    /// Width (rad) below which the search tries Newton's method next.
     next_try: f64,
 }
 
@@ -164,7 +164,7 @@ impl Search<'_> {
         self.is_settled(&poses)
     }
 
-    /// Returns the assembly at an arm angle, or so near to this angle that the two angles cannot be distinguished.
+    /// Returns the assembly at an arm angle. `None` if Newton's method finds no assembly, or finds one at a different angle.
     fn beside(&self, branch: &Branch, angle: f64) -> Option<Assembly> {
         let found = self.assembly(&branch.pose(angle)?)?;
         let apart = (0.5 * (found.arm_angle? - angle)).sin().abs();
@@ -206,8 +206,8 @@ impl Branch {
         }
     }
 
-    /// Returns two radicands and the difference f - travel as a series in the angle. The radicands belong to the positions
-    /// of the upper end and of the tie rod. A negative radicand means that there is no assembly.
+    /// Returns two radicands and the difference f - travel as series in the angle. The radicands belong to the positions of the
+    /// upper end and of the tie rod. A negative radicand means that there is no assembly.
     #[inline(never)]
     fn miss(&self, angle: Interval) -> ([Interval; 2], Value) {
         let form = self.form.map(Jet::constant);

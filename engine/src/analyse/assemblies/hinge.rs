@@ -41,7 +41,7 @@ impl Search<'_> {
         for assembly in found.into_iter().flatten() {
             self.add(assembly);
         }
-        // At the end of the range both assemblies coincide.
+        // At the end of the arm's range, the two assemblies coincide. One missed assembly is then no loss.
         if missed == 2 || (missed == 1 && left.low > 0.0) {
             let ends = (top - from_top, top + from_top);
             self.all.undecided.push(Undecided::ArmAngle(ends.0, ends.1));

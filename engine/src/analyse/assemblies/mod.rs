@@ -111,9 +111,8 @@ pub enum Undecided {
 
 /// Number of starting points for Newton's method. It is used if the exact search has left an interval undecided.
 const TRIES: usize = 400;
-/// An assembly without certificate counts as equal to another one if their distance is below this, relative to the
-/// mechanism's size. The two are then a double assembly. The error of its position is the square root of the rounding
-/// error.
+/// Largest distance, relative to the mechanism's size, at which an assembly without certificate counts as equal to another one.
+/// The two are then a double assembly. The error of its position is the square root of the rounding error.
 const DOUBLE: f64 = 1e-5;
 /// Largest number of undecided regions in the result.
 const MOST_UNDECIDED: usize = 64;
@@ -231,8 +230,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Starts Newton's method from rotations of every direction and angle. It often finds poses that the exact search
-    /// left undecided. It cannot exclude that there are more poses.
+    /// Starts Newton's method from rotations of every direction and angle. This search often finds poses that the exact search
+    /// left undecided. It cannot exclude further poses.
     fn try_others(&mut self) {
         let design = self.solver.design_pose();
         let starts: Vec<Pose<f64>> = self
@@ -361,7 +360,8 @@ impl<'a> Search<'a> {
                 .into_iter()
                 .zip(assembly.pose.rotation.columns);
             let turned = turned.map(|(a, b)| far(a, b)).fold(0.0, f64::max);
-            // Coordinates of the origin are lengths. Entries of the rotation are multiplied by the scale.
+            // The distance of the origins is a length. The distance of the rotation's entries becomes a length after
+            // multiplication by the scale.
             far(poses.origin, assembly.pose.origin) < proof.uniqueness
                 && turned * proof.scale < proof.uniqueness
         })

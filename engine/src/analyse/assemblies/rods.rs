@@ -41,19 +41,18 @@ type Cell = [Interval; 6];
 /// Largest number of boxes. A search of this many boxes takes six or seven seconds. An ordinary design needs 50,000 to
 /// 200,000 boxes.
 const MOST_CELLS: usize = 500_000;
-/// A box is not halved any further if the equations change less than this within the box, relative to the size.
+/// Smallest change of the equations within a box, relative to the size, for which the search halves the box.
 const NARROWEST: f64 = 1e-9;
-/// Newton's method is tried in a box if the equations change less than this within the box, relative to the size.
-/// `MOST_TRIES` is the largest number of tries. A try takes ten times as long as a box, and only singular assemblies
-/// need it.
+/// Change of the equations within a box, relative to the size, below which the search tries Newton's method. `MOST_TRIES` is
+/// the largest number of tries. A try takes ten times as long as a box, and only singular assemblies need it.
 const FIRST_TRY: f64 = 1e-3;
 const MOST_TRIES: usize = 4000;
-/// Krawczyk's operator is repeated if it leaves at most this fraction of a box's volume.
+/// Largest remaining fraction of a box's volume after which Krawczyk's operator is applied again.
 const WORTHWHILE: f64 = 0.5;
 /// Distance, relative to the mechanism's size, up to which an assembly belongs to its box.
 const NEAR: f64 = 1e-6;
 
-/// A rod, for one of the four rotations D.
+/// Constants of a rod, multiplied by one of the four base rotations D.
 #[derive(Clone, Copy)]
 struct Rod {
     /// Inner end a.
@@ -66,14 +65,14 @@ struct Rod {
     scale: f64,
 }
 
-/// Equations for one of the four rotations D.
+/// Constants of the equations for one of the four base rotations D.
 struct Chart {
     rods: [Rod; 5],
     /// Lever D e.
     wheel_lever: Vector3<Interval>,
     /// Height h.
     height: Interval,
-    /// Diagonal entries of D: signs.
+    /// Diagonal entries of D, each 1 or -1.
     flip: [f64; 3],
 }
 
@@ -83,7 +82,8 @@ enum Verdict {
     None,
     /// Exactly one assembly, in this box.
     One(Cell),
-    /// Remaining part of the box, with the change of the equations that each variable can cause.
+    /// Undecided. Holds the remaining part of the box, and for each variable the change of the equations that it can cause
+    /// there.
     Open(Cell, [f64; 6]),
 }
 
@@ -223,14 +223,14 @@ fn place(rods: &[Rod; 5]) -> Vector3<Interval> {
     })
 }
 
-/// Values F and Jacobian J, enclosed over a box.
+/// Enclosures of the values F and of the Jacobian J of the equations over a box.
 struct Linearised {
     f: [Interval; 6],
     jacobian: [[Interval; 6]; 6],
 }
 
 impl Chart {
-    /// Makes the equations for the rotation D with this diagonal.
+    /// Makes the constants of the equations for the base rotation D with this diagonal.
     fn of(
         rods: &[Rod; 5],
         wheel_lever: Vector3<Interval>,
@@ -314,7 +314,8 @@ impl Chart {
         }
     }
 
-    /// Makes the range of p smaller with the equations of height and of each rod's length. `None` if nothing remains.
+    /// Reduces the range of the position p with the equation of the height and with the length of each rod. `None` if nothing
+    /// remains.
     fn narrowed(&self, cell: &mut Cell) -> Option<()> {
         let rotation = rotation(cell);
         let rise = apply(&rotation, self.wheel_lever).z;
@@ -391,8 +392,8 @@ fn rotation(cell: &Cell) -> [Vector3<Interval>; 3] {
     let twice = one.constant(2.0) / (one + squares[0] + squares[1] + squares[2]);
     let unit = Interval::bounds(-1.0, 1.0);
     let within = |entry: Interval| entry.common(unit).unwrap_or(unit);
-    // The entry is 1 - 2 t/(1 + x^2 + t), with t the sum of the other two squares. With s = 1 + x^2, t/(s + t) grows with t
-    // and falls with s.
+    // A diagonal entry of C(v) is 1 - 2 t/(1 + x^2 + t). Here x is the component of v for this row, and t the sum of the
+    // squares of the other two. With s = 1 + x^2, t/(s + t) grows with t and falls with s.
     let diagonal = |i: usize| {
         let (t, s) = (
             squares[(i + 1) % 3] + squares[(i + 2) % 3],

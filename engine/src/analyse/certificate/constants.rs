@@ -1,5 +1,5 @@
-//! Tests the constants of the theorem: second derivatives for every pair of variables, and the radii that are computed
-//! from them.
+//! Tests the constants of the Newton-Kantorovich theorem: second derivatives for every pair of variables, and the radii that
+//! are computed from them.
 
 use super::quadratic::{PoseBend, Quadratic};
 use super::theorem::{Radii, defect, image, radii};
@@ -83,8 +83,9 @@ fn differences(at: &impl Fn([f64; N]) -> [Interval; N], j: usize, l: usize) -> [
     from_fn(|i| both[i] - first[i] - second[i] + none[i])
 }
 
-/// For every topology, drive, equation and pair of the pose's numbers, the constant equals the coefficient of the pair
-/// in H(z, z). This coefficient is H_jj for one number, and H_jl + H_lj = 2 H_jl for two different numbers.
+/// The test covers every topology, drive, equation and pair of numbers of the pose. The stored constant must equal the
+/// coefficient of the pair in H(z, z). This coefficient is H_jj for one number, and H_jl + H_lj = 2 H_jl for two different
+/// numbers.
 #[test]
 fn constants_are_the_second_derivatives_of_every_pair() {
     for suspension in suspensions() {
@@ -108,8 +109,8 @@ fn constants_are_the_second_derivatives_of_every_pair() {
                         assert!(own.next().is_none(), "{name}: a pair counts once");
                         let what =
                             format!("{name} {drive:?} {equation} {j} {l}: {middle} {truth:?}");
-                        // Both intervals, of the constant and of the difference, must contain the same number. Both
-                        // must be narrow.
+                        // The interval of the stored constant and the interval of the difference must contain the same number.
+                        // Both intervals must be narrow.
                         assert!(
                             middle - off <= truth.high && truth.low <= middle + off,
                             "{what}"

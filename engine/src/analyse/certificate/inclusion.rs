@@ -1,8 +1,9 @@
 //! Enclosures of all poses over an interval of the wheel travel, with their derivatives with respect to the travel.
 //!
-//! If F(x, z) is enclosed over an interval, the theorem holds for every travel z of the interval at once. There is exactly
-//! one x(z) within r+ of the given pose, and it lies within r-. On the ball of radius r-, Z = |1 - A J| < 1, so J is regular
-//! and x(z) is differentiable. From J x' = -F_z follows
+//! The module `certificate` states the theorem of Newton and Kantorovich and its radii r- and r+. If F(x, z) is enclosed over
+//! an interval of travels z, the theorem holds for all these travels at once. There is exactly one x(z) within r+ of the given
+//! pose, and it lies within r-. On the ball of radius r-, Z = |1 - A J| < 1, so J is regular and x(z) is differentiable. From J
+//! x' = -F_z follows
 //!
 //! ```text
 //! x' = v + (1 - A J) x',   v = -A F_z     =>     |x' - v| <= Z |v|/(1 - Z)        (1)
@@ -70,7 +71,7 @@ impl Certifier<'_> {
         let off = (defect * Interval::point(largest) / left).high;
         let rate = rate.each(|v| around(v, off));
 
-        // The origin can be off by the error, and the entries of the rotation by the error divided by the scale.
+        // The origin can deviate by the error, and the entries of the rotation by the error divided by the scale.
         let turn = (Interval::point(certificate.error) / Interval::point(self.scale)).high;
         let place = |j: usize, value: f64, error: f64| match j {
             0..3 => Jet([around(Interval::point(value), error), rate[j]]),

@@ -1,9 +1,9 @@
 //! Certificates of poses: rigorous error bounds by the theorem of Newton and Kantorovich for the quadratic closure
 //! equations.
 //!
-//! In the twelve numbers x of a pose (position of the origin, nine entries of the rotation) the five constraints, the drive
-//! and the six conditions R^T R = 1 are quadratic ([`quadratic`]). With A an approximate inverse of the Jacobian J at x, in
-//! the maximum norm,
+//! A pose has twelve numbers x: the position of the origin, and nine entries of the rotation R. The five constraints, the drive
+//! and the six conditions R^T R = 1 are quadratic in x ([`quadratic`]). With A an approximate inverse of the Jacobian J at x,
+//! in the maximum norm,
 //!
 //! ```text
 //! Y = |A F(x)|,   Z0 = |1 - A J(x)|,   Z2 = |A H|,   H the constant second derivative
@@ -13,8 +13,8 @@
 //! ```
 //!
 //! Since |A F + (A J - 1) e + A H(e,e)/2| <= Y + Z0 r + Z2 r^2/2 for |e| <= r, the ball of radius r is mapped into itself if
-//! this radii polynomial is at most r. F, J and H are evaluated on [`Interval`]s, beginning with the hardpoints, so that link
-//! lengths, strut normals and all other derived numbers are also enclosed. So the certificate applies to the exact mechanism
+//! this radii polynomial is at most r. F, J and H are evaluated on [`Interval`]s, beginning with the hardpoints. So link
+//! lengths, strut normals and all other derived numbers are also enclosed, and the certificate applies to the exact mechanism
 //! whose hardpoints are the given doubles, in spite of all rounding errors. Lengths are divided by a power of two near the
 //! size.
 //!

@@ -69,7 +69,7 @@ pub(crate) struct PoseBend {
     /// Index of the pair.
     pub pair: usize,
     pub middle: f64,
-    /// Bound on the error of the interval's middle, including the rounding of the sums that use it.
+    /// Bound on the error of the interval's middle. It includes the rounding errors of the sums in which the middle is used.
     pub off: f64,
 }
 
@@ -145,7 +145,7 @@ impl Quadratic {
         let mut linear = [[Interval::point(0.0); V]; N];
         let mut bends = Vec::new();
         for (i, equation) in closed.into_iter().chain(turned).enumerate() {
-            // The first six equations are lengths.
+            // The first six equations are lengths, so they are divided by the scale.
             let inverse = if i < 6 { 1.0 / scale } else { 1.0 };
             first[i] = equation.value.value.times(inverse);
             for (j, partial) in equation.partials.iter().enumerate() {
@@ -255,7 +255,7 @@ impl Quadratic {
     ) -> ([[Interval; N]; 3], Jacobian) {
         let mut over: Displacement = array_of(|j| from[j].hull(to[j]));
         let mut along: Displacement = array_of(|j| to[j] - from[j]);
-        // Half the second derivatives of the drive's variables.
+        // Half the second derivatives of the drive's variables along the line. Zero unless the drive is an angle.
         let mut curved = [Interval::point(0.0); 2];
         let mut along_anywhere = along;
         if self.drive == Drive::ArmAngle {
@@ -280,7 +280,7 @@ impl Quadratic {
             let terms = here[i].iter().zip(&along);
             terms.fold(zero, |sum, (g, v)| sum + *g * *v)
         });
-        // Half of H(z', z') + J z''.
+        // Half the second derivative of the equations along the line: (H(z', z') + J z'')/2.
         let mut bend: [Interval; N] =
             array_of(|i| anywhere[i][DRIVE[0]] * curved[0] + anywhere[i][DRIVE[1]] * curved[1]);
         for b in &self.bends {

@@ -18,13 +18,15 @@ pub(crate) struct Radii {
     pub uniqueness: f64,
 }
 
-/// Bound on rounding errors: sixteen units of roundoff, doubled to include the quotient and the products in the bound.
+/// Bound on the relative rounding error of a sum: sixteen units of roundoff, times two. The factor two covers the denominator 1
+/// - n u and the rounding of the products in the bound.
 pub(crate) const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Factor that rounds sums upward. The sums have up to two hundred non-negative terms. Each term is rounded a few
 /// times. Rounding changes a sum by less than 1e-12 of its value.
 const UPWARD: f64 = 1.0 + 1e-12;
 
-/// Applies the theorem. A is an approximate inverse of the middle of the Jacobian. `residual` bounds |A F|.
+/// Applies the theorem of Newton and Kantorovich. A is an approximate inverse of the middle of the Jacobian. `residual` bounds
+/// |A F|.
 pub(crate) fn radii(
     inverse: &Square,
     jacobian: &Jacobian,
@@ -99,7 +101,7 @@ fn curvature(inverse: &Square, bends: &[PoseBend]) -> f64 {
 /// Returns the largest of several sums of non-negative terms, rounded up. The result includes a bound for underflow.
 fn largest(sums: impl Iterator<Item = f64>) -> f64 {
     sums.fold(0.0, |most: f64, sum| {
-        // NaN fails this test, so the result is infinite.
+        // The test is false for NaN, so the result is then infinite.
         let bound = sum * UPWARD + f64::MIN_POSITIVE;
         if bound <= f64::MAX {
             most.max(bound)
@@ -109,7 +111,7 @@ fn largest(sums: impl Iterator<Item = f64>) -> f64 {
     })
 }
 
-/// Returns a bound on the norm of A times a vector.
+/// Returns a bound on the norm of A times a vector. A is the approximate inverse of the Jacobian.
 pub(crate) fn image(inverse: &Square, vector: &[Interval; N]) -> f64 {
     let middle = vector.each(Interval::middle);
     let off: [f64; N] = array_of(|j| radius(vector[j], middle[j]) + ROUNDING * middle[j].abs());

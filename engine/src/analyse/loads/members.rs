@@ -112,7 +112,7 @@ fn members_of_constraints(mechanism: &Mechanism) -> Vec<Member> {
     let mut members = Vec::new();
     for constraint in &mechanism.constraints {
         match *constraint {
-            // These rods represent the far half of a twist beam.
+            // The rods of a twist beam's mechanism represent its far half, so they are no members.
             Constraint::Link { .. } if mechanism.topology.is_twist_beam() => {}
             // If an arm carries a spring or a link, its legs are bent. So the axial force of a leg is not the whole
             // load on it.
@@ -131,7 +131,7 @@ fn members_of_constraints(mechanism: &Mechanism) -> Vec<Member> {
             Constraint::BallJoint { at } | Constraint::ArmJoint { at, .. } => {
                 members.extend(components(mechanism.name(at), at));
             }
-            // The forces of a twist beam are added to the list below, all together.
+            // The function `members` adds all forces of a twist beam together.
             Constraint::Mount { .. } | Constraint::AxleTravel { .. } => {}
         }
     }

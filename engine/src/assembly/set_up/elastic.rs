@@ -56,10 +56,10 @@ pub(super) struct Elastic<'a> {
     reads: Reads,
     /// Factors from the kernel's units to printed units.
     factors: Vec<f64>,
-    /// Length that the spring keeps, if an adjustment lifts the car. The last of the values is then the spring's
-    /// length.
+    /// Length that the spring keeps if an adjustment lifts the car. `None` if no adjustment lifts it. With such an adjustment,
+    /// the last of the values is the spring's length.
     kept: Option<f64>,
-    /// True if the right wheel is the mirror image of the left one, with the same adjustments.
+    /// True if the right wheel is the mirror image of the left wheel and has the same adjustments.
     is_mirrored: bool,
     /// Tensions that the parts of a solid axle cause in its links.
     tensions: Vec<TensionInput>,
@@ -101,7 +101,7 @@ impl Found {
         }
     }
 
-    /// Returns the derivative of a value for these derivatives of points and tensions. NaN if it is not defined.
+    /// Returns the change of a value along these changes of the points and tensions. NaN if the value has no derivatives.
     fn along(&self, number: usize, moves: &Moves) -> f64 {
         if self.by[number].is_empty() {
             return f64::NAN;

@@ -6,12 +6,12 @@ use nalgebra::{DMatrix, DVector};
 
 /// Largest number of steps of Newton's method.
 const MOST_STEPS: usize = 40;
-/// Effects below this share of the largest effect count as zero. A direction with only such effects has no influence on
-/// any aim.
+/// Ratio of an effect to the largest effect below which the effect counts as zero. A direction with only such effects has no
+/// influence on any aim.
 const FLAT: f64 = 1e-8;
-/// The iteration ends if a step is not larger than this. Relative to the suspension's size.
+/// Size of a step, relative to the suspension's size, at which the iteration ends.
 const STILL: f64 = 1e-14;
-/// If no fraction of a step up to this size improves the state, the cause is rounding. Relative to the suspension's size.
+/// Largest step, relative to the suspension's size, that counts as a rounding error if no fraction of it improves the state.
 const ROUNDING: f64 = 1e-7;
 /// Smallest fraction of a step that the solver tries.
 const SHORTEST: f64 = 1e-3;
@@ -201,8 +201,8 @@ mod tests {
     use super::*;
     use std::cell::RefCell;
 
-    /// An adjustment changes an aim if its effect is above a hundred-millionth of the largest effect. This threshold
-    /// holds for the choice of aims, and for the steps towards them.
+    /// An adjustment changes an aim if its effect is above 1e-8 of the largest effect. The choice of aims and the steps towards
+    /// the aims use this threshold.
     #[test]
     fn effects_count_down_to_a_hundred_millionth() {
         let rows = |across: f64| DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 1.0, across]);

@@ -56,7 +56,7 @@
 //!
 //! then the neighbour with the least `phi`, then the one with the smallest adjustment.
 //!
-//! If (2) or (5) misses its aims, the solver gives up the aim with the largest error and meets the others from that
+//! If (2) or (5) misses its aims, the solver drops the aim with the largest error and meets the other aims from that
 //! state. So the solver never reports an aim as out of reach only because another aim prevented it.
 //!
 //! A mechanic fits shims first, then turns the threads by sixteenths of a turn. The thread that changes toe most comes

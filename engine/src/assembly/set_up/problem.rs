@@ -17,7 +17,8 @@ use crate::number::Each;
 use crate::study::{AxleStudy, Increment, Setup, Study, Vehicle};
 use nalgebra::{DMatrix, DVector};
 
-/// Factor on the linear estimate of the error from rounding by half a step. It covers the nonlinear terms of the error.
+/// Factor on the linear estimate of the error that a rounding by half a step causes. It covers the nonlinear terms of the
+/// error.
 const CURVED: f64 = 1.01;
 
 /// A set-up to solve.
@@ -258,7 +259,7 @@ impl<'a> Problem<'a> {
         DVector::from_iterator(values.len(), values.iter().map(error))
     }
 
-    /// Returns an error that lists those of the values that miss their aims. A value that is not defined misses its aim.
+    /// Returns an error with a list of the missed aims among these values. A value that is not defined misses its aim.
     pub(super) fn out_of_reach(&self, state: &AdjustedSuspension, values: &[usize]) -> SetUpError {
         let missed = values.iter().filter_map(|i| {
             let (value, wanted) = (state.values[*i], self.aims[*i].value()?);

@@ -11,10 +11,10 @@ use nalgebra::{DMatrix, DVector};
 const MOST_ENUMERATED: usize = 10;
 /// Number of neighbours that are assembled.
 const MOST_ASSEMBLED: usize = 8;
-/// If weighted errors differ by less than this, they count as equal: 0.005 degrees or 0.05 mm, as for the effects in the
-/// instructions.
+/// Difference of two weighted errors below which they count as equal: 0.005 degrees or 0.05 mm. The printed instructions use
+/// the same threshold for effects.
 const INVISIBLE: f64 = 0.05;
-/// Shims within this distance of a whole number count as whole, in steps.
+/// Distance from a whole number of steps within which an amount of shims counts as whole.
 const WHOLE: f64 = 1e-9;
 
 impl Problem<'_> {
@@ -123,8 +123,8 @@ impl Problem<'_> {
             .iter()
             .map(|(beyond, errors, ..)| (*beyond, *errors));
         let least = least.min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        // Errors whose difference nobody can measure count as equal. Among such states, the one with the smallest
-        // adjustment is the best.
+        // Two states count as equally good if the difference of their errors is too small to measure. Among these states, the
+        // one with the smallest adjustment is the best.
         let as_good = settled.into_iter().filter(|(beyond, errors, ..)| {
             least.is_some_and(|least| *beyond == least.0 && *errors <= least.1 + INVISIBLE)
         });
@@ -149,7 +149,8 @@ impl Problem<'_> {
                 open.push((column, k, step, steps));
             }
         }
-        // If no error remains, the nearest amounts change the solution least.
+        // If `R` is empty, there is no error to minimise. If no shim is between whole steps, there is no choice. In both cases
+        // the nearest whole amounts are the result.
         if levels.rest.is_empty() || open.is_empty() {
             return vec![nearest];
         }

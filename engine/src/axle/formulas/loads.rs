@@ -1,8 +1,10 @@
 //! Wheel loads and stiffnesses, from the forces of springs and anti-roll bars by virtual work.
 //!
-//! With U the energy of springs and bars, F_i = U_zi/(n.C_i') is the load of a wheel along the normal of the ground. The
-//! weight of suspension parts is neglected. The bar adds the energy k_b (b_l - b_r)^2/2, with b the angles of its levers.
-//! Springs between the rockers add the energies of [`RockerSprings`](crate::axle::RockerSprings).
+//! U is the energy of springs and bars, and U_zi its derivative with respect to the travel z_i of wheel i. C_i' is the velocity
+//! of the carrier's point at the contact point with respect to this travel. The load of the wheel along the normal n of the
+//! ground is F_i = U_zi/(n.C_i'). The weight of suspension parts is neglected. The bar adds the energy k_b (b_l - b_r)^2/2,
+//! with b the angles of its levers. Springs between the rockers add the energies of
+//! [`RockerSprings`](crate::axle::RockerSprings).
 
 use super::rigid;
 use crate::axle::reading::WheelParts;

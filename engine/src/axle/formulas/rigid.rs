@@ -1,9 +1,8 @@
 //! Quantities of a rigid axle.
 //!
-//! The axle has two travels, h and d. h is the mean travel. d is the difference: the left wheel centre rises by d while
-//! the right wheel centre falls by d. C_b,h and C_b,d are the velocities of the axle's point at contact point b. Other
-//! forces do the work q_h per unit of h and q_d per unit of d. Normal forces f_b at both contact points balance these
-//! forces if
+//! The axle has two travels, h and d. h is the mean travel. d is half the difference: the left wheel centre rises by d while
+//! the right wheel centre falls by d. C_b,h and C_b,d are the velocities of the axle's point at contact point b. Other forces
+//! do the work q_h per unit of h and q_d per unit of d. Normal forces f_b at both contact points balance these forces if
 //!
 //! ```text
 //! f_l n.C_l,h + f_r n.C_r,h = -q_h        f_l n.C_l,d + f_r n.C_r,d = -q_d                     (1)
@@ -50,8 +49,8 @@ struct Work<T> {
     mean: T,
 }
 
-/// Velocities of a point of each wheel in its own frame: with respect to the wheel's own difference of travels, and to
-/// the mean travel.
+/// Velocities of a point of each wheel, in the frame of this wheel. The first velocity is per unit of the difference of travels
+/// in this frame, the second per unit of the mean travel.
 type Velocities<T> = [[Vector3<T>; 2]; 2];
 
 #[inline(always)]
@@ -137,7 +136,7 @@ fn rolling<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
 pub(crate) fn rolls_about_infinity(state: &AxleState<f64>) -> bool {
     let [height, lateral] = roll_centre(state);
     let far = 0.5 * FARTHEST_MEETING * state.track();
-    // NaN also counts as far away.
+    // A roll centre with NaN coordinates also counts as far away.
     !(height.abs() < far && lateral.abs() < far)
 }
 

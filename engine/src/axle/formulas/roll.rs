@@ -1,9 +1,10 @@
 //! Track, roll centre, jacking, and the effects of roll on a wheel.
 //!
-//! In front view the reaction of a side force on a locked wheel acts along the normal to C' through C. A unit side force
-//! inboard along the ground adds j units of wheel load, j = (C'.o)/(C'.n) with o outboard along the ground. Both normals
-//! meet in the roll centre. Its coordinates are eta along the ground from midway between the contact points, positive to the
-//! left, and zeta above the ground:
+//! C is the contact point, and C' its velocity with the wheel locked to its carrier, with respect to the wheel's travel. In
+//! front view, the reaction of a side force on the locked wheel acts along the normal to C' through C. A unit side force
+//! inboard along the ground adds j units of wheel load, j = (C'.o)/(C'.n) with o outboard along the ground. The normals of both
+//! wheels meet in the roll centre. Its coordinates are eta along the ground from midway between the contact points, positive to
+//! the left, and zeta above the ground:
 //!
 //! ```text
 //! d/2 + (track/2 - eta) j_l = zeta = -d/2 + (track/2 + eta) j_r
@@ -11,10 +12,10 @@
 //! eta  = ((track/2) (j_l - j_r) + d)/(j_l + j_r)
 //! ```
 //!
-//! where d is the height of the left contact point above the right contact point. On a plane d is 0; else zeta is measured
-//! from the mean height of both contact points.
+//! where d is the height of the left contact point above the right contact point. On a plane d is 0; else zeta is measured from
+//! the mean height of both contact points.
 //!
-//! If both wheels carry equal side forces, their resultant at this height has the same roll moment: track (j_l + j_r)/4,
+//! Both wheels can carry equal side forces. Then their resultant has the same roll moment at the height track (j_l + j_r)/4,
 //! which stays finite.
 
 use super::rigid;
@@ -158,8 +159,8 @@ pub(crate) fn force_roll_centre_migration<T: Real, W: WheelParts<T>>(state: &Axl
 /// tracks. Beyond a hundred tracks, the normals are nearly parallel, and this point is meaningless.
 pub(crate) const FARTHEST_MEETING: f64 = 200.0;
 
-/// If the sum of the jacking coefficients is below this limit, both normals to C' count as vertical. Rounding of about
-/// 1e-15 could then move the point where they meet anywhere along the ground.
+/// Sum of the jacking coefficients below which both normals to C' count as vertical. Rounding of about 1e-15 could then move
+/// the point where they meet anywhere along the ground.
 pub(crate) const UPRIGHT: f64 = 1e-8;
 
 /// Returns true if the normals to C' are vertical, or meet beyond the largest distance.
@@ -167,7 +168,7 @@ pub(crate) fn normals_are_parallel(state: &AxleState<f64>) -> bool {
     if state.carriers.is_rigid() {
         return rigid::rolls_about_infinity(state);
     }
-    // NaN also counts as parallel.
+    // Normals with NaN jacking coefficients also count as parallel.
     !meet_near(jacking(state))
 }
 

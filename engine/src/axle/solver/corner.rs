@@ -170,8 +170,8 @@ impl<'a, const N: usize> Corner<'a, N> {
         }
         let mut design = designed;
         let offsets = displace(self.mechanism, &mut design, displacement);
-        // This design was solved with its steering gear in the middle. So an error here means that the displacement
-        // makes the design singular.
+        // The solver has already accepted this design with its steering gear centred. So an error here means that the
+        // displacement makes the design singular.
         if self.prepare_design(&design).is_err() {
             return fails(Failure::Singular);
         }
@@ -265,7 +265,7 @@ impl<'a, const N: usize> Corner<'a, N> {
             ControlFlow::Continue(())
         };
         let visited = solver.for_each_pose(Drive::Travel, &order, inner_rack, visit);
-        // The design position was checked when the solver was made.
+        // The constructor of the solver has already checked the design position, so this failure cannot occur.
         let found = visited.map_err(|_| Failure::Singular).and(found);
         let found = found.map_err(|failure| self.outer(failure));
         if let Err(failure @ Failure::Unreachable { limit, .. }) = found {
@@ -397,7 +397,7 @@ pub(super) fn read_wheel<const N: usize>(
     (lines, parts, points): (&[Line], &Parts, &[PointId]),
 ) -> Result<WheelRead, Failure> {
     let mut snapshots = [Snapshot::<N>::unknown(); 4];
-    // Each line gives one series per point of the wheel.
+    // For each line in travel and rack: one series for each point of the wheel.
     let mut ways = Vec::new();
     let (mut condition, mut toggle) = (0.0_f64, None);
     for (number, line) in lines.iter().enumerate() {

@@ -22,7 +22,7 @@ impl<const N: usize> AxleSolver<'_, N> {
         let found: Vec<_> = poses.iter().copied().map(Ok).collect();
         let mut proved = vec![Err(Failure::Uncertified(Unproven::Branch)); travels.len()];
         let rack = rack * corner.rack_sign;
-        // The constructor has already checked the design position.
+        // The constructor has already checked the design position, so the call cannot fail there.
         let _ = corner.solver.prove_poses(
             certifier,
             Drive::Travel,

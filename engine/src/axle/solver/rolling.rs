@@ -34,7 +34,8 @@ impl<const N: usize> AxleSolver<'_, N> {
         }
         let mut found: Vec<Option<AxlePose>> = vec![None; placements.len()];
         for ([rack, steered], numbers) in by_rack {
-            // If the gear cannot move, the placements are solved one by one. This returns the failure for each of them.
+            // If the gear cannot move, these placements stay unsolved here. The program then solves each of them alone, and
+            // reports the failure.
             if self.steer(steered).is_ok() {
                 self.roll_together(rack, &numbers, placements, &mut found);
             }
@@ -117,7 +118,7 @@ impl<const N: usize> AxleSolver<'_, N> {
                 let (Some(left), Some(right)) = wheels else {
                     continue;
                 };
-                // NaN also fails this condition. This placement is then solved alone.
+                // `rise` is also false for NaN. The program then solves this placement alone.
                 if !rise(is_rigid, [left.height[1], right.height[1]]) {
                     continue;
                 }
@@ -259,8 +260,8 @@ impl<const N: usize> AxleSolver<'_, N> {
 
     /// Roll angle at which both wheels stand on a plane.
     pub(super) fn tilted(&self, [left, right]: &[Pose<f64>; 2]) -> Result<f64, NoPose> {
-        // A rigid axle can be upright, far from level ground. So the iteration for a rigid axle starts with the line
-        // through both wheel centres.
+        // A rigid axle can roll far from level ground, even until it is upright. So the iteration for a rigid axle starts with
+        // the line through both wheel centres.
         let mut roll = if self.is_rigid() {
             (right.origin.z - left.origin.z).atan2(left.origin.y + right.origin.y)
         } else {

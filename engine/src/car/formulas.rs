@@ -1,5 +1,5 @@
-//! Formulas of results. There are two jacking coefficients: j for side forces along the ground, and J for side forces
-//! across the wheel.
+//! Formulas of results. There are two jacking coefficients. The coefficient j is for side forces along the ground. The
+//! coefficient J is for side forces perpendicular to the wheel's heading, as the tyre exerts them.
 
 pub(super) mod axle;
 pub(super) mod car;

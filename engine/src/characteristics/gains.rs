@@ -94,7 +94,8 @@ impl Characteristic {
     }
 }
 
-/// Derivative of an angle with respect to the drive, from the rates of its direction. `None` for other characteristics.
+/// Derivative of an angle with respect to the drive coordinate, from the rates of its direction. `None` for other
+/// characteristics.
 #[inline(always)]
 pub(super) fn by_drive<T: Real>(c: Characteristic, inputs: &Inputs<T>) -> Option<T> {
     let rate = &inputs.rate;
@@ -131,7 +132,7 @@ pub(super) fn by_direction_along<T: Real>(
     ))
 }
 
-/// Rate of an angle if its direction changes at this rate. The compiler makes a separate function.
+/// Rate of an angle if its direction changes at this rate. This code is compiled as a separate function.
 #[inline(always)]
 fn slope_outlined<F: Formula, T: Real>(inputs: &Inputs<T>, direction: Vector3<T>) -> T {
     outlined!(

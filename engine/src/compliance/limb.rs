@@ -458,7 +458,7 @@ impl<T: Valued, const N: usize> Outlined for Definiteness<'_, T, N> {
         let mut is_positive = first.everywhere();
         let mut largest = first.zero();
         for k in 0..N {
-            // NaN fails this comparison.
+            // A pivot that is NaN fails this comparison.
             let least = first.constant(self.least_share) * largest;
             is_positive = is_positive & least.less(a[k][k]);
             if !T::Plain::any(is_positive) {

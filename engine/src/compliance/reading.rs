@@ -38,8 +38,8 @@ pub(super) enum SteeringJoints<T> {
     Strut {
         lower: Vector3<T>,
         top: Vector3<T>,
-        /// For an elastic mount: its index among the parts with inner unknowns, and the direction of the strut. `None`
-        /// for a rigid mount.
+        /// For an elastic mount: its index among the parts with own degrees of freedom, and the direction of the strut.
+        /// `None` for a rigid mount.
         mount: Option<(usize, Vector3<T>)>,
     },
 }

@@ -236,7 +236,8 @@ struct OwnSum<T> {
     moment: Vector3<T>,
     moment_by_joint: Matrix3<T>,
     by_turn: Matrix3<T>,
-    /// Same flag as [`Conditions::is_correction`].
+    /// True if the tangents can be constants, because the step only adds derivatives (see
+    /// [`Conditions::is_correction`]).
     is_correction: bool,
 }
 

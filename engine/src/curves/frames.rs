@@ -154,7 +154,7 @@ pub fn frames(suspension: &Suspension, plan: &Plan) -> Result<Vec<Frame>, Design
                     if let Some(rod) = toggles.note(Some(solver), &at, motion.value[0]) {
                         return Err(Failure::Toggle(rod));
                     }
-                    // At a fold the velocities do not exist.
+                    // At a turning point (fold) of the motion, the velocities do not exist.
                     let motion = drive_law.motion::<2>(values[number], rack);
                     let moving = solver.configuration_series(&moving, pose, &motion);
                     let centres = match moving {

@@ -150,7 +150,8 @@ impl<'a> Gradients<'a> {
     ) -> bool {
         self.make_room(along.len(), 1);
         let at_once = self.at_once();
-        // A tuning requests the same directions each time.
+        // The directions are copied to all lanes only if they have changed. A tuning requests the same directions each
+        // time.
         let is_spread = self.spread.len() == along.len() * at_once
             && self.spread.iter().step_by(at_once).eq(along);
         if !is_spread {

@@ -53,9 +53,9 @@ impl Study {
         }
     }
 
-    /// Tunes the variables towards the targets. [`Tuning::best`] is the tuned design; it is `None` if no start has a solution
-    /// at all stations. Starts run in parallel, on at most as many threads as the calling rayon pool has (outside a pool, the
-    /// global one). The starts use separate threads with large enough stacks.
+    /// Tunes the variables towards the targets. [`Tuning::best`] is the tuned design; it is `None` if no start has a
+    /// solution at all stations. Starts run in parallel, on separate threads with large stacks. The number of threads
+    /// is at most that of the current rayon pool. Outside a pool, the global pool counts.
     ///
     /// ```
     /// # extern crate hardpoint_engine as hardpoint;

@@ -63,7 +63,7 @@ impl<'a> CarSolver<'a> {
     }
 
     /// Adds the heave of the car at rest to results that are measured from the car at rest. Also adds the derivatives
-    /// of this heave with respect to the design. This heave does not depend on the accelerations, speed, warp and racks
+    /// of this heave with respect to the design. This heave does not depend on the accelerations, speed, warp or racks
     /// of the case.
     fn add_rest(
         &mut self,

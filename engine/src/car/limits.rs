@@ -49,7 +49,7 @@ pub struct Lift {
     pub acceleration: f64,
     /// Wheel that lifts.
     pub wheel: WheelPlace,
-    /// True if all other wheels carry load in this state.
+    /// True if all wheels except the lifted wheel carry load in this state.
     pub others_loaded: bool,
 }
 

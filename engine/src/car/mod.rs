@@ -128,7 +128,7 @@ pub struct Car {
     pub mass: f64,
     /// Unit in which studies and results give masses.
     pub mass_unit: MassUnit,
-    /// Centre of gravity of this mass in the design position.
+    /// Centre of gravity of `mass` in the design position.
     pub cg: Vector3<f64>,
     /// Fraction of the braking force on the front axle.
     pub brake_share_front: Option<f64>,

@@ -40,8 +40,9 @@
 //! (2) holds there, or (2) holds at rest and det G_x keeps its sign on the whole path from rest.                   (5)
 //! ```
 //!
-//! The motion of the body at the end of stability is classified as follows. Let f and e be the heights of the body over the
-//! middle of the front and the rear axle, and r half the difference of its heights over the left and the right wheels:
+//! The motion of the body at the end of stability is classified as follows. Let f and e be the heights of the body over
+//! the middle of the front and the rear axle. Let r be half the difference of the body's heights over the left and the
+//! right wheels:
 //!
 //! ```text
 //! (f, e, r) = T q,      S = T C T^T.                                                                              (6)

@@ -42,7 +42,8 @@ fn moving<T: Real>(
     )
 }
 
-/// Inputs with these two directions, which are the only possible inputs of an angle. Every other number is `filling`.
+/// Inputs of an angle. Only spin axis and steering direction can be inputs of an angle, so every other number is
+/// `filling`.
 #[inline(always)]
 fn of_directions<T: Real>(
     spin_axis: Vector3<T>,
@@ -167,7 +168,7 @@ macro_rules! gains {
             }
         )*
 
-        /// Angle of which this quantity is the gain.
+        /// Angle whose derivative with respect to travel is this gain.
         pub(super) fn angle_of_gain(c: Characteristic) -> Option<Characteristic> {
             match c {
                 $(Characteristic::$gain => Some(Characteristic::$angle),)*

@@ -324,8 +324,9 @@ impl Measure {
         }
     }
 
-    /// Value that outputs show: the angle in rad if the measure is 1 minus its cosine, else the value itself. 1 - cos a = v
-    /// gives a = 2 asin(sqrt(v/2)), which is accurate for small angles, too.
+    /// Value that outputs show. If the measure is 1 minus the cosine of an angle, the shown value is this angle in rad.
+    /// Otherwise it is the measure itself. 1 - cos a = v gives a = 2 asin(sqrt(v/2)), which is accurate for small
+    /// angles, too.
     pub fn shown<T: Scalar>(&self, at: &Configuration<T>) -> T {
         let value = self.value(at);
         if self.is_versine() {
@@ -336,9 +337,9 @@ impl Measure {
         }
     }
 
-    /// Computes gradients with respect to every hardpoint coordinate: gradients of the shown value, and gradients of
-    /// the derivatives of this value with respect to the drive coordinate, up to the order `highest`. `buffer` has one
-    /// entry per point. `receive` gets the order, the point and the gradient, for every order and point.
+    /// Computes gradients of the shown value with respect to every hardpoint coordinate. Also computes the gradients of
+    /// its derivatives with respect to the drive coordinate, up to the order `highest`. `buffer` has one entry per
+    /// point. `receive` gets the order, the point and the gradient, for every order and point.
     ///
     /// With f the measure's formula and v_k its vectors, the seed series are df/dv_k. For an angle they are multiplied by
     /// da/dv = 1/sqrt(v (2 - v)).

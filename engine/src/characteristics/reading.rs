@@ -227,7 +227,7 @@ pub(super) struct ReadSet {
 }
 
 impl ReadSet {
-    /// Parts of a pose that these slots need.
+    /// Parts of a pose that are needed for the inputs (slots) in this set.
     pub(super) fn by(mechanism: &Mechanism, slots: Slots) -> Self {
         let mut asked = ReadSet::default();
         Inputs::unknown(f64::NAN, Constants::default()).read(&mut asked, mechanism, slots);

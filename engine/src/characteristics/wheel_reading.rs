@@ -66,9 +66,9 @@ impl<const N: usize> WheelReading<N> {
         c.evaluate(&self.inputs)
     }
 
-    /// Computes gradients with respect to every hardpoint coordinate: gradients of a quantity, and gradients of the
-    /// derivatives of this quantity with respect to the drive coordinate, up to the order `highest`. `buffer` has one
-    /// entry per point. `receive` gets the order, the point and the gradient, for every order and point.
+    /// Computes gradients of a quantity with respect to every hardpoint coordinate. Also computes the gradients of its
+    /// derivatives with respect to the drive coordinate, up to the order `highest`. `buffer` has one entry per point.
+    /// `receive` gets the order, the point and the gradient, for every order and point.
     #[inline]
     pub fn gradients(
         &self,

@@ -89,7 +89,7 @@ impl<T: Real> WheelGeometry<T> {
 }
 
 impl<T: Scalar> WheelGeometry<T> {
-    /// Collects these points for a design.
+    /// Collects the points from which the pose of a wheel is computed, for a design.
     pub(super) fn of(mechanism: &Mechanism, design: &[Vector3<T>], built: &Built<T>) -> Self {
         let (origin, system) = (built.reference, &built.system);
         let mount = system

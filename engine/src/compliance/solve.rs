@@ -209,7 +209,7 @@ impl System<f64> {
 pub(super) struct Unraised<S> {
     pub(super) share: f64,
     pub(super) obstacle: Obstacle,
-    /// State at this fraction; `None` if the solver reached no fraction.
+    /// State at the fraction of the load that was reached; `None` if the solver reached no fraction.
     pub(super) last: Option<S>,
 }
 
@@ -267,7 +267,7 @@ pub(super) struct Judge {
     steps: usize,
 }
 
-/// Result of this check after a correction.
+/// Result of the convergence check after a correction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Verdict {
     /// The state after the correction is final.

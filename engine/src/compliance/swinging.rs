@@ -249,8 +249,9 @@ struct Pivot<T> {
     open: [T; 2],
 }
 
-/// Inner equations of a part. In this order: matrix, residuals, derivatives of the residuals with respect to the
-/// joint's displacement, and derivatives of the joint's force with respect to the inner unknowns.
+/// Inner equations of a part. The first two fields are the matrix and the residuals. The third field contains the
+/// derivatives of the residuals with respect to the joint's displacement. The fourth field contains the derivatives of
+/// the joint's force with respect to the inner unknowns.
 type InnerEquations<T, const N: usize> = ([[T; N]; N], [T; N], [[T; 3]; N], [[T; N]; 3]);
 
 /// Results of the stability check of the inner equations.

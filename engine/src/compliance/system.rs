@@ -124,7 +124,7 @@ pub(super) struct Held<T> {
 }
 
 impl<T: Valued> Held<T> {
-    /// Returns a fraction of these forces.
+    /// Returns a fraction of the external forces that hold the design position.
     pub(super) fn share(&self, share: T) -> Self {
         Held {
             carrier: self.carrier.each(|c| c * share),
@@ -311,8 +311,8 @@ impl<T: Valued> System<T> {
         }
     }
 
-    /// Returns two results: the derivative of the wheel centre's height with respect to the carrier's motion, and the
-    /// height of the wheel centre above its design position.
+    /// Returns two results. The first is the derivative of the wheel centre's height with respect to the carrier's
+    /// motion. The second is the height of the wheel centre above its design position.
     #[inline(always)]
     fn height(&self, carrier: &Placed<T>) -> ([T; 6], T) {
         let lever = carrier.lever(self.wheel.centre);

@@ -24,7 +24,7 @@ pub(crate) struct AxleStations<'s> {
     pub quantities: Vec<Quantity>,
     /// Derivatives in the design position that the study requests, quantity by quantity.
     pub gains: Vec<AxleColumn>,
-    /// True if some of these derivatives are derivatives with respect to the rack.
+    /// True if some of the requested derivatives (`gains`) are derivatives with respect to the rack.
     pub steers: bool,
     /// Required positions of the axle: first the positions of the motion, then the design position, then positions of targets
     /// that the motion does not contain.

@@ -187,7 +187,7 @@ impl<'a> AxleLanes<'a> {
             return Err(NotInLanes::Stations);
         }
         let rates = quantities.iter().any(|q| q.rate_order() > 0);
-        // Each wheel of a rigid axle moves with both travels.
+        // The pose of each wheel of a rigid axle depends on the travels of both wheels.
         let by_rack = axle.is_rigid() || quantities.iter().any(|q| q.info().by_rack);
         let reader = |side: Side| {
             let slots = quantities.iter().map(|q| q.lane_slots(side));

@@ -1,7 +1,7 @@
 //! Gradients of several designs at a time, one in each SIMD lane.
 //!
-//! Programs that move many designs at once use this module, for example a descent from several starts. An evaluation computes
-//! one of these results:
+//! Programs that change many designs at once use this module, for example an optimisation from several starts. An
+//! evaluation computes one of these results:
 //!
 //! - derivatives of quantities with respect to every hardpoint coordinate, or along directions that move several hardpoints,
 //! - the sum of squared deviations over all stations, with its gradient.

@@ -92,12 +92,12 @@ impl Study {
         tune(&self.vehicle, optimise, control).map_err(|fault| Error::design(self.wheel(), &fault))
     }
 
-    /// Solves the designs of the sweep on all cores. While it runs, it passes the rows of the designs to `sink`, block by block
-    /// in the order of the designs. Memory holds only a few blocks, for any number of designs. Returns the names of the
-    /// columns: first the variables, then the outputs. The sweep ends early if `sink` breaks or the control stops it. `sink`
-    /// has then received all earlier rows, and the method still returns the names. The sweep is complete if the number of
-    /// received designs ([`Rows::designs`]) equals the number of requested designs ([`Sampled::designs`], or the rows of the
-    /// file or table).
+    /// Solves the designs of the sweep on all cores. While it runs, it passes the rows of the designs to `sink`, block
+    /// by block in the order of the designs. Memory holds only a few blocks, for any number of designs. Returns the
+    /// names of the columns: first the variables, then the outputs. The sweep ends early if `sink` breaks or the
+    /// control stops it. `sink` has then received all earlier rows, and the method still returns the names. The number
+    /// of requested designs is [`Sampled::designs`], or the number of rows of the file or table. The sweep is complete
+    /// if [`Rows::designs`] counts as many received designs.
     ///
     /// ```
     /// # extern crate hardpoint_engine as hardpoint;

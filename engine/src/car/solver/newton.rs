@@ -31,8 +31,8 @@ const NEAR: f64 = 2e-3;
 const BESIDE: f64 = 2e-2;
 /// A step below this limit, relative to the sizes of the unknowns, is rounding error.
 pub(super) const ROUNDING: f64 = 8.0 * f64::EPSILON;
-/// Divisor of the largest allowed number of steps. The quotient limits the number of steps that have a new tangent and
-/// are longer than the shortest step so far. Beyond this limit, Newton's method fails.
+/// Divisor of the allowed number of steps. Newton's method fails if more steps than the quotient are longer than the
+/// shortest step so far. Only steps with a new tangent count.
 const MOST_LONGER: usize = 5;
 /// Smallest value of L in (1): relative change of the tangent if the unknowns change by their sizes.
 const CURVATURE: f64 = 100.0;

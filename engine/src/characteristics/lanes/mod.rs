@@ -72,7 +72,7 @@ enum EvaluationRule {
 pub struct LaneAxle<B> {
     /// Columns along x and y of the body's rotation matrix, from the design position.
     pub columns: [Vector3<B>; 2],
-    /// Angular velocities with respect to the drive coordinate, and with respect to the travel that the drive does not
+    /// Angular velocities with respect to two coordinates: the drive coordinate, and the travel that the drive does not
     /// change (mean travel or difference of travels).
     pub turns: [Vector3<B>; 2],
     /// Velocity of the steering axis's point with respect to the travel that the drive does not change.

@@ -95,9 +95,9 @@ impl Study {
     /// Solves the designs of the sweep on all cores. While it runs, it passes the rows of the designs to `sink`, block
     /// by block in the order of the designs. Memory holds only a few blocks, for any number of designs. Returns the
     /// names of the columns: first the variables, then the outputs. The sweep ends early if `sink` breaks or the
-    /// control stops it. `sink` has then received all earlier rows, and the method still returns the names. The number
-    /// of requested designs is [`Sampled::designs`], or the number of rows of the file or table. The sweep is complete
-    /// if [`Rows::designs`] counts as many received designs.
+    /// control stops it. `sink` has then received all earlier rows, and the method still returns the names. The sweep
+    /// is complete if the sum of the received [`Rows::designs`] equals the number of requested designs. That number is
+    /// [`Sampled::designs`], or the number of rows of the file or table.
     ///
     /// ```
     /// # extern crate hardpoint_engine as hardpoint;

@@ -1,5 +1,6 @@
-//! Formulas of results. There are two jacking coefficients: j for side forces along the ground, and J for side forces
-//! across the wheel.
+//! Formulas of results. There are two jacking coefficients. The coefficient j is for side forces in the lateral
+//! direction of the car on the ground. The coefficient J is for side forces in the direction of the tyre's lateral
+//! forces.
 
 pub(super) mod axle;
 pub(super) mod car;

@@ -62,9 +62,9 @@ impl<'a> CarSolver<'a> {
         }
     }
 
-    /// Some results are measured from the car at rest. To these results, adds the heave of the car at rest, with its
-    /// derivatives with respect to the design. This heave does not depend on accelerations, speed, warp and racks of
-    /// the case.
+    /// Adds the heave of the car at rest to results that are measured from the car at rest. Also adds the derivatives
+    /// of this heave with respect to the design. This heave does not depend on the accelerations, speed, warp or racks
+    /// of the case.
     fn add_rest(
         &mut self,
         case: &Case,
@@ -148,7 +148,7 @@ impl<'a> CarSolver<'a> {
         let heave = CarQuantity::Whole(WholeResult::Heave);
         let mut buffers = linearised.each_ref().map(|axle| axle.buffer());
         let value = |quantity: &CarQuantity| match &solved {
-            // The heave of the car at rest is added below.
+            // The call of `add_rest` below adds the heave of the car at rest.
             _ if quantity.is_since_rest() => -heave.evaluate_state(&now),
             Some(solved) if quantity.info().is_rate => quantity.evaluate(solved),
             _ => quantity.evaluate_state(&now),

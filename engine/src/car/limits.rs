@@ -9,10 +9,10 @@
 //! ```
 //!
 //! N_s, the derivative of N with respect to s, comes from the state's exact derivatives with respect to ax and ay. A
-//! bracket (an interval of s) keeps the iteration safe. At its lower end all wheels are on the ground; its upper end is
-//! beyond the first lift. There is no equation for the end of equilibrium, so bisection finds it. Within a bracket, the
-//! solver starts each state from the previous state. If no equilibrium exists, the full search takes far longer than
-//! this. So the full search is only used to confirm the end.
+//! bracket (an interval of s) keeps the iteration safe. At its lower end, all wheels are on the ground. Its upper end
+//! is beyond the first lift. There is no equation for the end of equilibrium, so bisection finds it. Within a bracket,
+//! the solver starts each state from the previous state. The full search for an equilibrium is slow if no equilibrium
+//! exists. So it is only used to confirm the end.
 
 use super::catalogue::{CarQuantity, WheelPlace, WheelResult};
 use super::parameters::{BodyParameter, Parameter};
@@ -24,7 +24,7 @@ use crate::number::Each;
 const MOST: f64 = 5.0;
 /// Step of the acceleration, g.
 const STEP: f64 = 0.1;
-/// Two accelerations count as equal if their difference is below this, g.
+/// Two accelerations count as equal if their difference is below this limit, g.
 const SAME: f64 = 1e-9;
 /// Loads below this fraction of the largest load count as zero.
 const NO_LOAD: f64 = 1e-9;
@@ -38,7 +38,7 @@ pub struct RayLimits {
     pub lift: Option<Lift>,
     /// Largest acceleration with an equilibrium, g, exact up to 2e-6.
     pub end: f64,
-    /// Reason why there is no equilibrium beyond this acceleration; `None` if equilibria exist up to 5 g.
+    /// Reason why there is no equilibrium beyond `end`; `None` if equilibria exist up to 5 g.
     pub why: Option<NoEquilibrium>,
 }
 
@@ -49,7 +49,7 @@ pub struct Lift {
     pub acceleration: f64,
     /// Wheel that lifts.
     pub wheel: WheelPlace,
-    /// True if all other wheels carry load in this state.
+    /// True if all wheels except the lifted wheel carry load in this state.
     pub others_loaded: bool,
 }
 
@@ -228,7 +228,8 @@ impl CarSolver<'_> {
     }
 
     /// Describes the lift in a state, if the smallest wheel load in this state is zero. One last step by equation (1)
-    /// uses poses instead of curves. It reduces this load to rounding error.
+    /// solves the exact poses, instead of the interpolated curves of the wheels. This step reduces the load to rounding
+    /// error.
     fn lift(&mut self, ray: &Ray<'_>, at: &At) -> Option<Lift> {
         let (part, wheel) = at.least();
         let none = 1e3 * NO_LOAD;
@@ -254,8 +255,8 @@ impl CarSolver<'_> {
         })
     }
 
-    /// Finds the last state below an acceleration that seems to have no equilibrium, and the reason for the end. The
-    /// reason is `None` if a search from that state finds an equilibrium at the acceleration.
+    /// Finds the last state below an acceleration that seems to have no equilibrium. Also returns the reason why
+    /// equilibria end there. The reason is `None` if a search from that state finds an equilibrium at the acceleration.
     fn end(
         &mut self,
         ray: &Ray<'_>,

@@ -201,7 +201,7 @@ impl CarSolver<'_> {
         if let (Some(end), Some(_)) = (mechanism.heave_spring(), setup.rocker_springs.heave_spring)
         {
             let [left, right] = [0, 1].each(|k| state.wheels[2 * axle + k].corner.rocker.end[0]);
-            // Vector from the other end to this end, in the frame of this wheel.
+            // Vector from the other end of the heave spring to this wheel's end, in the frame of this wheel.
             let apart = match side {
                 Side::Left => Vector3::new(left.x - right.x, left.y + right.y, left.z - right.z),
                 Side::Right => Vector3::new(right.x - left.x, left.y + right.y, right.z - left.z),
@@ -248,7 +248,8 @@ impl CarSolver<'_> {
         let moment = if self.car.carrier_takes_torque(axle, setting.longitudinal) {
             nothing
         } else {
-            // Shafts from the body carry the torque about the spin axis, so this moment removes it from the carrier.
+            // Shafts from the body, not the carrier, take the torque about the spin axis. So this moment cancels the
+            // torque on the carrier.
             let spin = wheel.corner.spin;
             let lever = wheel.contact - wheel.corner.centre;
             spin * -spin.dot(lever.cross(push))

@@ -25,8 +25,9 @@
 //! S = A f,   X = B p g                                                                                          (3)
 //! ```
 //!
-//! f and g are the wheel's shares of its axle, p is the axle's share of braking or drive. k, N0 and R are the rate of a tyre
-//! spring, its load and the radius at that load. With R_u = R + N0/k and alpha = ax i + ay e + (g + az) n,
+//! f and g are the wheel's shares of the axle's side force and longitudinal force. p is the axle's share of braking or
+//! drive. k is the rate of a tyre spring, and R is the wheel's radius at the load N0. With R_u = R + N0/k and alpha =
+//! ax i + ay e + (g + az) n,
 //!
 //! ```text
 //! rigid tyre       n.W - gamma - R s = 0                                                                        (4)
@@ -37,11 +38,11 @@
 //! ```
 //!
 //! A prime is the derivative with respect to the wheel's own travel, with the body fixed. C' is the velocity of the
-//! carrier's point at C. If the carrier carries the reaction to the torque, B' is C'. Otherwise it is the velocity of a
-//! point that does not rotate with the carrier about the spin axis. U is the energy of springs, stops and bar. Moments are
-//! about the origin; M.x is the work of a roll.
+//! carrier's point at C. If the carrier carries the reaction to the torque, B' is C'. Otherwise B' is the velocity of a
+//! point that does not rotate with the carrier about the spin axis. U is the energy of springs, stops and bar. Moments
+//! are about the origin, and M.x is the work per roll angle.
 //!
-//! Divided by n.C', equation (7) splits each wheel load exactly:
+//! If equation (7) is divided by n.C', each wheel load is the exact sum of four components:
 //!
 //! ```text
 //! N = U_z/(n.C')  -  S lambda.C'/(n.C')  -  X t.B'/(n.C')  +  m_b alpha.W'/(n.C')                               (9)
@@ -127,7 +128,7 @@ pub struct Car {
     pub mass: f64,
     /// Unit in which studies and results give masses.
     pub mass_unit: MassUnit,
-    /// Centre of gravity of this mass in the design position.
+    /// Centre of gravity of `mass` in the design position.
     pub cg: Vector3<f64>,
     /// Fraction of the braking force on the front axle.
     pub brake_share_front: Option<f64>,
@@ -165,7 +166,8 @@ pub struct Tyre {
     pub load: Option<f64>,
 }
 
-/// Aerodynamic forces. They act along -n and -i, at points of the body.
+/// Aerodynamic forces at points of the body. Downforce acts down along the normal of the ground (-n). Drag acts
+/// rearward along the ground (-i).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Air {
     /// Density, kg/m3.
@@ -181,8 +183,8 @@ pub struct Air {
 pub struct AirForce {
     /// Point of the body at which the force acts.
     pub point: Vector3<f64>,
-    /// Coefficient times area, m2. With the ride heights hf and hr, these are the factors of 1, hf, hr, hf^2, hf hr and
-    /// hr^2.
+    /// Coefficient times area, m2, as a quadratic polynomial of the ride heights hf and hr. The numbers are the factors
+    /// of 1, hf, hr, hf^2, hf hr and hr^2.
     pub area: [f64; 6],
 }
 

@@ -99,7 +99,7 @@ impl Moves {
             format!("{}{separator}{name}", crate::car::AXLE_NAMES[at.axle])
         };
         let mut names: Vec<String> = points.iter().map(name).collect();
-        // The same point can move in several coordinates.
+        // A point that moves in several coordinates is listed once.
         names.dedup();
         let first = points.first().map(|at| at.axis);
         let axis = first.filter(|axis| points.iter().all(|at| at.axis == *axis));

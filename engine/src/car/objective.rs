@@ -71,7 +71,8 @@ impl Objective<'_> {
         (equalities, count)
     }
 
-    /// Returns a visible unit of each constraint, in the unit of the constraint.
+    /// Returns the violation of each constraint that counts as 1 in its rows, in the unit of the constraint. Its size
+    /// is visible in practice, such as 1 mm or 1 degree.
     pub(super) fn visible_units(&self) -> Vec<f64> {
         let of_cases = self.goals.constraints.iter().map(|own| own.visible);
         let of_rigs = self.rigs.iter().flat_map(RigRows::visible_units);

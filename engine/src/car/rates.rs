@@ -52,7 +52,7 @@ enum Direction {
     Body(usize),
 }
 
-/// Those directions that are parameters, in the order of [`DIRECTIONS`].
+/// Parameters among the [`DIRECTIONS`], in the same order.
 const PARAMETERS: [BodyParameter; 3] = [BodyParameter::Ay, BodyParameter::Ax, BodyParameter::Warp];
 
 const DIRECTIONS: [Direction; 6] = [
@@ -65,7 +65,7 @@ const DIRECTIONS: [Direction; 6] = [
 ];
 
 impl Plain {
-    /// Computes these numbers. `None` if the equations are singular.
+    /// Computes the numbers from which the derivatives of a state follow. `None` if the equations are singular.
     pub(super) fn of<R: WheelParts<f64>>(
         base: &Base<'_, '_, R>,
         parameters: &Parameters<f64>,

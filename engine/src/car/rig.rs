@@ -50,7 +50,7 @@ impl<'a> RigRows<'a> {
         self.goals.optimise.constraints.len()
     }
 
-    /// Visible unit of each constraint, in the unit of the constraint.
+    /// Violation of each constraint that counts as 1 in its rows, in the unit of the constraint.
     pub(super) fn visible_units(&self) -> impl Iterator<Item = f64> {
         let constraints = self.goals.optimise.constraints.iter();
         constraints.map(|own| own.parts.last().map_or(1.0, |part| part.visible))
@@ -91,9 +91,9 @@ impl<'a> RigRows<'a> {
         DVector::from_iterator(self.goals.columns.len(), own)
     }
 
-    /// Writes the residuals to the rows from `first` on. The axle's own problem scales residuals for the misfit of the
-    /// axle. In the car's problem, the factor on each squared residual is the weight of the target divided by its
-    /// number of stations.
+    /// Writes the residuals to the rows from `first` on, with the factors of the car's problem. There, the factor on
+    /// each squared residual is the weight of the target divided by its number of stations. `scale` is the factor on
+    /// all residuals of the car.
     pub(super) fn write_residuals(&self, first: usize, scale: f64, into: &mut Linearisation) {
         let own = &self.assessment.goal;
         let rows = own.residuals.len();

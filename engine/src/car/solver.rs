@@ -43,9 +43,9 @@ pub struct CarSolver<'a> {
     /// States of the car at rest, on rigid and on elastic tyres; `None` until they are solved.
     pub(super) rests: [Option<Result<Equilibrium, NoEquilibrium>>; 2],
     pub(super) axles: [AxleSolver<'a, TERMS>; 2],
-    /// Curves of the wheels along their travels. `None` if a wheel does not depend on its own travel alone.
+    /// Curves of the wheels along their travels. `None` if a wheel depends on more than its own travel.
     curves: Option<Box<[WheelCurve; 4]>>,
-    /// Memory for wheels on their curves. It is reused.
+    /// Reused memory for the wheels that are computed from their curves.
     spare: Option<Box<OnCurves>>,
 }
 

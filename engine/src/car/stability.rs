@@ -14,10 +14,10 @@
 //! f.C f > 0   for every f,                                                                                        (2)
 //! ```
 //!
-//! still means that the body moves in the sense of every force. This condition is sufficient but not necessary. For
-//! example, a car that brakes hard with strong anti-features violates (2), while its loads change smoothly and all wheels
-//! stay on the ground. The state ends where it cannot follow the load. Let the accelerations be s times those of the case.
-//! Along the states x(s) that begin at rest,
+//! still means that the body moves in the direction of every force. This condition is sufficient but not necessary. For
+//! example, a car that brakes hard with strong anti-features violates (2), while its loads change smoothly and all
+//! wheels stay on the ground. Equilibria end where the state cannot follow the load. Let the accelerations be s times
+//! those of the case. Along the states x(s) that begin at rest,
 //!
 //! ```text
 //! G_x x' = -G_s.                                                                                                  (3)
@@ -31,25 +31,27 @@
 //! gap_b' (lifted) = -(gap_b.v)/(N_b.v) N_b' (down),      (gap_b.v)/(N_b.v) = det G_x (down)/det G_x (lifted)      (4)
 //! ```
 //!
-//! The load falls towards the lift. If both determinants have the same sign, the gap grows beyond the lift. Otherwise both
-//! branches lie on the same side of s, and the path turns back. With a tyre spring, N_b - k p = 0 replaces gap_b = 0, and
-//! the penetration p is a positive multiple of -gap_b. The sign in (4) is then the same. So a state is accepted if
+//! The wheel load decreases towards the lift. If both determinants have the same sign, the gap grows beyond the lift.
+//! Otherwise both branches lie on the same side of s, and the path turns back. With a tyre spring, N_b - k p = 0
+//! replaces gap_b = 0, and the penetration p is a positive multiple of -gap_b. The sign in (4) is then the same. So a
+//! state is accepted if
 //!
 //! ```text
 //! (2) holds there, or (2) holds at rest and det G_x keeps its sign on the whole path from rest.                   (5)
 //! ```
 //!
-//! The motion of the body at the end of stability is classified as follows. Let f and e be the heights of the body over the
-//! middle of the front and the rear axle, and r half the difference of its heights over the left and the right wheels:
+//! The motion of the body at the end of stability is classified as follows. Let f and e be the heights of the body over
+//! the middle of the front and the rear axle. Let r be half the difference of the body's heights over the left and the
+//! right wheels:
 //!
 //! ```text
 //! (f, e, r) = T q,      S = T C T^T.                                                                              (6)
 //! ```
 //!
-//! Towards a fold, one motion grows without bound, and all columns of S approach its direction. The car tips if r is the
-//! largest part of that motion, or if f and e have opposite signs and similar sizes. Otherwise the body sinks at an axle.
-//! At rest, a column whose diagonal element is negative has the direction. If the path turns back at a lift, S stays
-//! bounded, and the car tips.
+//! Towards a fold, one motion grows without bound, and all columns of S approach its direction. The car tips if r is
+//! the largest part of that motion, or if f and e have opposite signs and similar sizes. Otherwise the body sinks at an
+//! axle. At rest, the direction of the motion is the column of S with the most negative diagonal element. If the path
+//! turns back at a lift, S stays bounded, and the car tips.
 
 use super::equations::{GROUND, LOADS, PITCH, PITCH_MOMENT, ROLL, ROLL_MOMENT, UNKNOWNS, VERTICAL};
 use super::solver::{CarSolver, Equilibrium, LONGEST_TRAVEL, LONGEST_TURN, Start};
@@ -199,7 +201,8 @@ impl CarSolver<'_> {
                     }
                     continue;
                 }
-                // If no set of contacts fits, both branches of (4) are on the side from which the path came.
+                // If no set of wheels in contact fits, the path turns back: both branches of (4) are on the side from
+                // which the path came.
                 Ok(_)
                 | Err(
                     NoEquilibrium::NotFound

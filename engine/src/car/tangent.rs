@@ -56,8 +56,8 @@ impl Factors {
 /// Numbers with derivatives with respect to all unknowns.
 type Wide = Dual<f64, UNKNOWNS>;
 
-/// Converts a number with derivatives with respect to these unknowns, in this order, to a number with derivatives with
-/// respect to all unknowns.
+/// Converts a number with derivatives with respect to a list of unknowns. The result has derivatives with respect to
+/// all unknowns.
 fn widened<const N: usize>(narrow: Dual<f64, N>, unknowns: [usize; N]) -> Wide {
     let mut wide = Wide {
         value: narrow.value,

@@ -109,12 +109,13 @@ pub struct CarTuning {
     pub misfit_before: Option<f64>,
     /// All starts, and the index of the best.
     pub starts: Multistart,
-    /// Missed targets that the variables do not change enough. The indices run over the targets of the cases, of the front
-    /// rig and of the rear rig.
+    /// Missed targets on which the variables have no effect or too little effect. The indices run over the targets of
+    /// the cases, of the front rig and of the rear rig.
     pub unmoved: Unmoved,
     /// Indices of violated constraints that no variable changes, in the order of `contradiction`.
     pub unmoved_constraints: Vec<usize>,
-    /// Price of each constraint, in the order of `contradiction`.
+    /// Price of each constraint, in the order of `contradiction`: reduction of the misfit per unit by which the limit
+    /// moves outwards.
     pub prices: Vec<Price>,
     /// Indices of constraints that cannot all be satisfied together. The indices run over the cases, the front rig and
     /// the rear rig. Without any one of these constraints, the others could be satisfied. Empty if all constraints can
@@ -198,7 +199,7 @@ pub fn tune(
     Ok(tuning)
 }
 
-/// Finds the missed targets that the variables do not change enough.
+/// Finds the missed targets on which the variables have no effect or too little effect.
 fn unmoved(
     objective: &Objective<'_>,
     starts: &Multistart,
@@ -226,7 +227,8 @@ fn unmoved(
     residuals.unmoved(&rms, &fit.evaluation)
 }
 
-/// Returns the price of each constraint, and the indices of violated constraints that no variable changes.
+/// Returns the price of each constraint (reduction of the misfit per unit of its limit). Also returns the indices of
+/// violated constraints that no variable changes.
 fn limits(objective: &Objective<'_>, fit: &Fit) -> (Vec<Price>, Vec<usize>) {
     let Some(state) = &fit.constraints else {
         return (Vec::new(), Vec::new());

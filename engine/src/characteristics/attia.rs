@@ -8,7 +8,7 @@ use super::{Need, Slot, Unit, formulas};
 use crate::number::{Real, Vector3};
 
 formulas! {
-    /// Front-view inclination of the line 5-7.
+    /// Front-view inclination of the line from point 5 (`lower_ball_joint`) to point 7 (`strut_upper`).
     AttiaKingpin {
         name: "attia_kingpin",
         unit: Unit::Angle,
@@ -22,7 +22,8 @@ formulas! {
         attia_kingpin(now.steering_point, now.strut_upper)
     };
 
-    /// Front-view inclination of the line 7-10 from the lateral direction.
+    /// Front-view inclination of the line from point 7 (`strut_upper`) to point 10 (`wheel_centre`), from the lateral
+    /// direction.
     AttiaCamber {
         name: "attia_camber",
         unit: Unit::Angle,

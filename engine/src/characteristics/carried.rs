@@ -14,23 +14,23 @@ pub struct CarriedForce {
     pub force: Vector3<f64>,
     /// Moment of the load, in units of force times length.
     pub moment: Vector3<f64>,
-    /// Support that holds the suspension under the load.
+    /// Support that balances the load: the spring, or a vertical force at the wheel centre.
     pub support: Support,
-    /// Reaction that gives the force.
+    /// Reaction whose value is the force, such as the tension of a rod.
     pub what: Carried,
 }
 
 impl CarriedForce {
-    /// Slots that determine the point where a load acts.
+    /// Inputs (slots) that determine the point where a load acts.
     pub(crate) const READS: &'static [Slot] = &[Slot::SpinAxis, Slot::Centre];
 
-    /// Rocker through which the spring holds the suspension.
+    /// Rocker that transmits the spring force, if the spring is the support.
     pub(super) fn rocker(&self, mechanism: &Mechanism) -> Option<RockerId> {
         self.support.rocker(mechanism)
     }
 
-    /// Value of the reaction as a series, from the balance of forces under this load and with this support. `view` must have
-    /// read spin axis and wheel centre.
+    /// Value of the reaction as a series along the motion. The value follows from the balance of forces under this load
+    /// and with this support. `view` must have read spin axis and wheel centre.
     pub fn value<const N: usize>(
         &self,
         view: &WheelReading<N>,

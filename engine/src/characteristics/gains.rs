@@ -42,7 +42,8 @@ fn moving<T: Real>(
     )
 }
 
-/// Inputs with these two directions, which are the only possible inputs of an angle. Every other number is `filling`.
+/// Inputs of an angle. Only spin axis and steering direction can be inputs of an angle, so every other number is
+/// `filling`.
 #[inline(always)]
 fn of_directions<T: Real>(
     spin_axis: Vector3<T>,
@@ -94,7 +95,8 @@ impl Characteristic {
     }
 }
 
-/// Derivative of an angle with respect to the drive, from the rates of its direction. `None` for other characteristics.
+/// Derivative of an angle with respect to the drive coordinate, from the rates of its direction. `None` for other
+/// characteristics.
 #[inline(always)]
 pub(super) fn by_drive<T: Real>(c: Characteristic, inputs: &Inputs<T>) -> Option<T> {
     let rate = &inputs.rate;
@@ -131,7 +133,7 @@ pub(super) fn by_direction_along<T: Real>(
     ))
 }
 
-/// Rate of an angle if its direction changes at this rate. The compiler makes a separate function.
+/// Rate of an angle if its direction changes at this rate. This code is compiled as a separate function.
 #[inline(always)]
 fn slope_outlined<F: Formula, T: Real>(inputs: &Inputs<T>, direction: Vector3<T>) -> T {
     outlined!(
@@ -166,7 +168,7 @@ macro_rules! gains {
             }
         )*
 
-        /// Angle of which this quantity is the gain.
+        /// Angle whose derivative with respect to travel is this gain.
         pub(super) fn angle_of_gain(c: Characteristic) -> Option<Characteristic> {
             match c {
                 $(Characteristic::$gain => Some(Characteristic::$angle),)*

@@ -165,7 +165,8 @@ pub struct InstantCentres {
 }
 
 impl InstantCentres {
-    /// Instantaneous centres of a suspension in a configuration with its first derivatives with respect to the drive.
+    /// Instantaneous centres of a suspension in a configuration with its first derivatives with respect to the drive
+    /// coordinate.
     pub fn of(suspension: &Suspension, at: &Configuration<Jet<f64, 2>>) -> Self {
         if suspension.wheel_radius.is_none() {
             return InstantCentres::default();

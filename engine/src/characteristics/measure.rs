@@ -152,12 +152,12 @@ impl Measure {
         }
     }
 
-    /// Order of the derivatives with respect to the drive that the value contains: 0 or 1.
+    /// Order of the derivatives with respect to the drive coordinate that the value contains: 0 or 1.
     pub fn rate_order(&self) -> usize {
         self.quantity().map_or(0, Quantity::rate_order)
     }
 
-    /// Slots of wheel and steering axis that the measure reads.
+    /// Inputs (slots) of wheel and steering axis that the measure reads.
     pub fn reads(&self) -> &'static [Slot] {
         match self {
             Measure::Quantity(quantity) => quantity.reads(),
@@ -309,11 +309,12 @@ impl Measure {
     /// Reason for a missing derivative of an angle.
     pub const KINK: &'static str = "the angle of the joint is 0, where it has a kink";
 
-    /// Smallest angle in rad with derivatives. Rounding errors turn the direction of the stud by about 1e-15 rad. Below this
-    /// angle, they would change the derivatives by more than 1e-6 of their value.
+    /// Smallest angle, in rad, at which derivatives are computed. Rounding errors rotate the direction of the stud by
+    /// about 1e-15 rad. At smaller angles, these errors would change the derivatives by more than 1e-6 of their value.
     const LEAST_ANGLE: f64 = 1e-9;
 
-    /// Versine of an angle that has derivatives: exactly 0, without derivatives, below [`Self::LEAST_ANGLE`].
+    /// Versine (1 minus the cosine) of an angle. Below [`Self::LEAST_ANGLE`], the versine is exactly 0 and has no
+    /// derivatives.
     fn versine_of_angle<T: Scalar>(versine: T) -> T {
         let least = 0.5 * Self::LEAST_ANGLE * Self::LEAST_ANGLE;
         if versine.value() < least {
@@ -323,8 +324,9 @@ impl Measure {
         }
     }
 
-    /// Value that outputs show: the angle in rad if the measure is 1 minus its cosine, else the value itself. 1 - cos a = v
-    /// gives a = 2 asin(sqrt(v/2)), which is accurate for small angles, too.
+    /// Value that outputs show. If the measure is 1 minus the cosine of an angle, the shown value is this angle in rad.
+    /// Otherwise it is the measure itself. 1 - cos a = v gives a = 2 asin(sqrt(v/2)), which is accurate for small
+    /// angles, too.
     pub fn shown<T: Scalar>(&self, at: &Configuration<T>) -> T {
         let value = self.value(at);
         if self.is_versine() {
@@ -335,9 +337,9 @@ impl Measure {
         }
     }
 
-    /// Computes gradients with respect to every hardpoint coordinate: gradients of the shown value, and gradients of the
-    /// derivatives of this value with respect to the drive, up to the order `highest`. `buffer` has one entry per point.
-    /// `receive` gets the order, the point and the gradient, for every order and point.
+    /// Computes gradients of the shown value with respect to every hardpoint coordinate. Also computes the gradients of
+    /// its derivatives with respect to the drive coordinate, up to the order `highest`. `buffer` has one entry per
+    /// point. `receive` gets the order, the point and the gradient, for every order and point.
     ///
     /// With f the measure's formula and v_k its vectors, the seed series are df/dv_k. For an angle they are multiplied by
     /// da/dv = 1/sqrt(v (2 - v)).

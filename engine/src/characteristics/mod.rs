@@ -168,7 +168,7 @@ impl Characteristic {
     }
 }
 
-/// Value of a formula. The compiler makes a separate function.
+/// Value of a formula. This code is compiled as a separate function.
 #[inline(always)]
 fn value_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> T {
     outlined!(
@@ -203,7 +203,7 @@ fn constants<T: Real>(inputs: &Inputs<T>, reads: &[Slot]) -> Inputs<Dual<T, 3>> 
     constants_inline(inputs, reads)
 }
 
-/// Inputs of a formula as constants, inlined.
+/// Inputs of a formula as constants, computed inside the calling function.
 #[inline(always)]
 fn constants_inline<T: Real>(inputs: &Inputs<T>, reads: &[Slot]) -> Inputs<Dual<T, 3>> {
     let nothing = Dual::constant(inputs.turn.x.constant(f64::NAN));

@@ -12,8 +12,8 @@ pub enum Quantity {
     Characteristic(Characteristic),
     /// A coordinate of a point.
     Coordinate(PointId, Axis),
-    /// A component of the knuckle's angular velocity with respect to the drive. Its first derivative is the angular
-    /// acceleration.
+    /// A component of the knuckle's angular velocity with respect to the drive coordinate. Its first derivative is the
+    /// angular acceleration.
     AngularVelocity(Axis),
 }
 
@@ -26,8 +26,8 @@ impl Quantity {
         }
     }
 
-    /// Order of the derivatives with respect to the drive that the value contains: 1 for a quantity that contains
-    /// velocities, else 0.
+    /// Order of the derivatives with respect to the drive coordinate that the value contains: 1 for a quantity that
+    /// contains velocities, else 0.
     #[inline]
     pub fn rate_order(self) -> usize {
         match self {
@@ -37,7 +37,7 @@ impl Quantity {
         }
     }
 
-    /// Slots that the formula reads. Empty for coordinates, which are read directly from the configuration.
+    /// Inputs (slots) that the formula reads. Empty for coordinates, which are read directly from the configuration.
     #[inline]
     pub fn reads(self) -> &'static [Slot] {
         match self {
@@ -57,8 +57,9 @@ impl Quantity {
         asked.rockers(mechanism).collect()
     }
 
-    /// Returns true if the quantity is a derivative with respect to the drive, so that its value depends on the kind of
-    /// drive. Characteristics that contain velocities are ratios of velocities, so they do not depend on the drive.
+    /// Returns true if the quantity is a derivative with respect to the drive coordinate, so that its value depends on
+    /// the kind of drive. Characteristics that contain velocities are ratios of velocities, so they do not depend on
+    /// the drive.
     pub fn is_rate(self) -> bool {
         matches!(self, Quantity::AngularVelocity(_))
     }

@@ -11,7 +11,7 @@ use crate::mechanism::Configuration;
 use crate::model::{Mechanism, PointId, RockerId};
 use crate::number::{Real, Vector3};
 
-/// A part of a pose, with its derivative with respect to the drive if known.
+/// A part of a pose, with its derivative with respect to the drive coordinate if known.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moving<V> {
     pub(super) now: V,
@@ -83,7 +83,7 @@ impl<T: Real> Inputs<T> {
         }
     }
 
-    /// Reads these slots from a pose, with their derivatives if the pose knows them.
+    /// Reads the inputs for these slots from a pose, with their derivatives if the pose knows them.
     #[inline(always)]
     pub(super) fn read(
         &mut self,
@@ -227,7 +227,7 @@ pub(super) struct ReadSet {
 }
 
 impl ReadSet {
-    /// Parts of a pose that these slots need.
+    /// Parts of a pose that are needed for the inputs (slots) in this set.
     pub(super) fn by(mechanism: &Mechanism, slots: Slots) -> Self {
         let mut asked = ReadSet::default();
         Inputs::unknown(f64::NAN, Constants::default()).read(&mut asked, mechanism, slots);
@@ -275,7 +275,8 @@ mod tests {
     use std::cell::Cell;
     use std::path::Path;
 
-    /// If a suspension has the part of a slot, reading only this slot fills the input that formulas read.
+    /// For each slot whose part exists in a suspension, the test reads only this slot. The input that formulas read
+    /// must then have a value.
     #[test]
     fn every_slot_is_read_to_where_it_is_kept() {
         let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies");

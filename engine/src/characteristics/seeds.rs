@@ -6,7 +6,8 @@ use crate::mechanism::Configuration;
 use crate::number::{Outlined, Real, Vector3};
 
 impl Slot {
-    /// Adds a seed for the part of this slot. If the slot is a rate, the seed is added to the part itself.
+    /// Adds a seed for the quantity of this slot. If the slot is the rate of a quantity, the seed is added to the
+    /// quantity itself.
     #[inline(always)]
     pub(crate) fn push<T: Real, G: Gradient<T> + ?Sized>(
         self,

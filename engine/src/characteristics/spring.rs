@@ -1,7 +1,7 @@
 //! Spring, rocker and anti-roll bar.
 //!
 //! l is the length of the spring or strut, s the vector from its lower to its upper end, W the wheel centre. Primes are
-//! derivatives with respect to the drive.
+//! derivatives with respect to the drive coordinate.
 
 use super::{Need, Slot, Unit, formulas};
 

@@ -1,5 +1,5 @@
-//! Conditions under which a characteristic has no value by its definition, in words. Tables show them as the reason for
-//! empty cells.
+//! Descriptions, in words, of the conditions under which a characteristic is not defined. Tables show them as the
+//! reason for empty cells.
 
 use super::Characteristic;
 

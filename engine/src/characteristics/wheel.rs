@@ -1,11 +1,11 @@
-//! Inputs of formulas: the wheel, its steering axis, and their derivatives with respect to the drive.
+//! Inputs of formulas: the wheel, its steering axis, and their derivatives with respect to the drive coordinate.
 
 use super::Constants;
 use crate::mechanism::Ground;
 use crate::number::{Dual, Jet, Real, Vector3};
 
-/// Defines the parts of a wheel, one per line. The result is [`Wheel`] with its fields, the names of these fields as data,
-/// and the slots that read each field.
+/// Defines the parts of a wheel, one per line. The result is [`Wheel`] with its fields, the list of their names, and
+/// the slots that read each field.
 macro_rules! wheel {
     (
         vectors { $($(#[$about_vector:meta])* $vector:ident: $Vector:ident [$($of_vector:ident),+];)* }
@@ -55,7 +55,7 @@ macro_rules! wheel {
         }
 
         impl<T> Wheel<T> {
-            /// Makes the wheel from the parts that these functions return.
+            /// Makes the wheel. The two functions return its vectors and its numbers.
             #[inline(always)]
             pub(crate) fn of_parts(
                 vector: impl Fn(VectorPart) -> Vector3<T>,
@@ -189,9 +189,9 @@ impl<T: Copy> DesignWheel<T> {
 pub struct Inputs<T> {
     /// Wheel in the present pose.
     pub now: Wheel<T>,
-    /// Derivatives of `now` with respect to the drive.
+    /// Derivatives of `now` with respect to the drive coordinate.
     pub rate: Wheel<T>,
-    /// Angular velocity of the knuckle with respect to the drive.
+    /// Angular velocity of the knuckle with respect to the drive coordinate.
     pub turn: Vector3<T>,
     /// Wheel in the design position.
     pub design: DesignWheel<T>,
@@ -202,8 +202,9 @@ pub struct Inputs<T> {
 /// Defines the slots, one per line: kind (vector or number), and field in [`Inputs`].
 macro_rules! slots {
     ($($slot:ident: $kind:ident $($place:ident).+;)*) => {
-        /// A part of [`Inputs`] that a formula may read. A slot that is a number uses the first component of a vector. The
-        /// plan computes only the slots that formulas read, and sensitivities are seeded slot by slot.
+        /// Input of a formula: one vector or one number of [`Inputs`]. A slot that is a number uses the first component
+        /// of a vector. The plan computes only the slots that formulas read. Each slot has its own seed in the
+        /// computation of sensitivities.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Slot {
             $(#[doc = concat!("`", stringify!($($place).+), "`, a ", stringify!($kind))] $slot,)*
@@ -273,7 +274,7 @@ impl Slots {
     /// All slots.
     pub const ALL: Slots = Slots(u32::MAX);
 
-    /// Returns true if the set contains a slot.
+    /// Returns true if the set contains a slot (an input of a formula).
     #[inline]
     pub fn contains(self, slot: Slot) -> bool {
         self.0 & (1 << slot as u32) != 0
@@ -320,7 +321,7 @@ impl Slot {
     /// Largest number of slots that one formula may read.
     pub const MOST: usize = 4;
 
-    /// Returns true if the slot is a velocity.
+    /// Returns true if the slot (an input of a formula) is a velocity.
     #[inline]
     pub const fn is_rate(self) -> bool {
         matches!(

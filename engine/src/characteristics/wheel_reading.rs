@@ -6,12 +6,12 @@ use crate::mechanism::Configuration;
 use crate::model::{Axis, PointId};
 use crate::number::{Jet, Real, Vector3, array_of};
 
-/// A pose whose values can be read. Each series has `N` coefficients.
+/// Inputs of formulas, read from a pose as series with `N` coefficients. The values are computed from these inputs.
 pub struct WheelReading<const N: usize> {
     inputs: Inputs<Jet<f64, N>>,
 }
 
-/// Vector with only this component.
+/// Returns a vector with the component `value` along `axis`. The other components are zero.
 #[inline]
 fn along<T: Real>(axis: Axis, value: T) -> Vector3<T> {
     let zero = value.zero();
@@ -27,7 +27,7 @@ impl<const N: usize> WheelReading<N> {
         WheelReading::reading(at, constants, Slots::ALL)
     }
 
-    /// Reads only these slots of a configuration, otherwise like [`WheelReading::of`]. All other slots are NaN.
+    /// Reads only these slots of a configuration. All other slots are NaN. [`WheelReading::of`] reads all slots.
     pub fn reading(at: &Configuration<Jet<f64, N>>, constants: Constants, slots: Slots) -> Self {
         let nothing = Jet([f64::NAN; N]);
         let mut inputs = Inputs::of_configuration(at, nothing, constants, slots);
@@ -66,9 +66,9 @@ impl<const N: usize> WheelReading<N> {
         c.evaluate(&self.inputs)
     }
 
-    /// Computes gradients with respect to every hardpoint coordinate: gradients of a quantity, and gradients of the derivatives
-    /// of this quantity with respect to the drive, up to the order `highest`. `buffer` has one entry per point. `receive` gets
-    /// the order, the point and the gradient, for every order and point.
+    /// Computes gradients of a quantity with respect to every hardpoint coordinate. Also computes the gradients of its
+    /// derivatives with respect to the drive coordinate, up to the order `highest`. `buffer` has one entry per point.
+    /// `receive` gets the order, the point and the gradient, for every order and point.
     #[inline]
     pub fn gradients(
         &self,
@@ -132,8 +132,8 @@ impl<const N: usize> WheelReading<N> {
     }
 }
 
-/// Passes the derivatives of gradients with respect to the drive to `receive`, up to the order `highest`. `buffer` has one
-/// gradient per point.
+/// Passes the derivatives of gradients with respect to the drive coordinate to `receive`, up to the order `highest`.
+/// `buffer` has one gradient per point.
 pub(super) fn each_derivative<const N: usize>(
     buffer: &[Vector3<Jet<f64, N>>],
     highest: usize,

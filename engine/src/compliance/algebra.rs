@@ -1,13 +1,13 @@
 //! Small matrices, and rotations stored as their difference from the identity.
 //!
-//! The difference D = R - I keeps all digits of a rotation near the identity. A point at the lever l moves by u + D l (1). A
-//! small rotation w takes D to
+//! The difference D = R - I keeps all digits of a rotation near the identity. A point at the lever l moves by u + D l
+//! (1). A small rotation w changes D to
 //!
 //! ```text
 //! D + E + E D,   E = (2 r^ + 2 r^ r^)/(1 + r.r),   r = w/2                                       (2)
 //! ```
 //!
-//! (r^ is the cross-product matrix of r). E is exactly a rotation less the identity, and equals w^ to first order. So
+//! (r^ is the cross-product matrix of r). E is exactly a rotation minus the identity, and equals w^ to first order. So
 //! Newton's method converges quadratically with it. The rotation vector follows from the parts of R,
 //!
 //! ```text
@@ -320,7 +320,7 @@ mod tests {
     fn the_logarithm_inverts_turns() {
         for angle in [1e-9, 1e-3, 0.031, 0.032, 0.4, 1.9, 3.0] {
             let axis = Vector3::new(2.0, -1.0, 2.0) * (1.0 / 3.0);
-            // Two rotations by this Cayley vector give the angle.
+            // Two equal rotations, each with this Cayley vector, give a rotation by the angle.
             let step = axis * (2.0 * (angle / 4.0_f64).tan());
             let body = Placed::design(0.0)
                 .moved(axis.zero(), step)

@@ -25,7 +25,7 @@ pub(super) struct Built<T> {
     pub(super) reference: Vector3<T>,
     pub(super) bushings: Vec<BushingPlace>,
     pub(super) links: Vec<LinkPlace>,
-    /// Names of the parts with inner unknowns, for messages.
+    /// Names of the parts with own degrees of freedom, for messages.
     pub(super) names: Vec<String>,
     pub(super) places: Places,
 }
@@ -278,7 +278,7 @@ impl<T: Scalar> Builder<'_, T> {
                 Constraint::StrutLine { top, lower, upper } => self.strut(top, lower, upper),
                 Constraint::Revolute { first, second } => self.hinge(first, second),
                 Constraint::BallJoint { at } => self.ball_joint(at),
-                // A study cannot contain elastic parts for these constraints.
+                // A study cannot contain elastic parts for the constraints below.
                 Constraint::AxleTravel { .. }
                 | Constraint::Mount { .. }
                 | Constraint::ArmJoint { .. } => {}

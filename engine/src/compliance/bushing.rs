@@ -109,7 +109,7 @@ impl<T: Valued> Outlined for LargeCoefficient<T> {
         let square = rotation.vector.norm_squared();
         let one = square.one();
         let inverse = one / square;
-        // This is cot(t/2)/(2t), because the sine vector and the rotation vector are parallel.
+        // The next value is cot(t/2)/(2t), because the sine vector and the rotation vector are parallel.
         let sine_by_angle = rotation.sine.dot(rotation.vector);
         let cotangent = (one + rotation.cosine) / (sine_by_angle + sine_by_angle);
         let half = one.constant(0.5);

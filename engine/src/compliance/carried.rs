@@ -20,7 +20,7 @@ pub(crate) enum MemberPart {
     Rod(usize),
     /// Tension of a rod with axial stiffness, with its index.
     ElasticRod(usize),
-    /// Tension of a link with bushings, with the index of the link among the parts with inner unknowns.
+    /// Tension of a link with bushings, with the index of the link among the parts with own degrees of freedom.
     Link(usize),
     /// Component of the force on the wheel carrier at a joint.
     Joint(PointId, Axis),
@@ -34,7 +34,7 @@ pub(crate) enum MemberPart {
     Spring,
 }
 
-/// One of the forces in the results.
+/// Force of one part of the suspension, as it appears in the results.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ElasticMember {
     /// Suffix of a column name: the name of the load comes before it.

@@ -11,8 +11,8 @@ use super::limb::{BESIDE, Beside, Sum, TWIST_BESIDE, joined};
 use super::system::Equations;
 use crate::number::{Each, Matrix3, Scalar, Vector3};
 
-/// Number of coordinates of a holder in addition to the carrier's six: shift of the rack, twist of the bar, and three
-/// displacements of a spring's upper end.
+/// Number of coordinates of a holder in addition to the carrier's six coordinates. These are the shift of the rack, the
+/// twist of the bar, and three displacements of a spring's upper end.
 const EXTRA: usize = 5;
 
 impl<T: Scalar> Coupling<T> {

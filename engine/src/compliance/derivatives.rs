@@ -77,8 +77,8 @@ impl<T: Scalar> ElasticWheel<T> {
             }
             Change::Travel => right[equations.size - 1] = system.like().one(),
             Change::Rack => {
-                // The derivatives with respect to the rack displacement enter through these equations. In equilibrium,
-                // an eliminated unknown contributes only the derivative of its residual.
+                // The equations contain the rack displacement, so their residuals give the derivatives with respect to
+                // it. In equilibrium, an eliminated unknown contributes only the derivative of its residual.
                 let dual = self.built.system_over(Dual::<T, 1>::constant);
                 let mut moving = task.map(Dual::constant);
                 moving.rack.partials[0] = system.like().one();
@@ -154,7 +154,7 @@ impl<T: Scalar> ElasticWheel<T> {
         moving
     }
 
-    /// Converts an equilibrium to a state and a task in which another quantity is held.
+    /// Converts an equilibrium to a state and its inputs, in which another quantity is held.
     pub(super) fn held_as(&self, from: &Equilibrium<T>, held: HeldQuantity) -> (State<T>, Task<T>) {
         self.built
             .system
@@ -163,7 +163,7 @@ impl<T: Scalar> ElasticWheel<T> {
 }
 
 impl<T: Valued> System<T> {
-    /// Converts a state and its task, so that another quantity is held.
+    /// Converts a state and its inputs, so that another quantity is held.
     #[inline(always)]
     pub(super) fn held_as(
         &self,

@@ -122,7 +122,7 @@ pub struct EquilibriumEnd {
 /// Range of values in which the search looks for an end.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
-    /// Typical value: steps are never relative to less than this.
+    /// Typical value. If the present value is smaller, steps are relative to the typical value.
     usual: f64,
     /// Value at which the search ends; negative in the negative direction.
     farthest: f64,
@@ -228,8 +228,8 @@ pub(super) trait Followable {
     type State: Copy;
     /// Loads, heights and rack of an equilibrium.
     type Task;
-    /// Finds the stable equilibrium of a task, from a neighbouring state. If a wheel of an axle fails, the error
-    /// contains the index of this wheel.
+    /// Finds the stable equilibrium for given inputs (loads, heights and rack), from a neighbouring state. If a wheel
+    /// of an axle fails, the error contains the index of this wheel.
     fn settle(
         &self,
         from: &Self::State,
@@ -392,7 +392,7 @@ impl Followable for ElasticWheel {
     }
 }
 
-/// Converts a balanced state and its task to an equilibrium.
+/// Makes an equilibrium from a state in balance and its inputs (loads, height and rack displacement).
 fn equilibrium(state: &State<f64>, task: &Task<f64>) -> Equilibrium {
     Equilibrium {
         solution: Solution {

@@ -27,9 +27,9 @@ pub enum ElasticFault {
         /// Index of the axis, 0 to 2.
         axis: usize,
     },
-    /// The spring has no force in the design position, so nothing carries the wheel.
+    /// The spring has no force in the design position, so no force supports the wheel.
     NoForce,
-    /// The spring cannot carry the wheel: its force produces no wheel load, or the wheel has no spring.
+    /// The spring cannot support the wheel: its force produces no wheel load, or the wheel has no spring.
     NoLeverage,
 }
 

@@ -178,7 +178,8 @@ struct LinkBlocks<T: Valued> {
     carrier_by_link: [[Matrix3<T>; 2]; 2],
     /// Length of the link.
     length: T::Plain,
-    /// Same flag as [`Conditions::is_correction`].
+    /// True if the tangents can be constants, because the step only adds derivatives (see
+    /// [`Conditions::is_correction`]).
     is_correction: bool,
 }
 

@@ -157,8 +157,8 @@ pub(super) struct Coupling<T> {
     pub(super) own: [[T; SHARED]; SHARED],
     pub(super) by_corner: [[T; MOST]; SHARED],
     pub(super) corner_by: [[T; SHARED]; MOST],
-    /// Responses of those parts with inner unknowns that also depend on coordinates other than the carrier's. Each
-    /// response is stored with the index of its part.
+    /// Responses of those parts with own degrees of freedom that also depend on coordinates other than the carrier's.
+    /// Each response is stored with the index of its part.
     pub(super) beside: Vec<(usize, [[T; BESIDE]; 6])>,
 }
 
@@ -253,7 +253,7 @@ impl<T: Scalar> System<T> {
     }
 
     /// Returns the step of the carrier, and the step of the coordinates in [`Beside`]. Both steps are relative to the
-    /// body that holds the part `limb` (a part with inner unknowns).
+    /// body that holds the part `limb` (a part with own degrees of freedom).
     pub(super) fn seen_step(
         &self,
         limb: usize,
@@ -323,12 +323,12 @@ impl<T: Scalar> System<T> {
 /// Present position of the subframe, with the vectors of equations (1) to (4).
 pub(super) struct Pose<T> {
     pub(super) rotation: Matrix3<T>,
-    /// Vector r of these equations.
+    /// Vector r of equation (1).
     pub(super) lever: Vector3<T>,
-    /// Vector p of the spring's upper end.
+    /// Vector p of equation (4) for the spring's upper end.
     pub(super) upper: Option<Vector3<T>>,
-    /// Same flag as [`Conditions::balance_only`]. If it is true, forces do not rotate with the subframe, and their
-    /// lever arms stay constant.
+    /// True while the program computes the forces at the design load (see [`Conditions::balance_only`]). Then forces do
+    /// not rotate with the subframe, and their lever arms stay constant.
     balance_only: bool,
 }
 

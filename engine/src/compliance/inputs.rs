@@ -56,7 +56,7 @@ pub enum Parameter {
     Moment(Axis),
 }
 
-/// Input of an axle. It belongs to one wheel, or to both wheels, which then change as mirror images.
+/// Input of an axle. It belongs to one wheel or to both wheels. If it belongs to both, they change as mirror images.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxleParameter {
     /// Input of one wheel, or of a part that both wheels share.
@@ -240,7 +240,7 @@ impl<'t> OnTape<'t> {
     ) -> Option<Equilibrium<Tracked<'t>>> {
         let (_, base) = self.wheel.held_as(station, held);
         let mut task = at.solution.task.map(Tracked::constant);
-        // Keep the value of the wheel load, but use its derivatives at the station.
+        // The value of the wheel load is that of `at`. Its derivatives are those of the station.
         if let Hold::Load = base.hold {
             let change = task.loads.contact.z.plain() - base.loads.contact.z.plain();
             task.loads.contact.z = base.loads.contact.z + Tracked::constant(change);

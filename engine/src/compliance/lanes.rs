@@ -1,9 +1,9 @@
 //! Equilibria of several wheels at once. Each SIMD lane contains the numbers of one wheel.
 //!
 //! Each lane solves the equations of one wheel (`system.rs`) with the convergence check of `solve.rs`. A lane that has
-//! converged keeps its state while other lanes continue. So the results of a lane are bit-identical, whatever the other
-//! lanes contain and however many lanes there are. In lanes, a product and a following sum are rounded only once. So
-//! the results differ from those of the solver for one wheel by rounding errors.
+//! converged keeps its state while other lanes continue. So the results of a lane do not depend on the content or the
+//! number of the other lanes, to the last bit. In lanes, a product and a following sum are rounded only once. So the
+//! results differ from those of the solver for one wheel by rounding errors.
 //!
 //! Lanes first try the whole change in one step. If this step fails for a travel, they try two, four and eight equal
 //! steps. If a lane needs even smaller steps, or its equilibrium is not stable, the lane has no result. The solver for
@@ -86,7 +86,7 @@ pub(crate) struct EquilibriaInLanes<B> {
     task: Task<B>,
     /// Number of Newton steps in each lane; `None` for a lane without a result.
     steps: [Option<usize>; MOST_LANES],
-    /// Number of parts with inner unknowns.
+    /// Number of parts with own degrees of freedom.
     limbs: usize,
 }
 
@@ -163,8 +163,8 @@ impl<B: SimdReal> WheelsInLanes<B> {
         found
     }
 
-    /// Finds the equilibria after a change, which the solver makes in equal steps. `task` returns the task after a
-    /// fraction of the change.
+    /// Finds the equilibria after a change, which the solver makes in equal steps. `task` returns the inputs of the
+    /// equilibria after a fraction of the change.
     #[inline(always)]
     fn in_parts(
         &self,
@@ -390,7 +390,7 @@ fn in_lane<B>(
 /// Largest number of values that [`visit`] can visit.
 const NUMBERS: usize = 12 + 15 * MOST_LIMBS + MOST_JOINTS + 1 + 11 + 2;
 
-/// Calls `f` for all numbers of an equilibrium. `limbs` is the number of parts with inner unknowns.
+/// Calls `f` for all numbers of an equilibrium. `limbs` is the number of parts with own degrees of freedom.
 #[inline(always)]
 fn visit<T>(state: &mut State<T>, task: &mut Task<T>, limbs: usize, mut f: impl FnMut(&mut T)) {
     visit_placed(&mut state.carrier, &mut f);

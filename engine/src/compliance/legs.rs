@@ -83,7 +83,7 @@ impl<T: Valued> LegPoint<T> {
         let moved = carrier.displacement(self.joint).across(self.axis);
         let line = Stretched::of(self.radius, moved);
         let before = self.radius.normalised();
-        // Computed from the displacement, r - r0 keeps all digits.
+        // The difference r - r0 is computed from the displacement, so it keeps all digits.
         let change = (moved - before * line.stretch) * line.inverse_length;
         let turned = self.axis.cross(change);
         let (radial, normal) = (line.direction, self.axis.cross(line.direction));

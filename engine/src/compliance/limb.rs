@@ -143,16 +143,16 @@ pub(super) const BESIDE: usize = 4;
 /// Index of the bar's twist among the coordinates in [`Beside`].
 pub(super) const TWIST_BESIDE: usize = 3;
 
-/// Forces of a part on two kinds of additional coordinates: the displacement of a spring's upper end on another body,
-/// and the twist of the anti-roll bar's middle. The inner unknowns of the part are already eliminated.
+/// Forces of a part on two kinds of additional coordinates. These are the displacement of a spring's upper end on
+/// another body, and the twist of the anti-roll bar's middle. The inner unknowns of the part are already eliminated.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Beside<T> {
-    /// Derivatives of the energy with respect to these coordinates.
+    /// Derivatives of the energy with respect to the additional coordinates.
     pub(super) force: [T; BESIDE],
     pub(super) own: [[T; BESIDE]; BESIDE],
     /// Tangent with respect to the carrier's shift and rotation.
     pub(super) by_carrier: [[T; 6]; BESIDE],
-    /// Tangent of the carrier's force and moment with respect to these coordinates.
+    /// Tangent of the carrier's force and moment with respect to the additional coordinates.
     pub(super) carrier_by: [[T; BESIDE]; 6],
     /// Response of the inner unknowns: dy = -(rest + by dx + inner_by de).
     pub(super) inner_by: [[T; BESIDE]; 6],
@@ -227,8 +227,8 @@ pub(super) struct Followers<T> {
     /// Vector from the carrier's reference point to the point whose displacement is x; `None` if x is the carrier's
     /// shift and rotation.
     pub(super) joint: Option<Vector3<T>>,
-    /// Response of the rocker's rotation to the displacement of the point on which the rocker's rod acts: vector from
-    /// the joint to this point, derivative, and constant term.
+    /// Response of the rocker's rotation to the displacement of a point. The rocker's rod acts at this point. The
+    /// fields are the vector from the joint to this point, the derivative, and the constant term.
     pub(super) slide: Option<(Vector3<T>, Vector3<T>, T)>,
 }
 
@@ -458,7 +458,7 @@ impl<T: Valued, const N: usize> Outlined for Definiteness<'_, T, N> {
         let mut is_positive = first.everywhere();
         let mut largest = first.zero();
         for k in 0..N {
-            // NaN fails this comparison.
+            // A pivot that is NaN fails this comparison.
             let least = first.constant(self.least_share) * largest;
             is_positive = is_positive & least.less(a[k][k]);
             if !T::Plain::any(is_positive) {

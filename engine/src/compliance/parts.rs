@@ -289,7 +289,7 @@ impl<T: Valued> RodPart<T> {
 /// Rigid joint of the carrier: it adds one equation, and its force is an unknown.
 #[derive(Clone, Debug)]
 pub(super) enum Joint<T> {
-    /// Rigid rod between its ends.
+    /// Rigid rod: the distance between its ends is constant.
     Rod(RodPart<T>),
     /// Equation of a rigid mount of a strut. Two such equations keep the mount on the line of the strut.
     Line {

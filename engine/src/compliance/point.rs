@@ -450,7 +450,7 @@ impl<T: Valued> Seat<T> {
         }
     }
 
-    /// Lengths and forces at this displacement.
+    /// Returns the lengths and forces of spring and rod for a displacement of the seat.
     pub(super) fn state(&self, displacement: Vector3<T>, slide: T) -> SeatState<T> {
         let design_length = self.design_length();
         let (spring_length, rod_tension) = match &self.rocker {

@@ -38,8 +38,8 @@ pub(super) enum SteeringJoints<T> {
     Strut {
         lower: Vector3<T>,
         top: Vector3<T>,
-        /// For an elastic mount: its index among the parts with inner unknowns, and the direction of the strut. `None`
-        /// for a rigid mount.
+        /// For an elastic mount: its index among the parts with own degrees of freedom, and the direction of the strut.
+        /// `None` for a rigid mount.
         mount: Option<(usize, Vector3<T>)>,
     },
 }
@@ -89,7 +89,7 @@ impl<T: Real> WheelGeometry<T> {
 }
 
 impl<T: Scalar> WheelGeometry<T> {
-    /// Collects these points for a design.
+    /// Collects the points from which the pose of a wheel is computed, for a design.
     pub(super) fn of(mechanism: &Mechanism, design: &[Vector3<T>], built: &Built<T>) -> Self {
         let (origin, system) = (built.reference, &built.system);
         let mount = system

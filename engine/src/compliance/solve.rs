@@ -14,7 +14,7 @@
 //!
 //! A state is stable if the symmetric part of the tangent is positive definite on the free motions. Rigid joints and
 //! the held height restrict these motions. The solver checks the stability first in every eliminated part, then in the
-//! remaining equations of the carrier. If a solution fails, the fraction of the change that it reached is accurate to
+//! remaining equations of the carrier. If the solver fails, the fraction of the change that it reached is accurate to
 //! 1e-6.
 
 use super::limb::is_positive;
@@ -58,7 +58,7 @@ pub(super) enum Obstacle {
     Unstable(Option<usize>),
 }
 
-/// Equilibrium with its task.
+/// Equilibrium with its inputs: loads, rack displacement, and the height or load that is held.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Solution<T> {
     pub(super) state: State<T>,
@@ -73,7 +73,7 @@ pub(super) struct Stuck {
     /// Fraction of the change that the solver reached.
     pub(super) share: f64,
     pub(super) obstacle: Obstacle,
-    /// Last equilibrium on the path, with its task; `None` if the solver reached no fraction.
+    /// Last equilibrium on the path, with its inputs; `None` if the solver reached no fraction.
     pub(super) last: Option<(State<f64>, Task<f64>)>,
 }
 
@@ -209,7 +209,7 @@ impl System<f64> {
 pub(super) struct Unraised<S> {
     pub(super) share: f64,
     pub(super) obstacle: Obstacle,
-    /// State at this fraction; `None` if the solver reached no fraction.
+    /// State at the fraction of the load that was reached; `None` if the solver reached no fraction.
     pub(super) last: Option<S>,
 }
 
@@ -267,7 +267,7 @@ pub(super) struct Judge {
     steps: usize,
 }
 
-/// Result of this check after a correction.
+/// Result of the convergence check after a correction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Verdict {
     /// The state after the correction is final.
@@ -294,7 +294,7 @@ impl Judge {
             return Err(Obstacle::Diverges);
         }
         let size = self.bounds.size(sizes);
-        // NaN fails this comparison.
+        // A correction that is NaN fails this comparison.
         let contracts = size < CONTRACTION * self.before;
         let is_rounding = size < ROUNDING && !contracts;
         // The first correction has no predecessor.
@@ -318,7 +318,7 @@ impl Judge {
     }
 }
 
-/// Returns the task at a fraction of the way between two tasks of the same kind.
+/// Returns the inputs of an equilibrium at a fraction of the way between two inputs with the same held quantity.
 pub(super) fn between(from: &Task<f64>, to: &Task<f64>, share: f64) -> Task<f64> {
     let hold = match (from.hold, to.hold) {
         (Hold::Height(a), Hold::Height(b)) => Hold::Height(a + (b - a) * share),

@@ -236,7 +236,8 @@ struct OwnSum<T> {
     moment: Vector3<T>,
     moment_by_joint: Matrix3<T>,
     by_turn: Matrix3<T>,
-    /// Same flag as [`Conditions::is_correction`].
+    /// True if the tangents can be constants, because the step only adds derivatives (see
+    /// [`Conditions::is_correction`]).
     is_correction: bool,
 }
 
@@ -248,8 +249,9 @@ struct Pivot<T> {
     open: [T; 2],
 }
 
-/// Inner equations of a part. In this order: matrix, residuals, derivatives of the residuals with respect to the
-/// joint's displacement, and derivatives of the joint's force with respect to the inner unknowns.
+/// Inner equations of a part. The first two fields are the matrix and the residuals. The third field contains the
+/// derivatives of the residuals with respect to the joint's displacement. The fourth field contains the derivatives of
+/// the joint's force with respect to the inner unknowns.
 type InnerEquations<T, const N: usize> = ([[T; N]; N], [T; N], [[T; 3]; N], [[T; N]; 3]);
 
 /// Results of the stability check of the inner equations.

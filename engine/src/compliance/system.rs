@@ -33,7 +33,7 @@ use crate::number::{Each, Real, Scalar, SimdReal, Valued, Vector3, larger, outli
 pub(super) use equations::{Equations, Singular};
 pub(super) use state::{State, Step};
 
-/// Largest number of parts with inner unknowns: five links and a spring on the carrier.
+/// Largest number of parts with own degrees of freedom: five links and a spring on the carrier.
 pub(super) const MOST_LIMBS: usize = 6;
 /// If a pivot is below this fraction of the largest pivot, a motion has no stiffness.
 pub(super) const LOOSE: f64 = 1e-9;
@@ -124,7 +124,7 @@ pub(super) struct Held<T> {
 }
 
 impl<T: Valued> Held<T> {
-    /// Returns a fraction of these forces.
+    /// Returns a fraction of the external forces that hold the design position.
     pub(super) fn share(&self, share: T) -> Self {
         Held {
             carrier: self.carrier.each(|c| c * share),
@@ -145,7 +145,8 @@ impl<T: Valued> Limb<T> {
         match self {
             Limb::Swinging(arm) => arm.evaluate(at, state, held, sum, beside),
             Limb::Floating(link) => link.evaluate(at, state, held, sum),
-            // SIMD lanes do not support such systems (`fits_lanes`), so this code is not compiled for them.
+            // SIMD lanes do not support systems with an elastic strut mount (`fits_lanes`), so this code is not
+            // compiled for them.
             Limb::Mount(_) if T::IN_REGISTERS => None,
             Limb::Mount(mount) => mount.evaluate(at, state, held, sum),
             Limb::LegSeat(seat) => Some(seat.evaluate(at, state, held, sum, beside)),
@@ -310,8 +311,8 @@ impl<T: Valued> System<T> {
         }
     }
 
-    /// Returns two results: the derivative of the wheel centre's height with respect to the carrier's motion, and the
-    /// height of the wheel centre above its design position.
+    /// Returns two results. The first is the derivative of the wheel centre's height with respect to the carrier's
+    /// motion. The second is the height of the wheel centre above its design position.
     #[inline(always)]
     fn height(&self, carrier: &Placed<T>) -> ([T; 6], T) {
         let lever = carrier.lever(self.wheel.centre);
@@ -375,9 +376,9 @@ impl<T: Valued> System<T> {
         next
     }
 
-    /// Returns the largest translation and the largest rotation of a step. They do not include the forces of ball
-    /// joints, and the rotation of a link about its own line. This rotation moves no point of the suspension, and it is
-    /// inaccurate if the torsional stiffness is low.
+    /// Returns the largest translation and the largest rotation of a step. The forces of ball joints are not included.
+    /// The rotation of a link about its own line is not included either. This rotation moves no point of the
+    /// suspension, and it is inaccurate if the torsional stiffness is low.
     #[inline(always)]
     pub(super) fn size_of(&self, step: &Step<T>) -> [T::Plain; 2] {
         outlined!(
@@ -420,7 +421,7 @@ fn largest_of<T: Valued, const N: usize>(known: T::Plain, numbers: [T; N]) -> T:
 }
 
 impl<T: Scalar> System<T> {
-    /// States of the bushings of a part with inner unknowns, in the order of its ends.
+    /// States of the bushings of a part with own degrees of freedom, in the order of its ends.
     pub(super) fn limb_bushings(
         &self,
         limb: usize,

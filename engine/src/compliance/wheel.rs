@@ -103,7 +103,8 @@ pub struct ElasticWheel<T = f64> {
     pub(super) start: State<T>,
 }
 
-/// Makes a task with a held height. The only load is the vertical force that keeps the wheel at this height.
+/// Makes the inputs of an equilibrium with a held height. The only load is the vertical force that keeps the wheel at
+/// this height.
 #[inline(always)]
 pub(super) fn level_task<T: Valued>(travel: T, rack: T) -> Task<T> {
     Task {
@@ -202,8 +203,8 @@ impl<T: Scalar> ElasticWheel<T> {
         }
     }
 
-    /// Returns the rotation about that axis of the vehicle which is nearest to a link's line. Only torsional stiffness
-    /// resists this rotation.
+    /// Returns the rotation that corresponds to the spin of a link about its line. The rotation axis is the axis of the
+    /// vehicle nearest to this line. Only torsional stiffness resists this rotation.
     pub(super) fn spin_of(&self, limb: usize) -> Motion {
         let along = match &self.built.system.limbs[limb] {
             Limb::Swinging(arm) => arm.ends[0].lever,
@@ -213,7 +214,7 @@ impl<T: Scalar> ElasticWheel<T> {
         Motion::Turn(largest_axis(along.map(Scalar::value)))
     }
 
-    /// Makes the task for the design height, with the rack straight ahead.
+    /// Makes the inputs of the equilibrium at the design height, with the rack straight ahead.
     fn level(&self) -> Task<T> {
         let nothing = self.start.vertical.zero();
         level_task(nothing, nothing)
@@ -235,7 +236,7 @@ impl ElasticWheel {
         equations.map_or(f64::INFINITY, |equations| self.largest_force(&equations))
     }
 
-    /// Largest residual force of the equations.
+    /// Largest residual force of the equations. A moment counts as the force that produces it at a lever of 300 mm.
     pub(super) fn largest_force(&self, equations: &Equations<f64>) -> f64 {
         let lever = self.bounds.lever();
         let mut worst = 0.0;

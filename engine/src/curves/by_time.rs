@@ -8,7 +8,8 @@ use crate::study::TimeLaw;
 pub(crate) struct ByTime(Option<[f64; 2]>);
 
 impl ByTime {
-    /// Derivatives at the time with this index. Without a time law, results stay derivatives with respect to the drive.
+    /// Derivatives at the time with this index. Without a time law, results stay derivatives with respect to the drive
+    /// coordinate.
     pub(crate) fn at(law: Option<&TimeLaw>, number: usize) -> Self {
         ByTime(law.map(|law| {
             let series = law
@@ -22,9 +23,9 @@ impl ByTime {
         }))
     }
 
-    /// Derivative of this order with respect to the drive or to time. With the derivatives y', y'' with respect to the drive
-    /// q(t), dy/dt = y' q' and d2y/dt2 = y'' q'^2 + y' q''. A quantity w that is itself a rate with respect to the drive (an
-    /// angular velocity) becomes w q' and w' q'^2 + w q''.
+    /// Derivative of this order with respect to the drive coordinate or to time. With the derivatives y', y'' with
+    /// respect to the drive coordinate q(t), dy/dt = y' q' and d2y/dt2 = y'' q'^2 + y' q''. A quantity w that is itself
+    /// a rate with respect to the drive coordinate (an angular velocity) becomes w q' and w' q'^2 + w q''.
     pub(crate) fn apply(self, is_rate: bool, by_drive: [f64; 3], order: usize) -> f64 {
         let Some([velocity, acceleration]) = self.0 else {
             return by_drive[order];

@@ -19,8 +19,8 @@ pub struct Column {
     pub positive: Option<&'static str>,
     /// Order of the derivative; 0 for a value.
     pub order: usize,
-    /// Coordinate of the axle with respect to which the column is a derivative, for example `left travel`. `None` for values,
-    /// and for derivatives with respect to the drive or time.
+    /// Coordinate of the axle with respect to which the column is a derivative, for example `left travel`. `None` for
+    /// values, and for derivatives with respect to the drive coordinate or time.
     pub by: Option<&'static str>,
     /// Index of the output in the plan. `None` for a force under a load.
     pub(crate) of: Option<usize>,

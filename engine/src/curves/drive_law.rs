@@ -14,9 +14,9 @@ pub struct DriveLaw {
     drive: Drive,
     /// Conversion of the drive, if the solver does not support the study's drive directly.
     law: Option<PaperTheta>,
-    /// Order of the solver's drive values.
+    /// Values of the solver's drive, and the order in which the solver visits them.
     pub station_order: StationOrder,
-    /// Index in the motion of each of these stations.
+    /// For each value of the solver's drive, the index of its station in the motion.
     pub stations: Vec<usize>,
 }
 

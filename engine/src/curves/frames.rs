@@ -73,7 +73,7 @@ pub struct Turn {
     pub wheels: [[[f64; 2]; 2]; 2],
     /// Points in which the spin axes meet the line of the other axle. `None` straight ahead.
     pub meets: Option<[[f64; 2]; 2]>,
-    /// Midpoint of these two points: the vehicle's turning centre.
+    /// The vehicle's turning centre: the midpoint of the points in which the spin axes meet the line of the other axle.
     pub centre: Option<[f64; 2]>,
     /// Position of the other axle along x.
     pub other_axle: f64,
@@ -154,7 +154,7 @@ pub fn frames(suspension: &Suspension, plan: &Plan) -> Result<Vec<Frame>, Design
                     if let Some(rod) = toggles.note(Some(solver), &at, motion.value[0]) {
                         return Err(Failure::Toggle(rod));
                     }
-                    // At a fold the velocities do not exist.
+                    // At a turning point (fold) of the motion, the velocities do not exist.
                     let motion = drive_law.motion::<2>(values[number], rack);
                     let moving = solver.configuration_series(&moving, pose, &motion);
                     let centres = match moving {
@@ -193,8 +193,8 @@ impl Placement {
         }
     }
 
-    /// Placement of the mechanism in a configuration without velocities. `suspension` gives the axes. An error names the
-    /// first rod that does not reach its rocker.
+    /// Positions to draw for the mechanism in a configuration without velocities. `suspension` gives the axes. An error
+    /// names the first rod that does not reach its rocker.
     pub(crate) fn at_rest(
         suspension: &Suspension,
         at: &Configuration<f64>,

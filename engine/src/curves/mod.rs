@@ -161,7 +161,7 @@ pub struct Proof {
     /// origin, in an entry of a rotation or in the roll angle. Rotation entries and roll angle are multiplied by the
     /// mechanism's size.
     pub uniqueness: f64,
-    /// All certified bounds, including the two above, in the order of [`Curves::bounds`].
+    /// All certified bounds, including `position_error` and `uniqueness`, in the order of [`Curves::bounds`].
     pub bounds: Vec<f64>,
 }
 

@@ -40,7 +40,7 @@ pub struct PaperTheta {
     offset: f64,
     /// Number e = (d51 - rho)/rho.
     excess: f64,
-    /// Angle psi in the design position, in (-pi, pi]. The arm angle is added to it.
+    /// Angle psi in the design position, in (-pi, pi]. In other poses, psi is this angle plus the arm angle.
     design: f64,
 }
 

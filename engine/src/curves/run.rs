@@ -84,7 +84,7 @@ impl<'a, const N: usize> Run<'a, N> {
             for (number, value) in plan.station_order.values().iter().enumerate() {
                 stations.push(Station {
                     at: place(plan, number, *value, *rack),
-                    // A station keeps this status if the solver's drive cannot reach the drive value of the station.
+                    // The status stays `DeadCentre` if the solver's drive cannot reach the drive value of the station.
                     status: Status::Failed(Failure::DeadCentre.into()),
                     values: vec![Err(NoValue::NoPose); columns.len()],
                     condition: None,

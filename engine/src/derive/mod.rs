@@ -1,4 +1,4 @@
-//! Derivatives of a pose with respect to the drive (power series), the rack and every hardpoint coordinate.
+//! Derivatives of a pose with respect to the drive coordinate (power series), the rack and every hardpoint coordinate.
 //!
 //! [`DesignSeries`] expands a pose into power series along the motion. [`Linearised`] has the adjoint of the closure
 //! equations. With it, the gradient of any output costs one back-substitution.

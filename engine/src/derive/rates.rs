@@ -13,7 +13,8 @@ use crate::number::Jet;
 use crate::number::{Each, Vector3};
 
 /// Pose as a power series in e, from the pose itself and its factorised Jacobian. `driver` and `rack` are series that
-/// describe the motion. For derivatives with respect to the drive, the series `driver` is the drive value plus e.
+/// describe the motion. For derivatives with respect to the drive coordinate, the series `driver` is the drive value
+/// plus e.
 pub(crate) fn pose_series<const N: usize>(
     mechanism: &Mechanism,
     design: &[Vector3<Jet<f64, N>>],

@@ -24,7 +24,7 @@ pub(crate) struct AxleStations<'s> {
     pub quantities: Vec<Quantity>,
     /// Derivatives in the design position that the study requests, quantity by quantity.
     pub gains: Vec<AxleColumn>,
-    /// True if some of these derivatives are derivatives with respect to the rack.
+    /// True if some of the requested derivatives (`gains`) are derivatives with respect to the rack.
     pub steers: bool,
     /// Required positions of the axle: first the positions of the motion, then the design position, then positions of targets
     /// that the motion does not contain.
@@ -35,7 +35,7 @@ pub(crate) struct AxleStations<'s> {
     pub of_builds: bool,
     /// Values and rates to read, for an axle with elastic parts. `None` for an axle without elastic parts.
     pub elastic: Option<ElasticAxleParts>,
-    /// Printed value of the first moving coordinate, for each placement.
+    /// Printed value of the first moving coordinate, for each required position of the axle.
     values: Vec<f64>,
 }
 
@@ -94,14 +94,14 @@ impl<'s> AxleStations<'s> {
         }
     }
 
-    /// Indices of a quantity and of a placement. Both must be part of the evaluation.
+    /// Indices of a quantity and of a required position of the axle. Both must be part of the evaluation.
     pub(crate) fn place(&self, quantity: Quantity, placement: Placement) -> [usize; 2] {
         let quantity = self.quantities.iter().position(|q| *q == quantity);
         let station = self.placements.iter().position(|p| *p == placement);
         [quantity, station].each(|place| place.expect("the plan contains the requested value"))
     }
 
-    /// Placements as stations of a sweep.
+    /// Required positions of the axle, as stations of a sweep.
     pub(crate) fn stations(&self) -> Stations {
         Stations::listed(&self.values, self.of_motion, self.design)
     }

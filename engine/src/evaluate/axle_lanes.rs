@@ -53,7 +53,7 @@ struct Group {
     numbers: Vec<usize>,
 }
 
-/// Coordinates of a station for the tracker.
+/// Coordinates of a required position of the axle, as the pose tracker uses them.
 struct Spot {
     /// Displacement of the steering gear of a steered axle, else 0.
     gear: f64,
@@ -65,7 +65,8 @@ struct Spot {
 }
 
 impl Spot {
-    /// Spot of a placement. `None` for a placement that cannot be solved in SIMD lanes.
+    /// Returns the tracker's coordinates of a required position. `None` for a position that cannot be solved in SIMD
+    /// lanes.
     fn of(placement: &Placement, carriers: Carriers) -> Option<Spot> {
         let gear = match carriers {
             Carriers::Steered(_) => placement.rack(),
@@ -100,7 +101,7 @@ impl Spot {
     }
 }
 
-/// Spots with the same heave, rack displacement and steering gear displacement.
+/// Positions with the same heave, rack displacement and steering gear displacement.
 struct Together {
     gear: f64,
     heave: f64,
@@ -109,7 +110,7 @@ struct Together {
     numbers: Vec<usize>,
 }
 
-/// Groups the placements for the tracker. `None` if one of them cannot be solved in SIMD lanes.
+/// Groups the required positions of the axle for the tracker. `None` if one of them cannot be solved in SIMD lanes.
 fn grouped(placements: &[Placement], carriers: Carriers) -> Option<Vec<Together>> {
     let mut groups: Vec<Together> = Vec::new();
     for (number, placement) in placements.iter().enumerate() {
@@ -186,7 +187,7 @@ impl<'a> AxleLanes<'a> {
             return Err(NotInLanes::Stations);
         }
         let rates = quantities.iter().any(|q| q.rate_order() > 0);
-        // Each wheel of a rigid axle moves with both travels.
+        // The pose of each wheel of a rigid axle depends on the travels of both wheels.
         let by_rack = axle.is_rigid() || quantities.iter().any(|q| q.info().by_rack);
         let reader = |side: Side| {
             let slots = quantities.iter().map(|q| q.lane_slots(side));
@@ -426,7 +427,7 @@ struct Reading<'r, 'a, B: SimdReal> {
     /// Index in the block of each station of this group.
     numbers: &'r [usize],
     rack: B,
-    /// Lanes that the tracker has accepted so far.
+    /// SIMD lanes whose poses the pose tracker has accepted so far.
     accepted: B::Mask,
     /// Destination of the values, in the layout of [`Block::from`].
     values: &'r mut [f64],

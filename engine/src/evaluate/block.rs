@@ -32,8 +32,8 @@ pub struct Block {
     designs: usize,
     /// Values, `[design / SIDE_BY_SIDE][output][station][design % SIDE_BY_SIDE]`.
     values: Aligned,
-    /// Slopes, `[design / SIDE_BY_SIDE][output][design % SIDE_BY_SIDE]`: derivatives with respect to the drive in the design
-    /// position. For an axle, derivatives with respect to each moving coordinate.
+    /// Slopes, `[design / SIDE_BY_SIDE][output][design % SIDE_BY_SIDE]`: derivatives with respect to the drive
+    /// coordinate in the design position. For an axle, derivatives with respect to each moving coordinate.
     slopes: Aligned,
     /// Failures in the order of the designs' indices.
     pub(super) failures: Vec<FailedStation>,
@@ -95,8 +95,8 @@ impl Block {
         })
     }
 
-    /// Derivative with respect to the drive in the design position. NaN for a quantity that contains velocities, unless the sweep
-    /// requests it.
+    /// Derivative with respect to the drive coordinate in the design position. NaN for a quantity that contains
+    /// velocities, unless the sweep requests it.
     #[inline]
     pub fn slope(&self, design: usize, output: usize) -> f64 {
         self.slopes[self.slope_place(design, output)]

@@ -1,7 +1,7 @@
 //! Gradients of several designs at a time, one in each SIMD lane.
 //!
-//! Programs that move many designs at once use this module, for example a descent from several starts. An evaluation computes
-//! one of these results:
+//! Programs that change many designs at once use this module, for example an optimisation from several starts. An
+//! evaluation computes one of these results:
 //!
 //! - derivatives of quantities with respect to every hardpoint coordinate, or along directions that move several hardpoints,
 //! - the sum of squared deviations over all stations, with its gradient.
@@ -150,7 +150,8 @@ impl<'a> Gradients<'a> {
     ) -> bool {
         self.make_room(along.len(), 1);
         let at_once = self.at_once();
-        // A tuning requests the same directions each time.
+        // The directions are copied to all lanes only if they have changed. A tuning requests the same directions each
+        // time.
         let is_spread = self.spread.len() == along.len() * at_once
             && self.spread.iter().step_by(at_once).eq(along);
         if !is_spread {

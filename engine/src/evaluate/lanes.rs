@@ -249,7 +249,7 @@ pub(super) struct Reading<'r, B: SimdReal> {
     wheels: &'r LaneWheels<B>,
     inputs: &'r mut LaneInputs<B>,
     rack: B,
-    /// Lanes that the tracker has accepted so far.
+    /// SIMD lanes whose poses the pose tracker has accepted so far.
     accepted: B::Mask,
     /// Number of all stations, and index of the first station at this rack displacement.
     count: usize,

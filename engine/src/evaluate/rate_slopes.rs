@@ -1,7 +1,8 @@
 //! Slopes in the design position, for quantities that contain velocities, such as `motion_ratio` and `roll_centre_height`.
 //!
-//! The derivatives of such quantities with respect to the drive need accelerations, which the code for SIMD lanes does not
-//! compute. Only one pose of each design is needed, so the code computes the slopes one design at a time, with Taylor series.
+//! The derivatives of such quantities with respect to the drive coordinate need accelerations, which the code for SIMD
+//! lanes does not compute. Only one pose of each design is needed, so the code computes the slopes one design at a
+//! time, with Taylor series.
 
 use super::Stations;
 use super::block::Block;

@@ -32,7 +32,8 @@ enum Requested<'s> {
 struct CornerQuantities<'s> {
     suspension: Cow<'s, Suspension>,
     quantities: Vec<Quantity>,
-    /// True for each quantity that also needs its derivative with respect to the drive in the design position.
+    /// True for each quantity that also needs its derivative with respect to the drive coordinate in the design
+    /// position.
     has_slope: Vec<bool>,
 }
 
@@ -78,8 +79,8 @@ impl<'s> Request<'s> {
         }
     }
 
-    /// Adds derivatives with respect to the drive in the design position, for the quantities of one wheel for which
-    /// `is_wanted` is true. The request for an axle already contains these derivatives.
+    /// Adds derivatives with respect to the drive coordinate in the design position, for the quantities of one wheel
+    /// for which `is_wanted` is true. The request for an axle already contains these derivatives.
     pub(crate) fn with_slopes(mut self, is_wanted: impl Fn(usize) -> bool) -> Self {
         if let Requested::Corner(corner) = &mut self.of {
             for (number, has_slope) in corner.has_slope.iter_mut().enumerate() {
@@ -115,7 +116,7 @@ impl<'s> Request<'s> {
         }
     }
 
-    /// Placements and quantities of an axle. `None` for one wheel.
+    /// Required positions and quantities of an axle. `None` for one wheel.
     pub(crate) fn axle(&self) -> Option<&AxleStations<'s>> {
         match &self.of {
             Requested::Corner(_) | Requested::Elastic(_) => None,

@@ -33,9 +33,9 @@ impl SuspensionPose {
         self.points.iter().map(|(name, p)| (name.as_str(), *p))
     }
 
-    /// Value of a characteristic in the unit of its column. [`Characteristic::info`] gives sign and formula. `None` if the
-    /// suspension lacks an input of the characteristic, or if the characteristic has no value in this pose (for example a
-    /// swing arm with its centre at infinity).
+    /// Value of a characteristic in the unit of its column. [`Characteristic::info`] gives sign and formula. `None` if
+    /// the suspension lacks an input of the characteristic. Also `None` if the characteristic has no value in this
+    /// pose, for example a swing arm with its centre at infinity.
     pub fn characteristic(&self, characteristic: Characteristic) -> Option<f64> {
         self.characteristics.get(&characteristic).copied()
     }

@@ -53,9 +53,9 @@ impl Study {
         }
     }
 
-    /// Tunes the variables towards the targets. [`Tuning::best`] is the tuned design; it is `None` if no start has a solution
-    /// at all stations. Starts run in parallel, on at most as many threads as the calling rayon pool has (outside a pool, the
-    /// global one). The starts use separate threads with large enough stacks.
+    /// Tunes the variables towards the targets. [`Tuning::best`] is the tuned design; it is `None` if no start has a
+    /// solution at all stations. Starts run in parallel, on separate threads with large stacks. The number of threads
+    /// is at most that of the current rayon pool. Outside a pool, the global pool counts.
     ///
     /// ```
     /// # extern crate hardpoint_engine as hardpoint;
@@ -92,12 +92,12 @@ impl Study {
         tune(&self.vehicle, optimise, control).map_err(|fault| Error::design(self.wheel(), &fault))
     }
 
-    /// Solves the designs of the sweep on all cores. While it runs, it passes the rows of the designs to `sink`, block by block
-    /// in the order of the designs. Memory holds only a few blocks, for any number of designs. Returns the names of the
-    /// columns: first the variables, then the outputs. The sweep ends early if `sink` breaks or the control stops it. `sink`
-    /// has then received all earlier rows, and the method still returns the names. The sweep is complete if the number of
-    /// received designs ([`Rows::designs`]) equals the number of requested designs ([`Sampled::designs`], or the rows of the
-    /// file or table).
+    /// Solves the designs of the sweep on all cores. While it runs, it passes the rows of the designs to `sink`, block
+    /// by block in the order of the designs. Memory holds only a few blocks, for any number of designs. Returns the
+    /// names of the columns: first the variables, then the outputs. The sweep ends early if `sink` breaks or the
+    /// control stops it. `sink` has then received all earlier rows, and the method still returns the names. The sweep
+    /// is complete if the sum of the received [`Rows::designs`] equals the number of requested designs. That number is
+    /// [`Sampled::designs`], or the number of rows of the file or table.
     ///
     /// ```
     /// # extern crate hardpoint_engine as hardpoint;

@@ -64,9 +64,9 @@ pub(in crate::car) fn mean_steer<T: Scalar>(state: &Balance<T>, axle: usize) -> 
     (left + right).scaled(0.5)
 }
 
-/// Velocities of those points of a solid axle that are at the contact points, and the angular velocity of the axle. The
-/// left wheel rises and the right wheel falls. The knuckles of a steered axle rotate relative to the axle, so they are
-/// not included.
+/// Velocities of two points of a solid axle, and the angular velocity of the axle. The two points are at the contact
+/// points of its wheels. The left wheel rises and the right wheel falls. The knuckles of a steered axle rotate relative
+/// to the axle, so they are not included.
 fn by_difference<T: Scalar>(
     state: &Balance<T>,
     axle: usize,

@@ -163,8 +163,8 @@ pub(in crate::car) fn drag<T: Scalar>(state: &Balance<T>) -> T {
     state.air[2]
 }
 
-/// Longitudinal components of an axle's wheel loads, in percent of the load transfer that the tyres' longitudinal
-/// forces cause.
+/// Anti-effect of an axle in percent: longitudinal component of its wheel loads, divided by the longitudinal load
+/// transfer. The tyres' longitudinal forces cause this load transfer.
 pub(in crate::car) fn anti<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
     let push = |wheel: &WheelState<T>| {
         let force = wheel.across * wheel.side_force + wheel.heading * wheel.longitudinal_force;
@@ -229,8 +229,9 @@ pub(in crate::car) fn heave_frequency<T: Scalar>(solved: &Solved<'_, T>) -> T {
 /// Squared angular frequencies of the sprung mass in heave and pitch on massless wheels. These squares are the roots w
 /// of det(K - w M) = 0. The coordinates of K and M are the height of G and the pitch angle.
 fn body_frequency<T: Scalar>(solved: &Solved<'_, T>, sign: f64) -> T {
-    // The residuals are the vertical force, and the moment about -e at the mean contact point of the design position.
-    // The residuals depend on gamma and theta.
+    // The residuals are the vertical force and the pitch moment at the mean contact point of the design position. The
+    // moment is about the axis -e (to the right). The residuals depend on the ground height gamma and on the pitch
+    // angle theta.
     let height = solved.now.road.up.dot(solved.now.design_contact);
     let along = |state: &Balance<Jet<T, 2>>| {
         let [forward, up, pitch] =

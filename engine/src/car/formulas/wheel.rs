@@ -142,14 +142,16 @@ fn beyond<T: Scalar>(number: T, end: Option<f64>) -> T {
     }
 }
 
-/// Increase of the wheel load per unit of side force. The force acts inboard, along the ground.
+/// Increase of the wheel load per unit of side force. The force acts inboard, in the lateral direction of the car on
+/// the ground.
 pub(in crate::car) fn jacking<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
     let wheel = of(state, place);
     let rate = wheel.contact_rate;
     rate.dot(state.road.left).scaled(wheel.corner.sign) / rate.dot(state.road.up)
 }
 
-/// Increase of the wheel load per unit of side force. The force acts inboard, across the wheel.
+/// Increase of the wheel load per unit of side force. The force acts inboard, in the direction of the tyre's lateral
+/// forces.
 pub(in crate::car) fn side_force_jacking<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
     let wheel = of(state, place);
     let rate = wheel.contact_rate;

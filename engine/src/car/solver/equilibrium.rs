@@ -16,8 +16,8 @@ pub struct Equilibrium {
     pub evaluations: usize,
     /// Rack displacement of each axle.
     pub racks: [f64; 2],
-    /// Poses of the wheels of each axle; `None` if the wheels were computed from their curves. Curves agree with poses
-    /// up to rounding errors. In this case, [`CarSolver::poses`](super::CarSolver::poses) solves the poses.
+    /// Poses of the wheels of each axle. `None` if the wheels were computed from their curves, which agree with poses
+    /// up to rounding errors. If there are no poses, [`CarSolver::poses`](super::CarSolver::poses) solves them.
     pub(in crate::car) placed: Option<Box<[AxlePose; 2]>>,
     /// LU factors of the tangent at one of the last steps. From there to the equilibrium, the tangent changes
     /// negligibly. `None` for a state from SIMD lanes whose tangent was not computed.

@@ -1,15 +1,16 @@
 //! Steps towards the equilibria of several cases at the same time. Each SIMD lane contains one case.
 //!
 //! J approximates the inverse of the tangent G_x. After a step s from x, let r be the residuals at x + s. Broyden's
-//! method (C. G. Broyden, Math. Comp. 19, 1965) computes the next step from r. The inner product divides the unknowns
-//! by their sizes. With u = J r,
+//! method (C. G. Broyden, Math. Comp. 19, 1965) computes the next step from r. In the inner products, each unknown is
+//! divided by its typical size. With u = J r,
 //!
 //! ```text
 //! J' = J - u (s^T J)/(s.s + s.u)            J' maps the change of the residuals along s onto s                    (1)
 //! s' = -J' r = -u (s.s)/(s.s + s.u)                                                                               (2)
 //! ```
 //!
-//! The first step is s = -J r. So a step computes the residuals once, and needs neither a tangent nor its LU factors.
+//! The first step is s = -J r. So each step computes the residuals once, and needs neither a tangent nor its LU
+//! factors.
 
 #![allow(
     clippy::needless_range_loop,
@@ -50,7 +51,7 @@ pub(super) struct Lanes {
     pub(super) parts: [[Numbers; 4]; 4],
     /// 1 in lanes that take steps, 0 in other lanes.
     pub(super) active: Numbers,
-    /// Values of the parameters [`OF_CASE`].
+    /// Accelerations and speed of each case, in the order of [`OF_CASE`].
     pub(super) of_case: [Numbers; 4],
     /// Wheels at the travels of `x`.
     pub(super) wheels: [CurveLanes; 4],
@@ -74,7 +75,7 @@ pub(super) struct Step<'p> {
     pub(super) lanes: &'p mut Lanes,
 }
 
-/// Places a wheel on the ground.
+/// Computes the position of a wheel relative to the ground.
 #[inline(always)]
 fn placed<B: SimdReal>(
     shared: &Shared<'_>,
@@ -164,7 +165,7 @@ impl SimdTask for Step<'_> {
         let scales: [B; UNKNOWNS] = array_of(|k| like.load(&lanes.scales[k]));
         let mut factor = like.constant(-1.0);
         if !is_first {
-            // The last step; each unknown is divided by its size.
+            // The last step. Each component is divided by the square of the size of its unknown.
             let mut along = [like.zero(); UNKNOWNS];
             let (mut square, mut product) = (like.zero(), like.zero());
             for k in 0..UNKNOWNS {
@@ -199,7 +200,7 @@ impl SimdTask for Step<'_> {
             step.store(&mut lanes.step[k]);
             B::select(active, x[k] + step, x[k]).store(&mut lanes.x[k]);
         }
-        // The added product is NaN if any component is not finite.
+        // The term `sum * 0` is NaN if any component of the step is not finite. Otherwise it is 0.
         (longest + sum.scaled(0.0)).store(&mut lanes.longest);
     }
 }

@@ -25,13 +25,14 @@ use crate::number::{Each, array_of};
 const CONTRACTION: f64 = 0.1;
 /// If a step is below this limit, relative to the sizes of the unknowns, the next step uses the same tangent.
 const NEAR: f64 = 2e-3;
-/// If a step is between half of [`NEAR`] and this limit, the next step still uses the tangent of a neighbouring state.
-/// If a step is shorter, the solver computes a new tangent close to the solution.
+/// Upper limit of a step with the tangent of a neighbouring state. If the step is between half of [`NEAR`] and this
+/// limit, the next step uses this tangent again. If the step is shorter, the solver computes a new tangent close to the
+/// solution.
 const BESIDE: f64 = 2e-2;
 /// A step below this limit, relative to the sizes of the unknowns, is rounding error.
 pub(super) const ROUNDING: f64 = 8.0 * f64::EPSILON;
-/// Number of steps. Newton's method fails if, on average, more than one of this many steps is longer than the shortest
-/// step so far, although its tangent is new.
+/// Divisor of the allowed number of steps. Newton's method fails if more steps than the quotient are longer than the
+/// shortest step so far. Only steps with a new tangent count.
 const MOST_LONGER: usize = 5;
 /// Smallest value of L in (1): relative change of the tangent if the unknowns change by their sizes.
 const CURVATURE: f64 = 100.0;
@@ -151,7 +152,7 @@ impl Linear {
 struct Iteration {
     x: [f64; UNKNOWNS],
     sizes: Sizes,
-    /// Last values of the unknowns at which the wheels had poses.
+    /// Unknowns before the last step that was taken. The wheels had poses there.
     reached: Option<[f64; UNKNOWNS]>,
     /// Shortest step so far.
     smallest: f64,
@@ -261,7 +262,7 @@ impl Iteration {
         }
     }
 
-    /// Starts again after a change in how the wheels are computed (curves or poses).
+    /// Resets the record of the steps, after the wheels change from curves to poses.
     fn begin_again(&mut self, linear: Linear) {
         self.smallest = f64::INFINITY;
         self.curvature.last = 0.0;
@@ -274,7 +275,7 @@ impl Iteration {
 struct Curvature {
     /// Largest value of L that the steps so far show by equation (1).
     shown: f64,
-    /// Denominator of (1) for the last step; 0 before the first step.
+    /// Factor (|x - y| + |s|) |s| of L in (1), for the last step; 0 before the first step.
     last: f64,
 }
 

@@ -1,17 +1,17 @@
 //! Solver for several rows of a map of cases at the same time. In a row, each case starts from its neighbour.
 //!
 //! The first state of a row is solved alone. Then the row gets a SIMD lane ([`super::lanes`]). The start of a state is
-//! extrapolated by a polynomial through the last states of its row. Its first inverse tangent is that of the last
-//! states. So the results of a row do not depend on other rows. In these cases a row leaves its lane, and the solver
-//! solves its case alone:
+//! extrapolated by a polynomial through the last states of its row. The first inverse tangent of a state is the inverse
+//! tangent after the previous state of its row. So the results of a row do not depend on other rows. In these cases a
+//! row leaves its lane, and the solver solves its case alone:
 //!
 //! - a wheel has no curve, or a step is not finite or too long,
 //! - the iteration does not converge,
 //! - the set of wheels in contact would change, or the case has other settings than its block.
 //!
-//! For one of [`VERIFIED`] states, the solver computes the exact tangent. This state must meet the condition of
-//! stability in [`super::super::stability`]. Otherwise all states since the last state with a tangent are solved again,
-//! alone.
+//! For every [`VERIFIED`]-th state of a row, the solver computes the exact tangent. This state must meet the condition
+//! of stability in [`super::super::stability`]. Otherwise all states since the last state with a tangent are solved
+//! again, alone.
 
 use super::super::equations::{Held, LOADS, TRAVELS, UNKNOWNS, masses, static_loads};
 use super::super::parameters::Parameters;
@@ -23,7 +23,7 @@ use super::{CarSolver, Equilibrium, LONGEST_TRAVEL, LONGEST_TURN};
 use crate::axle::{CURVE_LANES, CurveLanes, CurveWheel};
 use crate::number::{Vector3, Width, array_of};
 
-/// Number of states from one exact tangent to the next.
+/// Number of states from one exact tangent to the next exact tangent.
 const VERIFIED: usize = 8;
 /// Largest number of steps for one state.
 const MOST_STEPS: usize = 10;
@@ -59,7 +59,7 @@ struct Row<'c> {
     next: usize,
     /// Last state with a tangent.
     at: Option<Equilibrium>,
-    /// States since `at`, in order.
+    /// States after the last state with a tangent, in order. They are not confirmed yet.
     pending: Vec<Pending>,
     /// Unknowns of the last states, starting with the latest, and their number.
     points: [[f64; UNKNOWNS]; POINTS],
@@ -197,7 +197,8 @@ impl<'a> CarSolver<'a> {
                 self.in_lanes(block, &mut rows);
             }
             for (number, row) in rows.iter_mut().enumerate() {
-                // A row that has left its lane is behind the others, so its case is solved alone.
+                // A row that has left its lane has not solved the case of this column yet. So this case is solved
+                // alone.
                 if row.next <= column && row.case().is_some() {
                     self.confirm(&mut block, (number, row), take);
                     self.alone(&mut block, (number, row), take);

@@ -4,7 +4,7 @@ use super::super::equations::UNKNOWNS;
 use super::super::tangent::Factors;
 use super::equilibrium::Equilibrium;
 
-/// Largest number of Newton steps, including steps back. It applies if the start is not itself a state in equilibrium.
+/// Largest number of Newton steps, including steps back, from a start that is not an equilibrium.
 const MOST_STEPS: usize = 60;
 /// Largest number of Newton steps from a neighbouring state. If more steps would be needed, it is faster to begin again
 /// from a start nearer to the case.

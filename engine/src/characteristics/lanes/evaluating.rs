@@ -1,4 +1,5 @@
-//! Values of quantities, and their derivatives with respect to the drive, for several poses at once (one in each SIMD lane).
+//! Values of quantities, and their derivatives with respect to the drive coordinate, for several poses at once (one in
+//! each SIMD lane).
 
 use super::{EvaluationRule, LaneInputs, LaneReader};
 use crate::characteristics::gains::{by_drive, is_angle};
@@ -19,8 +20,9 @@ impl LaneReader<'_> {
         });
     }
 
-    /// Writes the derivatives of all quantities with respect to the drive, in the order of [`LaneReader::values`]. The
-    /// inputs must have rates. NaN for quantities that contain velocities, because their derivatives need accelerations.
+    /// Writes the derivatives of all quantities with respect to the drive coordinate, in the order of
+    /// [`LaneReader::values`]. The inputs must have rates. NaN for quantities that contain velocities, because their
+    /// derivatives need accelerations.
     #[inline(always)]
     pub fn slopes<B: SimdReal>(&self, read: &LaneInputs<B>, to: &mut [f64], stride: usize) {
         let inputs = &read.inputs;
@@ -46,7 +48,8 @@ impl LaneReader<'_> {
         if !takes_series {
             return;
         }
-        // One function for all formulas as series would take too long to compile.
+        // The lanes are computed one after another. A single SIMD function of all formulas as series would take too
+        // long to compile.
         for lane in 0..B::LANES {
             let series = series(inputs, lane);
             for (k, quantity) in self.quantities.iter().enumerate() {
@@ -74,8 +77,8 @@ impl<B: SimdReal> Outlined for Evaluating<'_, B> {
     fn work(self) {
         let mut first = 0;
         for rule in self.rules {
-            // Without `black_box`, the compiler moves work that does not depend on the characteristic out of the loop. The
-            // code would then compute the divisions and roots of all formulas for each characteristic.
+            // Without `black_box`, the compiler moves work ahead of the choice of the formula. The code would then
+            // compute the divisions and roots of all formulas for each characteristic.
             let read = black_box(self.read);
             let value = match rule {
                 EvaluationRule::Formula(c) => c.evaluate(&read.inputs),
@@ -109,7 +112,7 @@ fn series<B: SimdReal>(inputs: &Inputs<B>, lane: usize) -> Inputs<Jet<f64, 2>> {
 }
 
 impl Characteristic {
-    /// Slope with respect to the drive in one lane, from inputs as series.
+    /// Slope with respect to the drive coordinate in one lane, from inputs as series.
     #[inline(never)]
     fn slope(self, inputs: &Inputs<Jet<f64, 2>>) -> f64 {
         if self.info().reads_rates() {

@@ -213,8 +213,8 @@ impl<B: SimdReal, G: Gradient<Jet<B, 2>> + ?Sized> Outlined for SeedingRates<'_,
     }
 }
 
-/// Derivatives of a characteristic with respect to the slots that it reads, lane by lane. One function for all formulas over
-/// dual numbers would take too long to compile.
+/// Derivatives of a characteristic with respect to the slots that it reads, lane by lane. A single SIMD function of all
+/// formulas over dual numbers would take too long to compile.
 #[inline(always)]
 fn gradient<B: SimdReal>(c: Characteristic, inputs: &Inputs<B>) -> [Vector3<B>; Slot::MOST] {
     let mut lanes = [[[0.0; MOST_LANES]; 3]; Slot::MOST];

@@ -33,14 +33,14 @@ pub struct LaneReader<'a> {
     slots: Slots,
     /// Points whose coordinates are read.
     points: Vec<PointId>,
-    /// `carried` has all points on the knuckle that are read. `place[id]` is the index in `carried` of the mechanism's point
+    /// Points on the knuckle that are read (`carried`). `place[id]` is the index in `carried` of the mechanism's point
     /// `id`, or `None` if the point is not read.
     carried: Vec<PointId>,
     place: Vec<Option<usize>>,
     /// True if the reader needs a part outside the knuckle: another body's point, or a rocker.
     reads_others: bool,
-    /// Rockers that move a part that is read, and rockers that move these rockers. The reader needs velocities for the
-    /// positions of rockers.
+    /// Rockers on which the parts that are read depend. This includes rockers that move these rockers. The reader needs
+    /// velocities for the positions of rockers.
     rockers: Vec<RockerId>,
     rates: bool,
     /// True if the reader also reads derivatives with respect to the rack.
@@ -58,7 +58,8 @@ pub struct LaneReader<'a> {
 enum EvaluationRule {
     /// The quantity's own formula.
     Formula(Characteristic),
-    /// Slope of this angle with respect to the drive. If the travel is the drive, this slope is the angle's gain.
+    /// Slope of this angle with respect to the drive coordinate. If the travel is the drive, this slope is the angle's
+    /// gain.
     Slope(Characteristic),
     /// A coordinate of one of the points.
     Coordinate(usize, Axis),
@@ -71,8 +72,8 @@ enum EvaluationRule {
 pub struct LaneAxle<B> {
     /// Columns along x and y of the body's rotation matrix, from the design position.
     pub columns: [Vector3<B>; 2],
-    /// Angular velocities with respect to the drive, and with respect to the travel that the drive does not change (mean travel
-    /// or difference of travels).
+    /// Angular velocities with respect to two coordinates: the drive coordinate, and the travel that the drive does not
+    /// change (mean travel or difference of travels).
     pub turns: [Vector3<B>; 2],
     /// Velocity of the steering axis's point with respect to the travel that the drive does not change.
     pub kingpin_by_held: Vector3<B>,
@@ -93,7 +94,7 @@ pub struct LaneInputs<B> {
 }
 
 impl<B> LaneInputs<B> {
-    /// Prepares for the stations at another rack displacement, which are visited outward from the design position.
+    /// Prepares for the stations at another rack displacement. Their order must be outward from the design position.
     #[inline(always)]
     pub fn begin(&mut self) {
         self.rods.begin();
@@ -244,8 +245,9 @@ impl<'a> LaneReader<'a> {
         self
     }
 
-    /// If `is_wanted`, the reader also reads velocities with respect to the rack. For this it needs the wheel centre, and
-    /// velocities with respect to the drive. Without these two, it reads no velocities with respect to the rack.
+    /// If `is_wanted`, the reader also reads velocities with respect to the rack. For this it needs the wheel centre,
+    /// and velocities with respect to the drive coordinate. Without these two, it reads no velocities with respect to
+    /// the rack.
     #[must_use]
     pub fn with_derivatives_by_rack(mut self, is_wanted: bool) -> Self {
         let knows_centre = self.slots.contain_either(Slot::Centre, Slot::CentreRate);

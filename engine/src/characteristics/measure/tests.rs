@@ -46,8 +46,8 @@ fn a_box_is_negative_inside_and_round_outside() {
     assert_eq!(at(4.0, 6.0, 0.0), 5.0);
 }
 
-/// Along the part of a member that is inside a rim, the distance from the spin axis is largest at the member's outer end or in
-/// the plane of the rim's edge.
+/// The part of a member that is inside a rim is farthest from the spin axis at one of two points. These points are the
+/// member's outer end and the crossing with the plane of the rim's edge.
 #[test]
 fn a_member_is_inside_of_a_rim_where_its_outer_end_and_its_entry_are() {
     let mut seed = 1_u64;
@@ -180,7 +180,8 @@ fn derivatives_beside_kinks_are_those_of_their_side() {
             (sides[0] - sides[1]).abs() > 1e-3,
             "{number} has a kink: {sides:?}"
         );
-        // At the kink itself, the derivative lies between the derivatives of both sides, up to their change near the kink.
+        // At the kink itself, the derivative lies between the derivatives of both sides. The tolerance allows for their
+        // change near the kink.
         let (low, high) = (sides[0].min(sides[1]), sides[0].max(sides[1]));
         assert!((low - 0.02..=high + 0.02).contains(&slope(0.0)), "{number}");
     }

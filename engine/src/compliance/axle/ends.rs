@@ -78,7 +78,7 @@ impl Followable for ElasticAxle {
     }
 }
 
-/// Converts a balanced state and its task to an equilibrium.
+/// Makes an equilibrium from a state in balance and its inputs (loads, held heights and rack displacement).
 fn equilibrium(state: &AxleState<f64>, task: &AxleTask<f64>) -> AxleEquilibrium {
     AxleEquilibrium {
         state: *state,

@@ -162,7 +162,8 @@ impl<T: Scalar> ElasticAxle<T> {
                 };
             }
             AxleSingular::Carrier => AXLE,
-            // While the forces at the design load are computed, the bar has no stiffness, so it is not the cause.
+            // The bar has no stiffness while the forces at the design load are computed. So the cause is the subframe
+            // or the rack.
             AxleSingular::Shared => match (self.shared.has_subframe, self.shared.rack.is_some()) {
                 (true, false) => "the subframe",
                 (false, true) => "the rack",
@@ -354,7 +355,7 @@ fn common_reference(suspensions: [&Suspension; 2]) -> Option<Vector3<f64>> {
 }
 
 impl<T: Scalar> ElasticAxle<T> {
-    /// Converts this equilibrium to a state and a task in which the quantity `held` stays fixed.
+    /// Converts this equilibrium to a state and its inputs, in which the quantity `held` stays fixed.
     fn held_as(&self, at: &AxleEquilibrium<T>, held: HeldQuantity) -> (AxleState<T>, AxleTask<T>) {
         let (mut state, mut task) = (at.state, at.task);
         for (side, wheel) in self.wheels.iter().enumerate() {

@@ -71,7 +71,8 @@ impl<'t> AxleOnTape<'t> {
     }
 }
 
-/// Converts the task of an equilibrium to numbers on a tape. `rack` is the rack displacement.
+/// Converts the inputs of an equilibrium (loads, held heights and rack displacement) to numbers on a tape. `rack` is
+/// the rack displacement.
 fn on_tape<'t>(at: &AxleEquilibrium, rack: f64) -> AxleTask<Tracked<'t>> {
     let wheels = at.task.wheels.each_ref();
     AxleTask {

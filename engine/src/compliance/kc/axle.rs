@@ -52,7 +52,8 @@ pub struct AxleKcRun<'a> {
     axle: ElasticAxle,
 }
 
-/// Conditions of a test. First: the anti-roll bar is connected. Second: the rack is locked.
+/// Conditions of a test. The first field is true if the anti-roll bar is connected. The second field is true if the
+/// rack is locked.
 pub(crate) type Conditions = (bool, bool);
 
 /// Equilibrium at a station, under the conditions of a test.
@@ -60,7 +61,8 @@ pub(crate) struct Here<T: Valued = f64> {
     pub(crate) axle: ElasticAxle<T>,
     pub(crate) at: AxleEquilibrium<T>,
     tangents: [Option<Option<AxleTangent<T>>>; 2],
-    /// Solid axle that only its links hold, and its equilibrium at the same travels.
+    /// Solid axle without springs and anti-roll bar, and its equilibrium at the same travels. Only its links hold this
+    /// axle.
     links: Option<(ElasticAxle<T>, AxleEquilibrium<T>)>,
 }
 
@@ -233,7 +235,7 @@ impl<'a> AxleKcRun<'a> {
             softest: None,
         })?;
         let at = axle.at(travels, rack)?;
-        // Only the roll test has a result for the axle on its links alone.
+        // Only the roll test has a result for the axle without springs and anti-roll bar.
         let rolls = tests.into_iter().any(|test| test.load == TestLoad::Roll);
         let alone = rolls.then(|| axle.on_its_links()).flatten();
         let links = alone.and_then(|links| {

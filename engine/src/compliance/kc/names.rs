@@ -170,8 +170,8 @@ fn figure_and_additions(name: &str) -> Option<(&'static str, Vec<String>)> {
     Some((figure, keys))
 }
 
-/// Starts of the names of those results whose sign depends on the direction of the study's y axis: derivatives with
-/// respect to the rack displacement, and forces along the rack.
+/// Starts of the names of results whose sign depends on the direction of the study's y axis. These results are
+/// derivatives with respect to the rack displacement, and forces along the rack.
 const ALONG_Y: [&str; 3] = ["steer_by_rack", "caster_by_rack", "rack_force"];
 
 /// Returns true if the sign of a result changes when the study's y axis points to the other side.

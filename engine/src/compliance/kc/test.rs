@@ -207,7 +207,8 @@ impl KcTest {
         tests
     }
 
-    /// Returns the conditions of the test on an axle. First: the bar is connected. Second: the rack is locked.
+    /// Returns the conditions of the test on an axle. The first field is true if the anti-roll bar is connected. The
+    /// second field is true if the rack is locked.
     pub fn conditions(&self) -> (bool, bool) {
         (self.has_bar, self.locks_rack)
     }

@@ -76,7 +76,7 @@ pub(in crate::evaluate) struct Differentiating<'r, 't, B: SimdReal> {
     pub(super) series_gradient: Vec<Vector3<Jet<B, 2>>>,
     pub(super) inputs: &'r mut LaneInputs<B>,
     pub(super) rack: B,
-    /// Lanes that the tracker has accepted so far.
+    /// SIMD lanes whose poses the pose tracker has accepted so far.
     pub(super) accepted: B::Mask,
     /// Number of all stations, and index of the first station at this rack displacement.
     pub(super) count: usize,

@@ -60,7 +60,7 @@ impl AxleKcRun<'_> {
         secants: Option<[WheelFigures<T>; 2]>,
     ) -> Vec<AxleFigure<T>> {
         let one = here.axle.travel(&here.at, Side::Left).one();
-        // These factors convert the derivatives: they become derivatives per unit of the load on the wheel itself.
+        // Factors on the derivatives. The products are derivatives per unit of the load on the wheel itself.
         let units = match test.load {
             TestLoad::Heave | TestLoad::Steering => [one; 2],
             TestLoad::Roll => match &by {

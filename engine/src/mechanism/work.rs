@@ -12,7 +12,7 @@ use std::cell::Cell;
 pub struct Work {
     /// Poses from the closed form.
     pub closed_form_solves: u64,
-    /// Evaluations of the closed form for these poses.
+    /// Evaluations of the closed form, for all poses from the closed form.
     pub closed_form_evaluations: u64,
     /// Newton iterations on closure equations, for both formulations.
     pub newton_iterations: u64,

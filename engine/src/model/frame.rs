@@ -222,7 +222,8 @@ impl LengthUnit {
         }
     }
 
-    /// Converts a length from another unit to this one, rounded once. A length in the same unit keeps its bits.
+    /// Converts a length from another unit to this one. The result is rounded once. A length in the same unit does not
+    /// change at all.
     pub fn convert(self, length: f64, from: LengthUnit) -> f64 {
         match (from.with_newtons(), self.with_newtons()) {
             (LengthUnit::Millimetre, LengthUnit::Metre) => length / 1000.0,

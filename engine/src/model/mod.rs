@@ -131,8 +131,8 @@ pub enum Constraint {
         /// Point of the joint, common to arm and knuckle.
         at: PointId,
     },
-    /// One of the two travels of a rigid axle has a given value. Other mechanisms have the rack's displacement
-    /// instead of this value. Removes one degree of freedom.
+    /// Holds one of the two travels of a rigid axle at a given value. In other mechanisms, the rack displacement has a
+    /// given value instead. Removes one degree of freedom.
     AxleTravel {
         /// Centre of the near wheel.
         near: PointId,
@@ -156,7 +156,7 @@ impl Constraint {
         }
     }
 
-    /// Inner and outer end of a link; `None` for another constraint.
+    /// Inner and outer end of a link; `None` for other constraints.
     pub fn link(&self) -> Option<(PointId, PointId)> {
         match *self {
             Constraint::Link { inner, outer } => Some((inner, outer)),
@@ -252,8 +252,9 @@ pub struct Mechanism {
     pub wheel_centre: PointId,
     /// Spin axis of the wheel.
     pub spin_axis: SpinAxis,
-    /// Wheel centres of a built carrier, if the study gives the spin axis as angles: [centre, added point of the axis]. A
-    /// deviation of the centre moves both points, so the axis stays parallel to itself. Empty for other mechanisms.
+    /// Wheel centres of an assembled wheel carrier, if the study gives the spin axis as angles: [centre, added point of the
+    /// axis]. A deviation of the centre moves both points, so the axis stays parallel to itself. Empty for other
+    /// mechanisms.
     pub parallel_axes: Vec<[PointId; 2]>,
     /// The steering axis; `None` for a wheel that cannot be steered.
     pub steering_axis: Option<SteeringAxis>,
@@ -265,7 +266,7 @@ pub struct Mechanism {
     pub rigid_axle: Option<RigidAxle>,
 }
 
-/// Name of the point that gives the spin axis of a built wheel.
+/// Name of the point that gives the spin axis of an assembled wheel.
 pub(crate) const SPINDLE_INNER: &str = "spindle_inner";
 
 impl Mechanism {
@@ -294,8 +295,8 @@ impl Mechanism {
             .map(|[_, beside]| *beside)
     }
 
-    /// Name of a point. If the study gives camber and toe as angles, a built wheel has an additional point. Errors of
-    /// builds may refer to this additional point, so the function names it too.
+    /// Name of a point. If the study gives camber and toe as angles, an assembled wheel has an additional point. Error
+    /// messages may refer to this additional point, so the function names it too.
     pub fn name(&self, id: PointId) -> &str {
         self.points
             .get(id.0)
@@ -349,7 +350,7 @@ impl Mechanism {
         }
     }
 
-    /// Returns true for a point of the far half of a rigid axle. The far half follows from the near half.
+    /// Returns true for a point of the far half of a rigid axle. The program computes the far half from the near half.
     pub fn is_far(&self, id: PointId) -> bool {
         self.rigid_axle
             .as_ref()

@@ -42,15 +42,15 @@ impl Mechanism {
         is_doubtful.then_some([*own, *nearest])
     }
 
-    /// Marks the bodies of all points with several possible bodies as assumed.
+    /// For every point with several possible bodies, marks the assigned body as assumed.
     pub fn assume_seats(&mut self) {
         let points = (0..self.points.len()).map(PointId);
         let may_choose = |id: &PointId| self.possible_bodies(*id).len() > 1;
         self.unsaid_seats = points.filter(may_choose).collect();
     }
 
-    /// Assigns the drop link of an anti-roll bar to the body that is clearly nearest to it. The function does so only
-    /// if the study does not name this body and a rocker is among the possible bodies. With the drop link on the wrong
+    /// Assigns the drop link of an anti-roll bar to the body that is clearly nearest to it. The function changes the body
+    /// only if the study does not name it, and if a rocker is among the possible bodies. With the drop link on the wrong
     /// body, the bar would rotate ten times too little or too much.
     pub fn seat_drop_link(&mut self, design: &[Vector3<f64>]) {
         if let Some(id) = self.unsaid_drop_link()

@@ -111,7 +111,7 @@ impl AxleSteering {
     }
 }
 
-/// The body of a point that is on a knuckle: `first`, the left knuckle. `None` for points of other bodies.
+/// Body of a hardpoint on a knuckle: the rocker `first`, which is the left knuckle. `None` for hardpoints on other bodies.
 pub(super) fn body(name: &str, first: RockerId) -> Option<Body> {
     let is_on_knuckle = matches!(
         name,

@@ -118,8 +118,8 @@ pub struct Group {
 pub(super) struct Given(pub Vec<Point>);
 
 impl Given {
-    /// Given hardpoints of a topology, in the topology's order. Hardpoints of spring and rockers are on their `carriers`, the
-    /// others on a `body`.
+    /// Given hardpoints of a topology, in the topology's order. Hardpoints of spring and rockers are on their `carriers`,
+    /// the other hardpoints on the body that `body` returns.
     pub(super) fn of(
         topology: &Topology,
         given: &[&'static str],

@@ -71,8 +71,7 @@ impl<const N: usize> Jet<f64, N> {
         let rate = self.differentiated();
         let (s, c) = self.0[0].sin_cos();
         let (mut sine, mut cosine) = (Jet::constant(s), Jet::constant(c));
-        // Each of the two series is an integral that contains the other series, so every pass makes one more coefficient
-        // correct.
+        // Each of the two series is an integral of the other series, so every pass makes one more coefficient correct.
         for _ in 1..N {
             (sine, cosine) = (
                 Jet::integrated(s, cosine * rate),

@@ -236,7 +236,7 @@ pub trait LocalFunction<const N: usize, const K: usize> {
     fn at<T: Scalar>(&self, arguments: [T; N]) -> [T; K];
 }
 
-/// A number for formulas that contain local functions. Lanes evaluate these functions lane by lane.
+/// A number for formulas that contain a [`LocalFunction`]. In SIMD lanes, the function is evaluated lane by lane.
 pub trait Local: Real {
     /// Values of a function.
     fn local<const N: usize, const K: usize>(

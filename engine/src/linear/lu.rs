@@ -1,6 +1,5 @@
-//! LU factorisation with partial pivoting. The solvers use it for the six closure equations, for these six equations with a
-//! path tangent as additional row and column, for the twelve equations of a certificate, and for the fifteen equations of
-//! Attia's paper.
+//! LU factorisation with partial pivoting. It solves the six closure equations. A path tangent can add a row and a column
+//! to these equations. It also solves the twelve equations of a certificate and the fifteen equations of Attia's paper.
 
 use crate::number::{Each, Jet, Scalar, array_of};
 

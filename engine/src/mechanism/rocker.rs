@@ -81,7 +81,7 @@ pub(crate) struct Turn<T> {
 }
 
 impl<T: Real> Turn<T> {
-    /// Computes the rotation from these inputs.
+    /// Computes the rotation of a rocker from the five points in `Ends`.
     #[inline(always)]
     pub(crate) fn of([first, second, inner, outer, outer_now]: Ends<T>) -> Self {
         let axis = (second - first).normalised();

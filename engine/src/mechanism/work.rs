@@ -30,7 +30,7 @@ pub struct Work {
 }
 
 impl Work {
-    /// Counts one iteration of Newton's method.
+    /// Counts one iteration of Newton's method, with its factorisation and its right-hand side.
     pub(crate) fn note_newton(&mut self) {
         self.newton_iterations += 1;
         self.factorisations += 1;

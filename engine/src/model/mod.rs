@@ -420,8 +420,8 @@ impl Mechanism {
         arms.chain(constraints).chain(spin_axis)
     }
 
-    /// Returns true if two points keep their distance in every pose. The condition holds for points of one body, the
-    /// two ends of a rod, and the outer joint of an arm with the points of its axis.
+    /// Returns true if two points keep their distance in every pose. This is true for points of one body and for the two
+    /// ends of a rod. It is also true for the outer joint of an arm and a point of the arm's axis.
     pub fn are_rigidly_joined(&self, a: PointId, b: PointId) -> bool {
         let are = |p: PointId, q: PointId| (a, b) == (p, q) || (b, a) == (p, q);
         let on_ground = |id| matches!(self.body(id), Body::Chassis);

@@ -26,10 +26,10 @@
 //!
 //! # Travels
 //!
-//! Steering lifts or lowers the wheel centres even while the axle rests. Let w_n and w_f be the hardpoints of the near and the
-//! far wheel centre, and c_n and c_f their positions after the knuckles have turned, with the axle at rest. The closure
-//! equations count the travels from c_n and c_f. They compute both positions from p' for each new design; designs do not store
-//! them:
+//! Steering lifts or lowers the wheel centres even while the axle rests. Let w_n and w_f be the hardpoints of the near and
+//! the far wheel centre. c_n and c_f are the positions of both centres after the knuckles have turned, with the axle at
+//! rest. The closure equations count the travels from c_n and c_f. They compute both positions from p' for each new design;
+//! designs do not store them:
 //!
 //! ```text
 //! mean of the equations        = mean travel - (c_n.z - w_n.z + c_f.z - w_f.z)/2               (4)

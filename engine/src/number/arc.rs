@@ -224,8 +224,8 @@ mod tests {
         }
     }
 
-    /// The numbers in the other lanes decide which branch of the code runs, but they do not change the result of a lane by a
-    /// single bit.
+    /// The numbers in the other lanes decide which branch of the code runs. But they do not change the result of a lane by
+    /// a single bit.
     #[test]
     fn every_width_yields_the_same_bits() {
         let within = arguments().filter(|x| x.abs() <= 1.0);

@@ -121,8 +121,8 @@ fn trusted(value: f64) -> Interval {
     Interval::bounds(value.next_down().next_down(), value.next_up().next_up())
 }
 
-/// Interval between the smallest and the largest of four results, widened by their rounding errors. The results belong to
-/// the ends of two factor intervals.
+/// Interval between the smallest and the largest of four results, widened by their rounding errors. The results are
+/// products or quotients of the ends of two intervals.
 #[inline]
 fn around(corners: [f64; 4]) -> Interval {
     if corners.iter().any(|c| c.is_nan()) {

@@ -71,7 +71,8 @@ impl<T: Real> Vector3<T> {
 }
 
 /// Arithmetic without function calls. Code in SIMD registers must be inlined, and the compiler does not inline closures
-/// reliably. So code in SIMD registers uses these inlined functions. Only nested derivative numbers use function calls.
+/// reliably. So code in SIMD registers uses these inlined functions. Nested derivative numbers call them through separate
+/// functions.
 impl<T: Real> Vector3<T> {
     #[inline(always)]
     pub(super) fn dot_inline(self, other: Self) -> T {
@@ -201,7 +202,7 @@ impl<T: Real> Vector3<T> {
         }
     }
 
-    /// Series of a vector that changes with time: this vector is the value, `rate` is the first derivative.
+    /// Taylor series of a vector: `self` is the value and `rate` is the first derivative.
     #[inline(always)]
     pub fn with_rate(self, rate: Self) -> Vector3<Jet<T, 2>> {
         Vector3::new(

@@ -97,7 +97,7 @@ impl<'a> Builds<'a> {
         self.draws.len()
     }
 
-    /// Changes the nominal designs of the builds, one for each wheel.
+    /// Replaces the nominal designs from which the builds are made, one for each wheel.
     pub(super) fn redraw<'d>(
         &mut self,
         designs: impl IntoIterator<Item = &'d [Vector3<f64>]>,
@@ -106,7 +106,8 @@ impl<'a> Builds<'a> {
         wheels.try_for_each(|(wheel, design)| wheel.redraw(design))
     }
 
-    /// Assembles all wheels of a build, and writes their designs and rates. `nominal` has the nominal designs and their rates.
+    /// Assembles all wheels of a build, and writes their designs and rates. `nominal` contains the nominal designs and
+    /// their rates.
     pub(super) fn build<'d>(
         &mut self,
         number: usize,
@@ -177,7 +178,7 @@ impl<'a> BuiltWheel<'a> {
         Ok(())
     }
 
-    /// Assembles a build from its random numbers. `nominal` are the rates of the nominal design.
+    /// Assembles a build from its random numbers. `nominal` contains the rates of the nominal design.
     fn build(
         &mut self,
         draws: &[f64],
@@ -212,7 +213,8 @@ impl<'a> BuiltWheel<'a> {
             // The nominal design with its derivatives with respect to these variables, and the parts made from it.
             along_variables(&parts.drawn, nominal, first, moved);
             let mut along = Parts::of_drawing(mechanism, moved);
-            // Values of the build itself. The scatter and adjustments of the build are the same at every x, to first order.
+            // Replaces the nominal values by those of the build. The derivatives stay, because the scatter and adjustments
+            // of the build are the same at every x, to first order.
             for (dual, value) in along.points.iter_mut().zip(&parts.points) {
                 (dual.x.value, dual.y.value, dual.z.value) = (value.x, value.y, value.z);
             }
@@ -230,7 +232,7 @@ impl<'a> BuiltWheel<'a> {
     }
 }
 
-/// Scatter of a build, from a low-discrepancy sequence, so that few builds represent many.
+/// Scatter of a build. The random numbers come from a low-discrepancy sequence, so that few builds represent many.
 fn draw(scatter: &Scatter, build: usize) -> Vec<f64> {
     let count = sources(scatter).count();
     let number = |(k, source): (usize, &Source)| {

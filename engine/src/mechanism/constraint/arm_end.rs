@@ -40,8 +40,8 @@
 //!
 //! with g' = d'/|d0| for a link and g' = 0 for a joint.
 //!
-//! In a built arm, the lengths of the two built legs and the coordinates of the point in the frame of the nominal arm
-//! determine a, b and c. This frame has its origin at the outer joint. Its directions are along the axis, and from the
+//! In a built arm, a, b and c follow from the lengths of the two built legs, and from the coordinates of the point in the
+//! frame of the nominal arm. This frame has its origin at the outer joint. Its directions are along the axis, and from the
 //! axis to the joint (7).
 
 use super::normals;

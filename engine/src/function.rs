@@ -66,7 +66,7 @@ impl DesignFunction {
         DesignFunction::with_variables(study, DesignVariable::of(study))
     }
 
-    /// Makes the function of a study with these variables.
+    /// Makes the function of a study, with the given variables instead of those of the study.
     pub fn with_variables(
         study: &Study,
         names: Vec<DesignVariable>,
@@ -235,7 +235,7 @@ pub struct Evaluation<'f> {
     point_rates: [Vec<PointRate>; 2],
 }
 
-/// Evaluator of values, and the block for its results.
+/// Evaluator of values, and memory for its results.
 type Values<'f> = (Evaluator<'f>, Block);
 
 /// Evaluator of values with derivatives, and memory for its results.
@@ -347,7 +347,7 @@ impl<'f> Evaluation<'f> {
         }
     }
 
-    /// Computes the rates at which the variables move the points, at `x`.
+    /// Computes the rates at which the variables move the points. The rates apply to the design at `x`.
     fn differentiate(&mut self, x: &[f64]) {
         let f = self.function;
         f.offsets(x, &mut self.offsets);

@@ -110,8 +110,8 @@ impl DesignVariable {
         all.iter().map(Self::tuned).collect()
     }
 
-    /// Replaces the offset of a coordinate by the coordinate itself. A variable that moves more than one coordinate does not
-    /// change.
+    /// Replaces the offset of a coordinate by the coordinate itself. A variable that moves more than one coordinate remains
+    /// an offset.
     fn as_coordinate(&self, suspension: &Suspension) -> Self {
         let [m] = self.moved.moves[..] else {
             return self.clone();

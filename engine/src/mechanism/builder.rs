@@ -21,7 +21,7 @@ pub enum BuildError {
     /// A hardpoint is given twice.
     #[error("{0} is given twice")]
     GivenTwice(String),
-    /// A number is not finite, or out of its range.
+    /// A number is not finite, or is outside its allowed range.
     #[error("{what} is {value}; expected {expected}")]
     Number {
         /// Name of the number.

@@ -8,7 +8,7 @@ use std::fmt;
 /// Reason why a station has no pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Failure {
-    /// The drive cannot reach the value: the mechanism folds at `limit`.
+    /// The drive cannot reach the requested value: the mechanism folds at `limit`.
     Unreachable {
         /// Kind of drive.
         drive: Drive,
@@ -187,7 +187,7 @@ pub enum Unproven {
     Singular,
     /// The residual is too large compared with the distance to the next solution, so the inequality fails.
     TooClose,
-    /// The pose is certified, but it is not certified that the pose is on the solution branch of the design position.
+    /// The pose is certified. But it is not certified that the pose is on the solution branch of the design position.
     Branch,
 }
 

@@ -19,7 +19,7 @@ pub enum NoPose {
         /// Reason for the failure.
         failure: Failure,
     },
-    /// A rigid axle has no pose at a difference of its travels.
+    /// A rigid axle has no pose at the requested difference of its two travels.
     #[error("axle at a travel difference of {difference:.6} (left - right): {failure}")]
     RigidAxle {
         /// Travel of the left wheel minus that of the right one.

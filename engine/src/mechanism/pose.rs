@@ -47,7 +47,7 @@ pub struct Configuration<'a, T> {
     /// Displacement of the rack, towards the kernel's +y.
     pub rack: T,
     /// Velocity of the knuckle per unit of rack displacement, with the drive fixed. `Some` only if the mechanism has an
-    /// instantaneous steering axis and a requested quantity reads it.
+    /// instantaneous steering axis and a requested quantity needs this axis.
     pub steering: Option<Twist<T>>,
 }
 
@@ -72,7 +72,7 @@ impl<T: Real> Neg for Twist<T> {
 }
 
 impl<T> Twist<T> {
-    /// Makes a twist from six components. The velocity comes first.
+    /// Makes a twist from six components: first the velocity, then the angular velocity.
     #[inline(always)]
     pub(crate) fn from_array([x, y, z, a, b, c]: [T; 6]) -> Self {
         Twist {
@@ -81,7 +81,7 @@ impl<T> Twist<T> {
         }
     }
 
-    /// Six components of the twist. The velocity comes first.
+    /// Six components of the twist: first the velocity, then the angular velocity.
     pub(crate) fn into_array(self) -> [T; 6] {
         let (v, w) = (self.shift, self.turn);
         [v.x, v.y, v.z, w.x, w.y, w.z]

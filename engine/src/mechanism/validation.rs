@@ -35,7 +35,7 @@ pub enum HardpointFault {
         /// Missing hardpoints, each with its description.
         missing: Vec<String>,
     },
-    /// The given hardpoints belong to two alternatives of a group.
+    /// The study mixes hardpoints of two alternative lists of a group. A study may use only one of these lists.
     #[error("{first} and {second} are both given: expected only one of them for {group}")]
     Both {
         /// A hardpoint of one alternative.

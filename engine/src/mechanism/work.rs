@@ -56,7 +56,7 @@ impl std::ops::Add for Work {
     }
 }
 
-/// Counts of work that a shared reference can add to.
+/// Counts of work. Code that has only a shared reference can increase them.
 #[derive(Clone, Debug, Default)]
 pub struct WorkCounter(Cell<Work>);
 

@@ -186,7 +186,8 @@ pub enum SteeringAxis {
 pub enum SpinAxis {
     /// Direction from this knuckle point, inboard of the wheel, to the wheel centre.
     From(PointId),
-    /// Fixed in the knuckle. The vector is its outboard direction in the design position (from static camber and toe).
+    /// The spin axis is fixed in the knuckle. The vector is the axis' outboard direction in the design position (from
+    /// static camber and toe).
     Along(Vector3<f64>),
 }
 

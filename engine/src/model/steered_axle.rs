@@ -90,7 +90,7 @@ pub struct AxleSteering {
     pub far_knuckle: RockerId,
     /// End of the drag link at the steering gear, in the design position.
     pub end: PointId,
-    /// Position of this end after a displacement of the steering gear: equation (1).
+    /// Position of the drag link's end after a displacement of the steering gear: equation (1).
     pub place: PointId,
     /// Unit vector along which the steering gear moves the end, in the kernel's frame of the near side.
     pub direction: Vector3<f64>,

@@ -156,7 +156,7 @@ impl<T: Real, const N: usize> Mul for Jet<T, N> {
     }
 }
 
-/// These associated constants select branches. With a comparison of `N` in a function, the compiler would have to compile
+/// Constants that select branches at compile time. If a function compared `N` itself, the compiler would have to compile
 /// both branches.
 impl<T: Real, const N: usize> Jet<T, N> {
     const IS_SINGLE: bool = N == 1;

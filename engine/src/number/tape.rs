@@ -102,7 +102,7 @@ impl Adjoints {
     /// remain, because inputs have no operands.
     fn pass_back(&mut self, end: usize, inputs: &Range<usize>, nodes: &[Node]) {
         for word in (inputs.start / 64..end.div_ceil(64)).rev() {
-            // Operands have lower indices than their results, often in the same word.
+            // Operands have lower indices than their results. The flag of an operand is often in the same 64-bit word.
             while self.noted[word] != 0 {
                 let bit = 63 - self.noted[word].leading_zeros() as usize;
                 self.noted[word] &= !(1 << bit);
@@ -129,7 +129,7 @@ impl Record {
         }
     }
 
-    /// Adds a number.
+    /// Adds a number to the record.
     ///
     /// # Panics
     /// If the record has 2^32 entries, which need 100 GB.
@@ -144,7 +144,7 @@ impl Record {
         }
     }
 
-    /// Adds the result of an operation.
+    /// Adds the result of an operation to the record.
     #[inline(always)]
     fn note_result<'t>(
         &mut self,

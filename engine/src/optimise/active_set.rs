@@ -136,9 +136,9 @@ impl ActiveSet {
         &self.step
     }
 
-    /// Returns the held constraints with their multipliers. At the minimum, R^T (R d + q) + sum of multiplier times gradient
-    /// = 0. The gradient is a for a row, -1 for a lower bound and +1 for an upper bound. Multipliers of inequalities and
-    /// bounds are not negative.
+    /// Returns the held constraints with their multipliers. At the minimum, R^T (R d + q) + sum of multiplier times
+    /// gradient = 0. The gradient of a row is the vector a. The gradient of a bound is -1 (lower bound) or +1 (upper
+    /// bound). Multipliers of inequalities and bounds are not negative.
     pub fn multipliers(&self) -> impl Iterator<Item = (Held, f64)> {
         let held = self.held.iter().zip(&self.sign);
         held.zip(&self.multipliers)

@@ -42,7 +42,8 @@ pub(super) struct BuiltWheel<'a> {
     assembler: Assembler,
     /// Wheel of an axle. `None` for the only wheel of a study.
     side: Option<Side>,
-    /// Alignment of the builds of the latest nominal design. `None` if the builds are not aligned.
+    /// Adjustments that keep toe and camber of the builds at their nominal values. They belong to the latest nominal
+    /// design. `None` if the builds are not aligned.
     alignment: Option<Alignment>,
     moved: Vec<Vector3<ByVariables>>,
     /// Design of the latest build.
@@ -151,7 +152,8 @@ impl<'a> BuiltWheel<'a> {
         &self.assembler
     }
 
-    /// Alignment of the builds of the latest nominal design. `None` if the builds are not aligned.
+    /// Adjustments that keep toe and camber of the builds at their nominal values. They belong to the latest nominal
+    /// design. `None` if the builds are not aligned.
     pub(super) fn alignment(&self) -> Option<&Alignment> {
         self.alignment.as_ref()
     }

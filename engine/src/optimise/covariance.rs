@@ -45,7 +45,8 @@ impl Covariance {
             let hidden = (0..k).filter(|d| values[*d] <= nothing);
             hidden.map(|d| vectors[(j, d)].powi(2)).sum::<f64>() > 1e-12
         };
-        // A^-1 times the rows, multiplied by the weights again. This matrix times its transpose is the covariance.
+        // Rows of the scaled Jacobian, multiplied by the weights again, times A^-1. The products of this matrix's columns
+        // are the covariances.
         let a_inverse =
             &vectors * DMatrix::from_diagonal(&DVector::from_vec(inverse)) * vectors.transpose();
         let mut weighed = scaled;

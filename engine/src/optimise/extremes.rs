@@ -116,7 +116,8 @@ impl Search {
         })
     }
 
-    /// Makes a step with the slope at the current position. Returns true if that position was close enough.
+    /// Makes a step with the slope at the current position. Returns true if the current position was close enough to the
+    /// extreme.
     pub(super) fn advance(&mut self, slope: f64) -> bool {
         if let Some((place, before)) = self.before
             && place != self.place

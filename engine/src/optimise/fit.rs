@@ -16,7 +16,7 @@ use std::sync::atomic::AtomicBool;
 pub struct Control<'a> {
     /// Flag that stops the run. Once true, the run ends before its next evaluation, with the result so far.
     pub interrupt: Option<&'a AtomicBool>,
-    /// Callback after each iteration. If several starts run in parallel, their threads call it.
+    /// Callback after each iteration. If several starts run in parallel, the threads of the starts call it.
     pub watch: Option<&'a ProgressCallback<'a>>,
 }
 

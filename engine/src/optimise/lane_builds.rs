@@ -20,7 +20,7 @@ pub(super) struct LaneBuilds {
     stride: usize,
     /// The built designs, one after another.
     designs: Vec<Vector3<f64>>,
-    /// Rates of the designs, `[group][variable][point][axis][lane]`.
+    /// Derivatives of the designs with respect to the variables, `[group][variable][point][axis][lane]`.
     point_rates: Vec<f64>,
     variables: usize,
     accepted: Vec<bool>,

@@ -19,7 +19,7 @@ pub(super) enum LanePart {
     Formula(Measure, Vec<Source>),
 }
 
-/// Origin of a vector: quantities, given by their indices, or the design.
+/// Source of a vector: quantities, given by their indices, or the design.
 #[derive(Clone, Copy)]
 pub(super) enum Source {
     /// Coordinates of a point.
@@ -147,7 +147,7 @@ fn point_in(found: &Jacobians<'_>, lane: usize, numbers: [usize; 3]) -> Vector3<
 }
 
 impl Source {
-    /// Origin of a vector that a formula reads. `None` if a stud rotates with a carrier whose points lie on a line.
+    /// Source of a vector that a formula needs. `None` if a stud rotates with a carrier whose points lie on a line.
     fn of(input: Input, suspension: &Suspension, quantities: &mut Vec<Quantity>) -> Option<Self> {
         let is_carried = |id: PointId| suspension.mechanism.body(id) == Body::Knuckle;
         let mut point =

@@ -285,8 +285,8 @@ impl<'a> Objective<'a> {
         found
     }
 
-    /// Evaluates the moved design in lanes, leg by leg. Returns false under the conditions of
-    /// [`Objective::evaluate_in_lanes`].
+    /// Evaluates the moved design in lanes, one leg (a motion at one rack displacement) after another. Returns false under
+    /// the conditions of [`Objective::evaluate_in_lanes`].
     fn evaluate_legs(
         &mut self,
         lanes: &mut LaneRows<'a>,
@@ -376,8 +376,8 @@ impl<'a> Objective<'a> {
         begun.map_err(refused(mechanism))
     }
 
-    /// Runs the listed searches for extremes between the stations of a leg. In the rows, the value at each extreme replaces
-    /// the value at its station.
+    /// Runs the listed searches for extremes between the stations of a leg (a motion at one rack displacement). In the
+    /// rows, the value at each extreme replaces the value at its station.
     fn find_extremes(&mut self, leg: &Leg, rows: &mut Linearisation) -> Result<(), Infeasible> {
         let Objective {
             layout,

@@ -176,8 +176,8 @@ impl<'a> Profile<'a> {
 mod tests {
     use super::*;
 
-    /// Compares the profile with the closed form for two variables. There the other variable takes its best value within its
-    /// range.
+    /// Compares the profile with the closed form for two variables. In the closed form, the other variable takes its best
+    /// value within its range.
     #[test]
     fn profiles_are_the_closed_form() {
         let bounds = Bounds::new(&[[-2.0, 4.0], [0.0, 0.5]]).unwrap();

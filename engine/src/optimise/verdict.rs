@@ -52,7 +52,8 @@ impl Price {
         }
     }
 
-    /// Price of a constraint at the end of a run. `visible` is a visible unit in the unit of the constraint.
+    /// Price of a constraint at the end of a run. `visible` is a visible change (1 mm or 1 degree), given in the unit of
+    /// the constraint.
     pub(crate) fn of(fit: &Fit, limits: impl Iterator<Item = Limit>, visible: f64) -> Self {
         let Some(state) = &fit.constraints else {
             return Price::Nothing;

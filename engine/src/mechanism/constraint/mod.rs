@@ -69,7 +69,7 @@ macro_rules! row {
 }
 
 impl<T: Real> Row<T> {
-    /// Row `number` of a constraint, for a design.
+    /// Makes row `number` of a constraint. The dimensions come from a design.
     #[inline(always)]
     pub(crate) fn of(
         mechanism: &Mechanism,
@@ -110,7 +110,7 @@ impl<T: Real> Row<T> {
         }
     }
 
-    /// Row `number` of the constraint with this index in the mechanism, for built parts.
+    /// Makes row `number` of the constraint with this index in the mechanism. The dimensions come from built parts.
     #[inline(always)]
     pub(crate) fn of_parts(
         mechanism: &Mechanism,

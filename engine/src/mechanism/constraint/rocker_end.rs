@@ -100,7 +100,7 @@ impl<T: Real> RockerEnd<T> {
         RockerEnd::of_squared_length(inner, outer, squared)
     }
 
-    /// Makes a link whose length is an independent dimension.
+    /// Makes a link with a given squared length, which does not follow from the positions of its ends.
     #[inline(always)]
     pub(crate) fn of_squared_length(inner: PointId, outer: PointId, squared: T) -> Self {
         RockerEnd {
@@ -242,7 +242,7 @@ struct TurnedRocker<'a, 'c, T> {
     is_on_knuckle: bool,
     foot: Moving<T>,
     axis: Moving<T>,
-    /// Angular rate about the axis, in the base.
+    /// Angular rate of the rocker about its axis, relative to its base.
     speed: T,
     off: Moving<T>,
 }

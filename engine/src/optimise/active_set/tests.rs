@@ -194,8 +194,8 @@ fn minima_obey_the_kuhn_tucker_conditions_and_refusals_are_proved() {
                     program.violation(&d)
                 );
             }
-            // Farkas' lemma: multipliers with the right signs exist for which the weighted sum of the gradients is zero.
-            // The weighted sum of the values is then positive everywhere.
+            // Farkas' lemma shows the contradiction. With multipliers of the right signs, the weighted sum of the gradients
+            // is zero. So the weighted sum of the values is the same at every point, and it is positive.
             Outcome::Infeasible(culprits) => {
                 refused += 1;
                 let gradients: Vec<_> = culprits.iter().map(|h| program.gradient(*h)).collect();

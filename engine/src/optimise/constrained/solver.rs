@@ -1,4 +1,4 @@
-//! The loop: one accepted step for each iteration of argmin.
+//! Main loop of the solver. Each iteration of argmin makes one accepted step.
 
 mod steps;
 
@@ -85,7 +85,7 @@ impl ConstrainedFit {
         self.violation <= KEPT
     }
 
-    /// Converts the result of the run into a `Fit`. `at_minimum` says whether the multipliers are meaningful.
+    /// Converts the result of the run into a `Fit`. `at_minimum` is true if the multipliers are meaningful.
     pub(in crate::optimise) fn into_fit(self, bounds: &Bounds, at_minimum: bool) -> Fit {
         let is_minimum = at_minimum && self.termination.at_minimum();
         Fit {

@@ -140,11 +140,12 @@ fn a_planted_contradiction_ends_with_its_rows() {
     assert!(fit.history.len() < 40);
 }
 
-/// Residuals vanish on a circle, and their norm is limited. The shortest move from the start ends on the boundary of the allowed
+/// Residuals vanish on a circle, and their norm is limited. The point nearest to (2, 1) is on the boundary of the allowed
 /// band around the circle.
 #[test]
 fn a_level_is_met_exactly_even_about_a_zero_of_its_residuals() {
-    // The constraint is |b| = |x0^2 + x1^2 - 1| <= level. The start is (2, 1). The solution lies on the ray from the origin.
+    // The constraint is |b| = |x0^2 + x1^2 - 1| <= level. The goal is the distance from (2, 1). The solution lies on the
+    // ray from the origin through this point.
     for level in [0.5, 0.1, 1e-3, 1e-6] {
         let at = |x: &[f64]| {
             let goal = vec![(x[0] - 2.0, vec![1.0, 0.0]), (x[1] - 1.0, vec![0.0, 1.0])];

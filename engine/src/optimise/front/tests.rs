@@ -127,7 +127,7 @@ fn a_broken_front_is_found_piece_by_piece() {
         },
     );
     let places: Vec<_> = traced.points.iter().map(|p| &p.amounts).collect();
-    // Running minimum along a fine grid.
+    // Finds the Pareto front along a fine grid: the points with a smaller f_2 than all points before them.
     let grid = 200_000;
     let mut least = f64::INFINITY;
     let mut best: Vec<[f64; 2]> = Vec::new();

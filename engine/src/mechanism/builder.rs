@@ -57,7 +57,7 @@ fn topologies(name: &str) -> String {
     }
 }
 
-/// For an unknown name: suggests the hardpoint that was probably meant, or lists all hardpoints. Empty for other faults.
+/// Suggests the hardpoint that was probably meant by an unknown name, or lists all hardpoints. Empty for all other faults.
 fn meant(fault: &HardpointFault) -> String {
     let HardpointFault::Unknown { topology, name } = fault else {
         return String::new();

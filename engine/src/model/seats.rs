@@ -42,7 +42,7 @@ impl Mechanism {
         is_doubtful.then_some([*own, *nearest])
     }
 
-    /// For every point with several possible bodies, marks the assigned body as assumed.
+    /// Marks the assigned body as assumed, for every point with several possible bodies.
     pub fn assume_seats(&mut self) {
         let points = (0..self.points.len()).map(PointId);
         let may_choose = |id: &PointId| self.possible_bodies(*id).len() > 1;

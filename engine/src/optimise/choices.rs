@@ -10,8 +10,8 @@ use crate::mechanism::DesignFault;
 use crate::study::{Optimise, Scatter, Vehicle};
 use nalgebra::DVector;
 
-/// Limit for the misfit of each target outside the Pareto front, as a multiple of the misfit after the tuning of all
-/// targets. If this limit is below one tolerance, the limit is one tolerance.
+/// Limit for the misfit of each target outside the Pareto front, as a multiple of the target's misfit after the tuning of
+/// all targets. If this limit is below one tolerance, the limit is one tolerance.
 const AS_GOOD: f64 = 1.01;
 /// Number of steps in a price list.
 const STEPS: usize = 10;

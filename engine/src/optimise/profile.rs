@@ -7,8 +7,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// Largest number of trials in the search for one end of the interval.
 const TRIALS: usize = 60;
-/// Factor for the value at an end of the bracket that has not moved in two successive trials (Illinois method). The factor
-/// changes the path of the search, not the result.
+/// Factor for the value at an end of the bracket that has not moved in two successive trials (Illinois method). It changes
+/// the path, not the result.
 const ILLINOIS: f64 = 0.5;
 /// Damping of the bounded problems, relative to the largest column. The damping fixes the moves along directions that leave
 /// all residuals unchanged.

@@ -111,9 +111,9 @@ impl<'a> Tuner<'a> {
         Multistart { starts, best }
     }
 
-    /// If no design is good enough, looks for a smaller misfit with a descent from the result. The search for the smallest
-    /// change may have left the valley of the smallest misfit found. If the descent ends below that misfit, the function
-    /// stores its result in `lowered` and returns true.
+    /// Looks for a smaller misfit with a descent from the result. Does so only if no design is good enough. The search for
+    /// the smallest change may have left the valley of the smallest misfit found. If the descent ends below that misfit,
+    /// the function stores its result in `lowered` and returns true.
     fn descends_further(
         &self,
         lowered: &mut [Start],

@@ -6,8 +6,8 @@ use super::ConvexModel;
 /// Relative accuracy to which a level is met. A tenth of the largest violation that still counts as satisfied is always accurate
 /// enough.
 pub(super) const LEVEL_MET: f64 = 1e-7;
-/// If one end of a bracket moves this number of times in succession, the excess at the other end counts half from then on
-/// (Illinois method).
+/// Number of successive moves of one end of a bracket after which the excess at the other end counts half (Illinois
+/// method).
 const PATIENCE: usize = 4;
 /// Largest number of quadratic programs (subproblems) in the search for the multiplier of a level.
 const SECANTS: usize = 30;

@@ -5,9 +5,9 @@
 //! slices; the last index runs fastest. Values are in the units of the column names. Offsets are in the study's length unit
 //! and axes. A value that does not exist is NaN, and a status gives the reason. The results contain a row for every design.
 //!
-//! A variable of an axle moves the same points of both wheels, each in the frame of its side. So a derivative is the sum of
-//! both wheels' gradients along the variable's rates. If the right wheel has different hardpoints, it moves by the same
-//! displacements as the left wheel.
+//! A variable of an axle moves the same points of both wheels, each in the frame of its side. So a derivative is a sum over
+//! the moved points of both wheels: the gradient with respect to the point, times the rate of the point. If the right wheel
+//! has different hardpoints, it moves by the same displacements as the left wheel.
 
 mod variable;
 
@@ -36,10 +36,10 @@ pub struct DesignFunction {
     /// Right wheel of an axle, if its hardpoints differ from the left ones.
     right: Option<Arc<Suspension>>,
     names: Vec<DesignVariable>,
-    /// Variables of the kernel: the points that each variable in `names` moves.
+    /// Variables in the form that the solver uses, in the order of `names`: the points that each variable moves.
     variables: Vec<Variable>,
     request: Arc<Request<'static>>,
-    /// Indices of the motion's stations among the stations of the request, in the order of the results.
+    /// Index of each station of the motion among the stations of the request. The results have the same order.
     of_motion: Vec<usize>,
     /// Drive value and rack displacement of each station of the motion, in printed units.
     motion: Vec<[f64; 2]>,
@@ -53,7 +53,7 @@ pub struct DesignFunction {
 pub enum DesignStatus {
     /// Every station has a pose.
     Ok = 0,
-    /// Some station has no pose or no derivatives.
+    /// At least one station has no pose or no derivatives.
     Failed = 1,
     /// The design cannot be solved at all.
     Faulty = 2,
@@ -61,12 +61,12 @@ pub enum DesignStatus {
 
 impl DesignFunction {
     /// Makes the function of a study: its outputs over its motion, with the variables of [`DesignVariable::of`]. Returns a
-    /// [`FunctionError`] if the study has no such function.
+    /// [`FunctionError`] if the study cannot be converted to a function.
     pub fn of(study: &Study) -> Result<Self, FunctionError> {
         DesignFunction::with_variables(study, DesignVariable::of(study))
     }
 
-    /// Makes the function of a study with these variables.
+    /// Makes the function of a study, with the given variables instead of those of the study.
     pub fn with_variables(
         study: &Study,
         names: Vec<DesignVariable>,
@@ -99,12 +99,12 @@ impl DesignFunction {
             let values = function.values().map(drop);
             values.map_err(|fault| fault.describe(&study.wheel().mechanism))
         });
-        // Making a workspace succeeded before, so it succeeds here, too.
+        // Each evaluation later makes the same workspace. If making it succeeds here, it also succeeds there.
         solved.map_err(FunctionError::Design)?;
         Ok(function)
     }
 
-    /// Variables with names and ranges, in the order of a row of `x`.
+    /// Variables with names and ranges. A row of `x` in [`Evaluation::values`] has the same order.
     pub fn variables(&self) -> &[DesignVariable] {
         &self.names
     }
@@ -231,11 +231,11 @@ pub struct Evaluation<'f> {
     /// Designs of right wheels. Empty if the right wheel is the mirror image of the left wheel.
     rights: Vec<Vector3<f64>>,
     offsets: DVector<f64>,
-    /// Point rates of the left (or only) wheel and of the right wheel.
+    /// Rates at which the variables move the points: of the left (or only) wheel, then of the right wheel.
     point_rates: [Vec<PointRate>; 2],
 }
 
-/// Evaluator of values, and the block for its results.
+/// Evaluator of values, and memory for its results.
 type Values<'f> = (Evaluator<'f>, Block);
 
 /// Evaluator of values with derivatives, and memory for its results.
@@ -347,7 +347,7 @@ impl<'f> Evaluation<'f> {
         }
     }
 
-    /// Computes the rates at which the variables move the points, at `x`.
+    /// Computes the rates at which the variables move the points. The rates apply to the design at `x`.
     fn differentiate(&mut self, x: &[f64]) {
         let f = self.function;
         f.offsets(x, &mut self.offsets);

@@ -5,7 +5,7 @@ use crate::number::Each;
 use crate::study::{Designs, Study, SweepVariable, Variable, nearest};
 use thiserror::Error;
 
-/// Reason why a study has no function.
+/// Reason why a study cannot be converted to a function.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum FunctionError {
@@ -14,7 +14,7 @@ pub enum FunctionError {
         "DesignFunction does not support formulation = \"point_coordinates\" or drive = \"paper_theta\""
     )]
     Formulation,
-    /// The study has elastic parts. Equilibria do not depend on positions alone.
+    /// The study has elastic parts. Their equilibrium does not depend on the positions of hardpoints alone.
     #[error("DesignFunction is for rigid mechanisms only; the study has [compliance]")]
     Elastic,
     /// The study has no output that is a function of position.
@@ -110,8 +110,8 @@ impl DesignVariable {
         all.iter().map(Self::tuned).collect()
     }
 
-    /// Replaces the offset of a coordinate by the coordinate itself. A variable that moves more than one coordinate does not
-    /// change.
+    /// Replaces the offset of a coordinate by the coordinate itself. A variable that moves more than one coordinate remains
+    /// an offset.
     fn as_coordinate(&self, suspension: &Suspension) -> Self {
         let [m] = self.moved.moves[..] else {
             return self.clone();
@@ -145,7 +145,8 @@ impl DesignVariable {
         Some((self.moved.clone(), at / m.factor + 0.0))
     }
 
-    /// Converts the variable to a column of a table of designs. `None` for a rotation or a rate, which cannot be a column.
+    /// Converts the variable to a column of a table of designs. `None` for a rotation and for a rate of an elastic part,
+    /// because neither can be a column.
     pub fn swept_as(&self) -> Option<SweepVariable> {
         let is_of_points = self.moved.turn.is_none() && self.moved.rate.is_none();
         is_of_points.then(|| SweepVariable {

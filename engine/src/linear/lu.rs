@@ -1,6 +1,5 @@
-//! LU factorisation with partial pivoting. The factorisation solves the six closure equations, with or without a tangent as
-//! additional row and column. It also solves the twelve equations of a certificate and the fifteen equations of Attia's
-//! paper.
+//! LU factorisation with partial pivoting. It solves the six closure equations. A path tangent can add a row and a column
+//! to these equations. It also solves the twelve equations of a certificate and the fifteen equations of Attia's paper.
 
 use crate::number::{Each, Jet, Scalar, array_of};
 
@@ -208,7 +207,7 @@ impl<const N: usize> Lu<f64, N> {
     }
 }
 
-/// Adds a multiple of a row to another.
+/// Adds a multiple of the row `other` to a row.
 #[inline]
 fn add<const N: usize>(row: &mut [f64; N], factor: f64, other: &[f64; N]) {
     for j in 0..N {

@@ -11,8 +11,8 @@
 
 use crate::number::{Real, Vector3};
 
-/// Inputs for the position of a point of an arm: the front, rear and outer joint and the point itself in the design
-/// position, then the outer joint in the present pose.
+/// Inputs for the position of a point of an arm. In the design position: the front, rear and outer joint, and the point
+/// itself. In the present pose: the outer joint.
 pub(super) type Inputs<T> = [Vector3<T>; 5];
 
 /// Rotation of the arm about its axis, with the intermediate results that its derivatives need.

@@ -21,7 +21,7 @@ pub enum BuildError {
     /// A hardpoint is given twice.
     #[error("{0} is given twice")]
     GivenTwice(String),
-    /// A number is not finite, or out of its range.
+    /// A number is not finite, or is outside its allowed range.
     #[error("{what} is {value}; expected {expected}")]
     Number {
         /// Name of the number.
@@ -36,7 +36,7 @@ pub enum BuildError {
         "the direction of the wheel needs either the hardpoint spindle_inner, or static camber and toe"
     )]
     SpinAxis,
-    /// The topology carries both wheels, so it is not a suspension of one wheel.
+    /// In this topology one body carries both wheels, so the topology does not describe the suspension of one wheel.
     #[error("{0} carries both wheels; expected a topology of one wheel, or a study")]
     BothWheels(&'static str),
     /// The hardpoints do not form a suspension.
@@ -57,7 +57,7 @@ fn topologies(name: &str) -> String {
     }
 }
 
-/// Suggests the hardpoint that was probably meant, or lists all hardpoints, if a name is unknown.
+/// Suggests the hardpoint that was probably meant by an unknown name, or lists all hardpoints. Empty for all other faults.
 fn meant(fault: &HardpointFault) -> String {
     let HardpointFault::Unknown { topology, name } = fault else {
         return String::new();
@@ -239,7 +239,7 @@ impl SuspensionBuilder {
         }
     }
 
-    /// Refuses data of wheel and vehicle that the reader of studies would refuse.
+    /// Returns an error for data of wheel and vehicle that a study must not contain, such as a negative length.
     fn check_figures(&self) -> Result<(), BuildError> {
         let vehicle = &self.vehicle;
         let lengths = [

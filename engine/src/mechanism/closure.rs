@@ -1,8 +1,8 @@
 //! Six closure equations of a mechanism in the pose of its knuckle: five constraints (see [`crate::mechanism::constraint`])
 //! and a drive.
 //!
-//! Let J be the Jacobian of these equations with respect to the pose. Its rows are the lines of the constraints. So J is
-//! singular exactly where the mechanism is singular.
+//! Let J be the Jacobian of these equations with respect to the pose. Each row contains the Pluecker coordinates of the
+//! line along which a constraint acts. So J is singular exactly where the mechanism is singular.
 
 use super::constraint::{ArmAngle, PartDimensions, Row, TravelRow};
 use super::pose::{Configuration, Pose, Sink, Twist, Wrench};
@@ -25,8 +25,8 @@ pub enum Driver<T> {
     },
 }
 
-/// Set of closure equations, with one bit for each: the five constraints, the drive with the wheel travel, the drive with
-/// the arm angle.
+/// Set of closure equations, one bit for each equation. The bits stand for the five constraints, the drive with the wheel
+/// travel, and the drive with the arm angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct RowSet(u8);
 
@@ -39,7 +39,7 @@ impl RowSet {
         self.0 & (1 << row) != 0
     }
 
-    /// Number of equations in the set, with `driver` as the only drive.
+    /// Number of equations in the set. Only the drive `driver` counts, not the other drive.
     #[inline]
     pub(crate) fn count<T>(self, driver: Driver<T>) -> u64 {
         u64::from((self.0 & 0b1_1111).count_ones()) + u64::from(self.holds(driver.row()))
@@ -63,15 +63,15 @@ impl<T> Sink<T> for Touches<'_> {
 #[derive(Clone, Debug)]
 pub struct Closure<T> {
     rows: [Row<T>; 5],
-    /// Travel that drives a rigid axle; `None` for other mechanisms, which the height of the wheel centre drives.
+    /// Travel that drives a rigid axle. `None` for other mechanisms: their drive is the height of the wheel centre.
     driven: Option<TravelRow<T>>,
 }
 
-/// Source of the dimensions from which rows are made: a design or built parts. With a trait instead of an enum, code
-/// for designs contains no code for built parts. The trait's function is inlined, because a call would not be compiled
+/// Source of the dimensions from which rows are made: a design or built parts. With a trait instead of an enum, code for
+/// designs contains no code for built parts. The function `row` is inlined, because a called function would not be compiled
 /// for SIMD lanes.
 trait Dimensions<T>: Copy {
-    /// Returns one of the dimensions, as the sample from which new constants of the same number type are made.
+    /// Returns one of the dimensions. New constants get the number type of this dimension.
     fn like(self) -> T;
     /// Makes a row. `constraint` is the index of its constraint, and `number` is its index among the rows of that
     /// constraint.
@@ -158,7 +158,7 @@ impl<T: Real> Closure<T> {
         Closure { rows, driven }
     }
 
-    /// Changes to a new design of the same mechanism.
+    /// Replaces the design by another design of the same mechanism.
     pub fn prepare(&mut self, mechanism: &Mechanism, design: &[Vector3<T>]) {
         *self = Closure::new(mechanism, design);
     }

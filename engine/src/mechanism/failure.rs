@@ -8,7 +8,7 @@ use std::fmt;
 /// Reason why a station has no pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Failure {
-    /// The drive cannot reach the value: the mechanism folds at `limit`.
+    /// The drive cannot reach the requested value: the mechanism folds at `limit`.
     Unreachable {
         /// Kind of drive.
         drive: Drive,
@@ -17,7 +17,7 @@ pub enum Failure {
         /// Reason for the fold.
         cause: LimitCause,
     },
-    /// The rack cannot reach its displacement, at zero travel.
+    /// At zero travel, the rack cannot reach the requested displacement.
     RackUnreachable {
         /// Displacement at the fold, towards the kernel's +y.
         limit: f64,
@@ -28,7 +28,8 @@ pub enum Failure {
     Singular,
     /// A certificate was requested, but the pose could not be certified.
     Uncertified(Unproven),
-    /// The solver reached the pose, but a rocker that a requested quantity reads is at its toggle there, or has passed it.
+    /// The solver reached the pose. But a requested quantity depends on a rocker that is at its toggle in this pose, or has
+    /// passed it.
     Toggle(Rod),
     /// The drive of Attia's paper requests the arm's highest or lowest position, or a position beyond it.
     DeadCentre,
@@ -51,19 +52,19 @@ pub enum FormulationFailure {
         drive: Drive,
         /// Last drive value that the solver reached on this branch, in the study's convention.
         value: f64,
-        /// Part that is singular there.
+        /// Part that is singular at the end of the branch.
         cause: &'static str,
     },
     /// The solution branch of the design position ends before the angle theta of Attia's paper.
     ThetaEnds {
         /// Last angle that the solver reached on this branch.
         value: f64,
-        /// Part that is singular there.
+        /// Part that is singular at the end of the branch.
         cause: &'static str,
     },
     /// The solution branch of the design position ends before the requested displacement of the rack.
     RackEnds {
-        /// Part that is singular there.
+        /// Part that is singular at the end of the branch.
         cause: &'static str,
     },
     /// A number in the input is not finite.
@@ -88,8 +89,8 @@ impl fmt::Display for FormulationFailure {
     }
 }
 
-/// Reason why a mechanism stops at a fold: a part is singular there, or no part is singular, and a quantity reaches an
-/// extreme (see `solve::cause`).
+/// Reason why a mechanism stops at a fold (see `solve::cause`). Either a part is singular at the fold, or no part is
+/// singular and a quantity reaches an extreme.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LimitCause {
     /// The tie rod's ends and the steering axis lie in one plane, so the tie rod no longer holds the wheel's steer angle.
@@ -164,7 +165,7 @@ impl fmt::Display for LimitCause {
 /// Distance of a part from its singular position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PartMeasure {
-    /// The part, given as the cause of a fold at the part's singular position.
+    /// The part, named by the cause of a fold. The fold occurs when the part reaches its singular position.
     pub cause: LimitCause,
     /// Sine of the angle between the part and its singular position; 0 at that position.
     pub sine: f64,
@@ -186,7 +187,7 @@ pub enum Unproven {
     Singular,
     /// The residual is too large compared with the distance to the next solution, so the inequality fails.
     TooClose,
-    /// The pose is certified, but it is not certified that the pose is on the solution branch of the design position.
+    /// The pose is certified. But it is not certified that the pose is on the solution branch of the design position.
     Branch,
 }
 
@@ -212,9 +213,9 @@ pub enum DesignFault {
         /// Outer joint of the arm.
         outer: PointId,
     },
-    /// A tie rod whose inner end is on the steering axis cannot steer.
+    /// An end of the tie rod is on the steering axis, so the tie rod cannot steer the wheel.
     NoSteering {
-        /// End that lies on the axis.
+        /// End of the tie rod that lies on the axis.
         end: PointId,
     },
     /// The tie rod lies in the plane through steering axis and rack joint, so the tie rod cannot rotate the knuckle.
@@ -247,7 +248,7 @@ pub enum DesignFault {
     NoFormulation(&'static str),
     /// The constraints are dependent and do not hold the knuckle, or the drive cannot move it.
     Singular,
-    /// The elastic parts have no equilibrium in the initial position, for this reason.
+    /// The elastic parts have no equilibrium in the initial position. The text is the reason.
     Elastic(String),
 }
 

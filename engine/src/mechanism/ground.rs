@@ -7,8 +7,8 @@
 //! n = (0, sin phi, cos phi),   e = (0, cos phi, -sin phi)           (1)
 //! ```
 //!
-//! The kernel's frame of the right wheel is the mirror image: phi becomes -phi, and e points outboard again. So every
-//! formula of a wheel is written once, with n and the outboard direction of the ground.
+//! The kernel's frame of the right wheel is the mirror image: phi becomes -phi, and e points outboard again. So the code
+//! contains every formula of a wheel once, with n and the outboard direction of the ground.
 
 use crate::number::{Real, Vector3, outlined};
 
@@ -65,7 +65,7 @@ impl<T: Real> Ground<T> {
         Vector3::new(self.sine.zero(), self.sine, self.cosine)
     }
 
-    /// Unit vector in the ground across the vehicle, positive outboard.
+    /// Unit vector in the plane of the ground, across the vehicle, positive outboard.
     #[inline(always)]
     pub fn outboard(self) -> Vector3<T> {
         Vector3::new(self.sine.zero(), self.cosine, -self.sine)

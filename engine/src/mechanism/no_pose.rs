@@ -3,10 +3,10 @@
 use super::Failure;
 use crate::model::{Frame, LengthUnit, Side};
 
-/// Reason why a vehicle has no pose at a station, or no values that depend on a rocker.
+/// Reason why a vehicle has no pose at a station, or has a pose but no values that depend on a rocker.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum NoPose {
-    /// The wheel of a corner has no pose.
+    /// The wheel of a single-wheel study has no pose.
     #[error("{0}")]
     Corner(#[from] Failure),
     /// A wheel of an axle has no pose at its travel.
@@ -19,7 +19,7 @@ pub enum NoPose {
         /// Reason for the failure.
         failure: Failure,
     },
-    /// A rigid axle has no pose at a difference of its travels.
+    /// A rigid axle has no pose at the requested difference of its two travels.
     #[error("axle at a travel difference of {difference:.6} (left - right): {failure}")]
     RigidAxle {
         /// Travel of the left wheel minus that of the right one.
@@ -29,16 +29,16 @@ pub enum NoPose {
         /// Wheel in whose frame the limit is given.
         side: Side,
     },
-    /// No difference of travels puts both wheels on the ground at this roll angle. Either a wheel falls where it should rise, or
-    /// the iteration did not converge.
+    /// No difference of travels puts both wheels on the ground at this roll angle. Either a wheel falls when the difference
+    /// of travels should raise it, or the iteration did not converge.
     #[error("there is no difference of the travels at which both wheels touch the ground")]
     NoGround,
     /// No mean travel gives the axle the required load. Either the load does not grow with the travel, or a wheel cannot reach
     /// the travel.
     #[error("there is no mean travel at which the wheels carry the required load")]
     NoLoad,
-    /// A certificate was requested. The poses of both wheels are certified, but not that the ground under them is
-    /// unique.
+    /// A certificate was requested. The poses of both wheels are certified, but the ground under the wheels is not
+    /// certified to be unique.
     #[error("both poses are certified, but not the uniqueness of the ground position")]
     Unproven,
     /// The elastic parts have no equilibrium.
@@ -47,7 +47,7 @@ pub enum NoPose {
          `hardpoint kc` names the part that limits them"
     )]
     NoEquilibrium {
-        /// Fraction, 0 to 1, of the change from the design position up to which equilibria exist.
+        /// Largest fraction (0 to 1) of the change from the design position up to which equilibria exist.
         share: f64,
     },
     /// The elastic parts have an equilibrium, but it is unstable.
@@ -105,7 +105,7 @@ impl NoPose {
         }
     }
 
-    /// Failure of the wheel, if a wheel is the reason.
+    /// Failure of a wheel or of a rigid axle, if such a failure is the reason.
     pub fn of_wheel(&self) -> Option<&Failure> {
         match self {
             NoPose::Corner(failure)

@@ -47,7 +47,7 @@ pub struct Configuration<'a, T> {
     /// Displacement of the rack, towards the kernel's +y.
     pub rack: T,
     /// Velocity of the knuckle per unit of rack displacement, with the drive fixed. `Some` only if the mechanism has an
-    /// instantaneous steering axis and a requested quantity reads it.
+    /// instantaneous steering axis and a requested quantity needs this axis.
     pub steering: Option<Twist<T>>,
 }
 
@@ -72,7 +72,7 @@ impl<T: Real> Neg for Twist<T> {
 }
 
 impl<T> Twist<T> {
-    /// Makes a twist from six components. The velocity comes first.
+    /// Makes a twist from six components: first the velocity, then the angular velocity.
     #[inline(always)]
     pub(crate) fn from_array([x, y, z, a, b, c]: [T; 6]) -> Self {
         Twist {
@@ -81,7 +81,7 @@ impl<T> Twist<T> {
         }
     }
 
-    /// Six components of the twist. The velocity comes first.
+    /// Six components of the twist: first the velocity, then the angular velocity.
     pub(crate) fn into_array(self) -> [T; 6] {
         let (v, w) = (self.shift, self.turn);
         [v.x, v.y, v.z, w.x, w.y, w.z]
@@ -226,7 +226,7 @@ impl<'a, T: Real> Configuration<'a, T> {
             Body::Rack => Vector3::new(p.x, p.y + self.rack, p.z),
             Body::SteeringGear(place) => self.designed(place),
             Body::Opposite(other) => {
-                // A function call instead of inlined code, because few points have the body `Opposite`.
+                // This is a function call instead of inlined code, because few points have the body `Opposite`.
                 let moved = self.point(other).y - self.designed(other).y;
                 Vector3::new(p.x, p.y - moved, p.z)
             }
@@ -254,7 +254,8 @@ impl<'a, T: Real> Configuration<'a, T> {
         }
     }
 
-    /// The knuckle of the wheel if it is a rocker of a steered axle; `None` if the mechanism's knuckle carries the wheel.
+    /// The knuckle that carries the wheel, if this knuckle is a rocker of a steered axle. `None` if the mechanism's own
+    /// knuckle carries the wheel.
     #[inline(always)]
     pub(crate) fn steered_knuckle(&self) -> Option<RockerId> {
         match self.mechanism.body(self.mechanism.wheel_centre) {
@@ -272,7 +273,8 @@ impl<'a, T: Real> Configuration<'a, T> {
         }
     }
 
-    /// Adds the derivative with respect to a rotation of the body that carries the wheel. `moment` is about the vehicle's axes.
+    /// Adds the derivative with respect to a rotation of the body that carries the wheel to the sink. `moment` is about the
+    /// vehicle's axes.
     #[inline(always)]
     pub(crate) fn push_carrier_turn(&self, moment: Vector3<T>, sink: &mut impl Sink<T>) {
         match self.steered_knuckle() {
@@ -374,7 +376,8 @@ impl<'a, T: Real> Configuration<'a, T> {
         self.push_carried(arm.outer, by[4], sink);
     }
 
-    /// Position and velocity of a point that is not on a rocker, from the velocity of the knuckle. For SIMD lanes.
+    /// Position and velocity of a point that is not on a rocker, from the velocity of the knuckle. This version is for SIMD
+    /// lanes.
     #[inline(always)]
     pub(crate) fn moving_below_rockers(&self, id: PointId, motion: &Twist<T>) -> [Vector3<T>; 2] {
         match self.mechanism.body(id) {

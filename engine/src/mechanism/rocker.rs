@@ -81,7 +81,7 @@ pub(crate) struct Turn<T> {
 }
 
 impl<T: Real> Turn<T> {
-    /// Computes the rotation from these inputs.
+    /// Computes the rotation of a rocker from the five points in `Ends`.
     #[inline(always)]
     pub(crate) fn of([first, second, inner, outer, outer_now]: Ends<T>) -> Self {
         let axis = (second - first).normalised();
@@ -94,7 +94,7 @@ impl<T: Real> Turn<T> {
         let e = rod.dot(way) - way.norm_squared().scaled(0.5);
         let h = a * a + b * b;
         let square = b * b - e * (a + a + e);
-        // In the design position, B is t.l.
+        // In the design position, B of (2) is t.l.
         let pushed = turned.dot(rod).sign();
         let w = -(pushed * square.sqrt());
         let inverse = h.one() / h;
@@ -115,14 +115,14 @@ impl<T: Real> Turn<T> {
         point - lever + lever * self.cosine + self.axis.cross(lever) * self.sine
     }
 
-    /// Turns a vector by the rocker's angle: R v in the formulas above.
+    /// Turns a vector v by the rocker's angle: R v, with R as in (6).
     #[inline(always)]
     fn turned(&self, v: Vector3<T>) -> Vector3<T> {
         let lever = v.across(self.axis);
         v - lever + lever * self.cosine + self.axis.cross(lever) * self.sine
     }
 
-    /// Turns a vector back by the rocker's angle: R'v in the formulas above.
+    /// Turns a vector v back by the rocker's angle: R'v, with R as in (6).
     #[inline(always)]
     fn turned_back(&self, v: Vector3<T>) -> Vector3<T> {
         let lever = v.across(self.axis);
@@ -357,7 +357,8 @@ impl<T: Real> Configuration<'_, T> {
         by_point
     }
 
-    /// Converts the seed to the frame of the rocker's base. First adds the other terms of (12) to the sink.
+    /// Converts the seed (the quantity to differentiate) to the frame of the rocker's base. First adds the other terms of
+    /// (12) to the sink.
     #[inline(always)]
     fn seed_in_base(
         &self,
@@ -392,8 +393,8 @@ impl<T: Real> Configuration<'_, T> {
         let turn = Turn::of(ends);
         let zero = self.rack.zero();
         let none = Vector3::new(zero, zero, zero);
-        // A seed for the angle or the rotation has no point of its own. A point of the axis with a zero gradient replaces this
-        // point in the formulas.
+        // If the quantity to differentiate is an angle or a rotation, it does not refer to a point of the rocker. The
+        // formulas then use a point of the axis, with a zero gradient.
         let (designed, gradients, moment) = match seed {
             RockerSeed::Point { designed, gradient } => (designed, [gradient, none], zero),
             RockerSeed::Angle(gradient) => (ends[0], [none; 2], gradient * turn.sense(rocker.rod)),

@@ -21,7 +21,7 @@ use crate::number::{SimdReal, Vector3};
 /// Largest distance of a 60-degree arc from its chord, as a share of the chord: half the tangent of 15 degrees, rounded up.
 const STRAYING: f64 = 1.0 / 7.0;
 
-/// Position of a rod's outer end relative to the rocker, with the numbers of the formula above.
+/// Position of a rod's outer end relative to the rocker, with the terms of (1) and (2).
 #[derive(Clone, Copy, Debug)]
 pub struct RodReach<T> {
     outer: Vector3<T>,
@@ -68,7 +68,7 @@ impl<B: SimdReal> RodReach<B> {
         }
     }
 
-    /// Returns the nearer of two positions of the rod, lane by lane.
+    /// Returns the position that is nearer to `self`, out of two positions of the rod's outer end. Chooses lane by lane.
     #[inline(always)]
     pub fn nearer(&self, first: &Self, second: &Self) -> Self {
         let first_away = (first.outer - self.outer).norm_squared();

@@ -24,7 +24,8 @@ impl<T: Scalar> Configuration<'_, T> {
         -axis.dot(couple) / axis.dot((inner - first).cross(pull))
     }
 
-    /// Tension in the rod of a rocker for a moment on the rocker, in the sense of its angle.
+    /// Tension in the rod of a rocker for a moment on the rocker. The moment is positive in the direction of the rocker's
+    /// positive angle.
     pub(crate) fn rod_tension_by_moment(&self, id: RockerId, moment: T) -> T {
         let rocker = self.mechanism.rocker(id);
         let [first, second] = [rocker.first, rocker.second].each(|id| self.designed(id));

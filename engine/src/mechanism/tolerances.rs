@@ -7,5 +7,5 @@ pub(crate) const DEGENERATE: f64 = 1e-10;
 /// Largest error of a second-order prediction, as a share of the step. On a smooth path the error is of third order;
 /// near another assembly branch it is much larger.
 pub(crate) const GOOD_PREDICTION: f64 = 0.01;
-/// Threshold below which corrections relative to the size count as rounding.
+/// Largest correction that counts as rounding, relative to the largest coordinate of the design.
 pub(crate) const ROUNDING: f64 = 4.0 * f64::EPSILON;

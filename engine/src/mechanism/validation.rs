@@ -35,7 +35,7 @@ pub enum HardpointFault {
         /// Missing hardpoints, each with its description.
         missing: Vec<String>,
     },
-    /// The given hardpoints belong to two alternatives of a group.
+    /// The study mixes hardpoints of two alternative lists of a group. A study may use only one of these lists.
     #[error("{first} and {second} are both given: expected only one of them for {group}")]
     Both {
         /// A hardpoint of one alternative.
@@ -56,7 +56,8 @@ pub enum HardpointFault {
 }
 
 impl HardpointFault {
-    /// Lists the required hardpoints of a topology that are missing, as a fault.
+    /// Returns a fault that lists the required hardpoints of a topology that are missing. `None` if no hardpoint is
+    /// missing.
     pub fn missing(
         topology: &'static Topology,
         is_given: impl Fn(&str) -> bool,
@@ -73,7 +74,7 @@ impl HardpointFault {
         })
     }
 
-    /// Returns the fault of a group if the study gives only a part of it.
+    /// Returns a fault if the study gives only some of the hardpoints of a group.
     pub fn of_group(
         topology: &'static Topology,
         group: &'static Group,
@@ -81,7 +82,8 @@ impl HardpointFault {
     ) -> Option<HardpointFault> {
         let is_given = |name: &&str| given.contains(name);
         let count = |list: &[&'static str]| list.iter().filter(|name| is_given(name)).count();
-        // Returns the list with the most given hardpoints; the first one, if several are equal.
+        // Selects the list of which the study gives the most hardpoints. If several lists are equal, selects the first of
+        // them.
         let nearest = group.complete.iter().rev().max_by_key(|list| count(list));
         let is_beside = group.beside.iter().any(is_given);
         let list = nearest.filter(|list| count(list) > 0 || is_beside)?;
@@ -121,7 +123,7 @@ pub enum GeometryFault {
         first: String,
         /// Second point.
         second: String,
-        /// Reason why they must be distinct.
+        /// Reason why the two points must be distinct.
         reason: &'static str,
     },
     /// An arm's outer joint is on the arm's axis.
@@ -175,7 +177,7 @@ pub enum GeometryFault {
         /// Unit of the size.
         unit: LengthUnit,
     },
-    /// The wheel is not outboard of the body, so that side or axes must be wrong.
+    /// The wheel is not outboard of the body, so the side or the axes must be wrong.
     #[error("{wheel_centre} is inboard of the points on the body")]
     WrongSide {
         /// Wheel centre.
@@ -184,7 +186,7 @@ pub enum GeometryFault {
 }
 
 impl GeometryFault {
-    /// Returns the first fault of a suspension. `None` for a suspension without faults.
+    /// Returns the first fault of a suspension. `None` if there is no fault.
     pub fn first_of(suspension: &Suspension) -> Option<GeometryFault> {
         GeometryFault::all_of(suspension).into_iter().next()
     }
@@ -280,7 +282,7 @@ fn plausible_size(suspension: &Suspension) -> Vec<GeometryFault> {
     }
 }
 
-/// Checks that the wheel is outboard of the points on the body. The position of the origin has no effect.
+/// Checks that the wheel is outboard of the points on the body. The position of the coordinate origin has no effect.
 fn right_side(suspension: &Suspension) -> Vec<GeometryFault> {
     let (mechanism, design) = (&suspension.mechanism, &suspension.design);
     let points = mechanism.points.iter().zip(design);

@@ -12,7 +12,7 @@ use std::cell::Cell;
 pub struct Work {
     /// Poses from the closed form.
     pub closed_form_solves: u64,
-    /// Evaluations of the closed form for these poses.
+    /// Evaluations of the closed form, for all poses from the closed form.
     pub closed_form_evaluations: u64,
     /// Newton iterations on closure equations, for both formulations.
     pub newton_iterations: u64,
@@ -30,7 +30,7 @@ pub struct Work {
 }
 
 impl Work {
-    /// Counts one iteration of Newton's method.
+    /// Counts one iteration of Newton's method, with its factorisation and its right-hand side.
     pub(crate) fn note_newton(&mut self) {
         self.newton_iterations += 1;
         self.factorisations += 1;
@@ -56,7 +56,7 @@ impl std::ops::Add for Work {
     }
 }
 
-/// Counts of work that a shared reference can add to.
+/// Counts of work. Code that has only a shared reference can increase them.
 #[derive(Clone, Debug, Default)]
 pub struct WorkCounter(Cell<Work>);
 

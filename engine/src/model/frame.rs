@@ -82,8 +82,8 @@ impl Side {
         format!("{} wheel: {sentence}", self.name())
     }
 
-    /// Sign of the side: 1 for left, -1 for right. Multiply a rack movement to the left, or half the difference between both
-    /// wheels, by this sign to convert it to the frame of the side.
+    /// Sign of the side: 1 for left, -1 for right. The sign converts two values to the frame of the side: a rack movement
+    /// to the left, and half the difference between both wheels.
     pub fn sign(self) -> f64 {
         [1.0, -1.0][self as usize]
     }
@@ -222,7 +222,8 @@ impl LengthUnit {
         }
     }
 
-    /// Converts a length from another unit to this one, rounded once. A length in the same unit keeps its bits.
+    /// Converts a length from another unit to this one. The result is rounded once. A length in the same unit does not
+    /// change at all.
     pub fn convert(self, length: f64, from: LengthUnit) -> f64 {
         match (from.with_newtons(), self.with_newtons()) {
             (LengthUnit::Millimetre, LengthUnit::Metre) => length / 1000.0,

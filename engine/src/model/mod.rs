@@ -131,8 +131,8 @@ pub enum Constraint {
         /// Point of the joint, common to arm and knuckle.
         at: PointId,
     },
-    /// One of the two travels of a rigid axle has a given value. Other mechanisms have the rack's displacement
-    /// instead of this value. Removes one degree of freedom.
+    /// Holds one of the two travels of a rigid axle at a given value. In other mechanisms, the rack displacement has a
+    /// given value instead. Removes one degree of freedom.
     AxleTravel {
         /// Centre of the near wheel.
         near: PointId,
@@ -156,7 +156,7 @@ impl Constraint {
         }
     }
 
-    /// Inner and outer end of a link; `None` for another constraint.
+    /// Inner and outer end of a link; `None` for other constraints.
     pub fn link(&self) -> Option<(PointId, PointId)> {
         match *self {
             Constraint::Link { inner, outer } => Some((inner, outer)),
@@ -186,7 +186,8 @@ pub enum SteeringAxis {
 pub enum SpinAxis {
     /// Direction from this knuckle point, inboard of the wheel, to the wheel centre.
     From(PointId),
-    /// Fixed in the knuckle. The vector is its outboard direction in the design position (from static camber and toe).
+    /// The spin axis is fixed in the knuckle. The vector is the axis' outboard direction in the design position (from
+    /// static camber and toe).
     Along(Vector3<f64>),
 }
 
@@ -252,8 +253,9 @@ pub struct Mechanism {
     pub wheel_centre: PointId,
     /// Spin axis of the wheel.
     pub spin_axis: SpinAxis,
-    /// Wheel centres of a built carrier, if the study gives the spin axis as angles: [centre, added point of the axis]. A
-    /// deviation of the centre moves both points, so the axis stays parallel to itself. Empty for other mechanisms.
+    /// Wheel centres of an assembled wheel carrier, if the study gives the spin axis as angles: [centre, added point of the
+    /// axis]. A deviation of the centre moves both points, so the axis stays parallel to itself. Empty for other
+    /// mechanisms.
     pub parallel_axes: Vec<[PointId; 2]>,
     /// The steering axis; `None` for a wheel that cannot be steered.
     pub steering_axis: Option<SteeringAxis>,
@@ -265,7 +267,7 @@ pub struct Mechanism {
     pub rigid_axle: Option<RigidAxle>,
 }
 
-/// Name of the point that gives the spin axis of a built wheel.
+/// Name of the point that gives the spin axis of an assembled wheel.
 pub(crate) const SPINDLE_INNER: &str = "spindle_inner";
 
 impl Mechanism {
@@ -294,8 +296,8 @@ impl Mechanism {
             .map(|[_, beside]| *beside)
     }
 
-    /// Name of a point. If the study gives camber and toe as angles, a built wheel has an additional point. Errors of
-    /// builds may refer to this additional point, so the function names it too.
+    /// Name of a point. If the study gives camber and toe as angles, an assembled wheel has an additional point. Error
+    /// messages may refer to this additional point, so the function names it too.
     pub fn name(&self, id: PointId) -> &str {
         self.points
             .get(id.0)
@@ -349,7 +351,7 @@ impl Mechanism {
         }
     }
 
-    /// Returns true for a point of the far half of a rigid axle. The far half follows from the near half.
+    /// Returns true for a point of the far half of a rigid axle. The program computes the far half from the near half.
     pub fn is_far(&self, id: PointId) -> bool {
         self.rigid_axle
             .as_ref()
@@ -419,8 +421,8 @@ impl Mechanism {
         arms.chain(constraints).chain(spin_axis)
     }
 
-    /// Returns true if two points keep their distance in every pose. The condition holds for points of one body, the
-    /// two ends of a rod, and the outer joint of an arm with the points of its axis.
+    /// Returns true if two points keep their distance in every pose. This is true for points of one body and for the two
+    /// ends of a rod. It is also true for the outer joint of an arm and a point of the arm's axis.
     pub fn are_rigidly_joined(&self, a: PointId, b: PointId) -> bool {
         let are = |p: PointId, q: PointId| (a, b) == (p, q) || (b, a) == (p, q);
         let on_ground = |id| matches!(self.body(id), Body::Chassis);

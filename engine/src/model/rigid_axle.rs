@@ -70,13 +70,14 @@ pub fn mirrored<T: Real>(position: Vector3<T>) -> Vector3<T> {
 }
 
 impl RigidAxle {
-    /// Returns true for a point of the far half and for a point that follows another point.
+    /// Returns true for a point of the far half, and for a point that a study does not give because it moves with another
+    /// point.
     pub fn is_far(&self, id: PointId) -> bool {
         let mut following = self.followers();
         self.pairs.iter().any(|[_, far]| *far == id) || following.any(|[point, _]| point == id)
     }
 
-    /// Points that a study does not give, each with the point that it follows.
+    /// Points that a study does not give, each with the point with which it moves.
     #[inline]
     fn followers(&self) -> impl Iterator<Item = [PointId; 2]> {
         let beam = self.twist_beam.iter().flat_map(TwistBeam::followers);
@@ -89,7 +90,7 @@ impl RigidAxle {
         pair.map(|[_, far]| *far)
     }
 
-    /// Moves a point of the far half to another position. Points that follow it keep their offsets from it.
+    /// Moves a point of the far half to another position. Points that move with this point keep their offsets from it.
     pub(crate) fn put_far(&self, far: PointId, place: Vector3<f64>, design: &mut [Vector3<f64>]) {
         let way = place - design[far.0];
         design[far.0] = place;
@@ -98,8 +99,8 @@ impl RigidAxle {
         }
     }
 
-    /// Moves the far half with the near half. `own` is a design with both halves. The far half keeps the differences from a
-    /// mirror image that it has in `own`.
+    /// Moves the far half with the near half. `own` is a design with both halves. If the far half of `own` differs from a
+    /// mirror image, the far half keeps these differences.
     #[inline(always)]
     pub fn complete<T: Real>(&self, own: &[Vector3<f64>], design: &mut [Vector3<T>]) {
         for [near, far] in &self.pairs {
@@ -141,8 +142,8 @@ impl RigidAxle {
             && singles.all(|single| design[single.0] == mirrored(design[single.0]))
     }
 
-    /// Adds the derivatives with respect to all copies of a point to those with respect to the point of the left half. The
-    /// copies are in the far half, and in the axle as seen from the right wheel.
+    /// Adds up derivatives. The derivatives with respect to all copies of a point are added to the derivatives with respect
+    /// to the point of the left half. The copies are in the far half, and in the axle as seen from the right wheel.
     pub fn gather(&self, [left, right]: [&mut [Vector3<f64>]; 2]) {
         let zero = Vector3::new(0.0, 0.0, 0.0);
         for [point, beside] in self.followers() {

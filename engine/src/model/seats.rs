@@ -4,7 +4,7 @@ use super::{Body, Mechanism, PointId, SpinAxis};
 use crate::number::Vector3;
 use crate::sorting::sort_by;
 
-/// Ratio of distances below which a body counts as clearly nearer than the usual one.
+/// Ratio of distances below which a body counts as clearly nearer than the usual body.
 const CLEARLY_NEARER: f64 = 0.5;
 
 /// A body that may carry a point.
@@ -42,15 +42,15 @@ impl Mechanism {
         is_doubtful.then_some([*own, *nearest])
     }
 
-    /// Marks the bodies of all points with several possible bodies as assumed.
+    /// Marks the assigned body as assumed, for every point with several possible bodies.
     pub fn assume_seats(&mut self) {
         let points = (0..self.points.len()).map(PointId);
         let may_choose = |id: &PointId| self.possible_bodies(*id).len() > 1;
         self.unsaid_seats = points.filter(may_choose).collect();
     }
 
-    /// Assigns the drop link of an anti-roll bar to the body that is clearly nearest to it. The function does so only
-    /// if the study does not name this body and a rocker is among the possible bodies. With the drop link on the wrong
+    /// Assigns the drop link of an anti-roll bar to the body that is clearly nearest to it. The function changes the body
+    /// only if the study does not name it, and if a rocker is among the possible bodies. With the drop link on the wrong
     /// body, the bar would rotate ten times too little or too much.
     pub fn seat_drop_link(&mut self, design: &[Vector3<f64>]) {
         if let Some(id) = self.unsaid_drop_link()
@@ -98,7 +98,8 @@ impl Mechanism {
             | Body::Knuckle
             | Body::StrutRod(_) => {}
         }
-        // The point of the spin axis gives a direction; it may be far inboard of the metal of the knuckle.
+        // The point of the spin axis only gives a direction. It may be far inboard of the real knuckle, so it does not
+        // count.
         let shows_spin =
             |point: PointId| matches!(self.spin_axis, SpinAxis::From(own) if own == point);
         points.retain(|point| *point != id && !shows_spin(*point));

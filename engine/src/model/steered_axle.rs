@@ -26,10 +26,10 @@
 //!
 //! # Travels
 //!
-//! Steering lifts or lowers the wheel centres even while the axle rests. Let w_n and w_f be the hardpoints of the near and the
-//! far wheel centre, and c_n and c_f their positions after the knuckles have turned, with the axle at rest. The closure
-//! equations count the travels from c_n and c_f. They compute both positions from p' for each new design; designs do not store
-//! them:
+//! Steering lifts or lowers the wheel centres even while the axle rests. Let w_n and w_f be the hardpoints of the near and
+//! the far wheel centre. c_n and c_f are the positions of both centres after the knuckles have turned, with the axle at
+//! rest. The closure equations count the travels from c_n and c_f. They compute both positions from p' for each new design;
+//! designs do not store them:
 //!
 //! ```text
 //! mean of the equations        = mean travel - (c_n.z - w_n.z + c_f.z - w_f.z)/2               (4)
@@ -90,7 +90,7 @@ pub struct AxleSteering {
     pub far_knuckle: RockerId,
     /// End of the drag link at the steering gear, in the design position.
     pub end: PointId,
-    /// Position of this end after a displacement of the steering gear: equation (1).
+    /// Position of the drag link's end after a displacement of the steering gear: equation (1).
     pub place: PointId,
     /// Unit vector along which the steering gear moves the end, in the kernel's frame of the near side.
     pub direction: Vector3<f64>,
@@ -111,7 +111,7 @@ impl AxleSteering {
     }
 }
 
-/// The body of a point that is on a knuckle: `first`, the left knuckle. `None` for points of other bodies.
+/// Body of a hardpoint on a knuckle: the rocker `first`, which is the left knuckle. `None` for hardpoints on other bodies.
 pub(super) fn body(name: &str, first: RockerId) -> Option<Body> {
     let is_on_knuckle = matches!(
         name,

@@ -102,7 +102,7 @@ pub(super) const CANNOT_STEER: &str = "the tie rod could not steer the wheel";
 
 /// Hardpoints that a study gives together.
 pub struct Group {
-    /// Name of the part that they form, such as "the rocker".
+    /// Name of the part that the hardpoints of the group form, such as "the rocker".
     pub what: &'static str,
     /// Hardpoints that a topology with this group has in addition to its own.
     pub hardpoints: &'static [Hardpoint],
@@ -118,8 +118,8 @@ pub struct Group {
 pub(super) struct Given(pub Vec<Point>);
 
 impl Given {
-    /// Given hardpoints of a topology, in the topology's order. Hardpoints of spring and rockers are on their `carriers`, the
-    /// others on a `body`.
+    /// Given hardpoints of a topology, in the topology's order. Hardpoints of spring and rockers are on their `carriers`,
+    /// the other hardpoints on the body that `body` returns.
     pub(super) fn of(
         topology: &Topology,
         given: &[&'static str],

@@ -1,10 +1,10 @@
 //! Twist beam: two rigid halves that are hinged about the line of the cross member's shear centres.
 //!
-//! Each half is a trailing arm with half of the cross member. The hinge is the line along y through the shear centre S. If a
-//! second point is given, the hinge runs through S and that point, because a beam of parts with deviations is slightly askew. A
-//! mount fixes its half of the beam in x and z. The rubber of the mounts lets both halves move sideways, by equal distances in
-//! opposite directions. Each half has six unknowns. The hinge removes five of these twelve, the mounts five, and the two
-//! travels determine the rest.
+//! Each half is a trailing arm with half of the cross member. The hinge is the line along y through the shear centre S. If
+//! a second point is given, the hinge runs through S and that point. So the hinge can be slightly skewed, as in a beam
+//! whose parts deviate from nominal. A mount fixes its half of the beam in x and z. The rubber of the mounts lets both
+//! halves move sideways, by equal distances in opposite directions. Each half has six unknowns. The hinge removes five of
+//! these twelve, the mounts five, and the two travels determine the rest.
 //!
 //! The mechanism is that of the near half. Let M be the far mount, and S and T two points of the hinge. The near
 //! mount gives two equations. M keeps its distances from S and T, and each of these distances is a link. The travels

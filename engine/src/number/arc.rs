@@ -66,7 +66,7 @@ fn odd<B: SimdReal, const N: usize>(x: B, coefficients: &[f64; N]) -> B {
         before = x.constant(coefficients[k - 2]).plus_product(before, v);
         k -= 2;
     }
-    // If the number of coefficients is odd, one remains.
+    // If the number of coefficients is odd, one coefficient remains.
     let (even, odd) = if k == 1 {
         (x.constant(coefficients[0]).plus_product(last, v), before)
     } else {
@@ -86,7 +86,7 @@ pub(super) fn asin<B: SimdReal>(x: B) -> B {
     x.outlined(AnyArc(x))
 }
 
-/// Arc sine of any argument, as a separate function. Small arguments, which are more frequent, do not need it.
+/// Arc sine of any argument, as a separate function. Small arguments are more frequent and do not need this function.
 struct AnyArc<B>(B);
 
 impl<B: SimdReal> Outlined for AnyArc<B> {
@@ -114,7 +114,7 @@ pub(super) fn atan2<B: SimdReal>(y: B, x: B) -> B {
     x.outlined(AnyAngle { y, x })
 }
 
-/// Angle of any vector, as a separate function. Small angles, which are more frequent, do not need it.
+/// Angle of any vector, as a separate function. Small angles are more frequent and do not need this function.
 struct AnyAngle<B> {
     y: B,
     x: B,
@@ -224,8 +224,8 @@ mod tests {
         }
     }
 
-    /// The numbers in the other lanes decide which branch of the code runs, but they do not change the result of a lane by a
-    /// single bit.
+    /// The numbers in the other lanes decide which branch of the code runs. But they do not change the result of a lane by
+    /// a single bit.
     #[test]
     fn every_width_yields_the_same_bits() {
         let within = arguments().filter(|x| x.abs() <= 1.0);

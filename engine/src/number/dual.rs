@@ -58,7 +58,7 @@ impl<T: Real> Dual<T, 3> {
 }
 
 impl<T: Real, const N: usize> Dual<T, N> {
-    /// True if arithmetic uses function calls.
+    /// True if arithmetic operations are function calls instead of inlined code.
     const IS_LONG: bool = N > 4 && !T::IN_REGISTERS;
 
     #[inline]

@@ -48,7 +48,8 @@ impl Interval {
         Interval::bounds(self.low.min(other.low), self.high.max(other.high))
     }
 
-    /// Intersection of the two intervals. It must not be empty. If both intervals enclose the same number, it is not empty.
+    /// Intersection of the two intervals. The intersection must not be empty. It is not empty if both intervals enclose the
+    /// same number.
     #[inline]
     pub fn meet(self, other: Self) -> Self {
         Interval::bounds(self.low.max(other.low), self.high.min(other.high))
@@ -120,7 +121,8 @@ fn trusted(value: f64) -> Interval {
     Interval::bounds(value.next_down().next_down(), value.next_up().next_up())
 }
 
-/// Interval between the smallest and the largest result at the corners, widened by their rounding errors.
+/// Interval between the smallest and the largest of four results, widened by their rounding errors. The results are
+/// products or quotients of the ends of two intervals.
 #[inline]
 fn around(corners: [f64; 4]) -> Interval {
     if corners.iter().any(|c| c.is_nan()) {
@@ -215,7 +217,7 @@ impl Div for Interval {
     type Output = Self;
     #[inline(never)]
     fn div(self, other: Self) -> Self {
-        // This test is also true for NaN.
+        // The condition is also true if a bound of the divisor is NaN.
         if !other.excludes_zero() {
             return Interval::WHOLE;
         }
@@ -258,8 +260,8 @@ impl Real for Interval {
         }
         trusted(self.low.asin()).hull(trusted(self.high.asin()))
     }
-    /// Angle, from its values at the corners. If the rectangle excludes the origin and the negative x-axis, the angle is
-    /// monotonic along every side.
+    /// Angle, from the angles at the four corners of the rectangle (`x`, `self`). If the rectangle excludes the origin and
+    /// the negative x-axis, the angle is monotonic along every side.
     fn atan2(self, x: Self) -> Self {
         if !(x.low > 0.0 || self.low > 0.0 || self.high < 0.0) {
             return Interval::WHOLE;

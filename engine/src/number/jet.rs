@@ -71,8 +71,7 @@ impl<const N: usize> Jet<f64, N> {
         let rate = self.differentiated();
         let (s, c) = self.0[0].sin_cos();
         let (mut sine, mut cosine) = (Jet::constant(s), Jet::constant(c));
-        // Each of the two series is an integral that contains the other series, so every pass makes one more coefficient
-        // correct.
+        // Each of the two series is an integral of the other series, so every pass makes one more coefficient correct.
         for _ in 1..N {
             (sine, cosine) = (
                 Jet::integrated(s, cosine * rate),
@@ -157,7 +156,7 @@ impl<T: Real, const N: usize> Mul for Jet<T, N> {
     }
 }
 
-/// These associated constants select branches. With a comparison of `N` in a function, the compiler would have to compile
+/// Constants that select branches at compile time. If a function compared `N` itself, the compiler would have to compile
 /// both branches.
 impl<T: Real, const N: usize> Jet<T, N> {
     const IS_SINGLE: bool = N == 1;

@@ -269,8 +269,8 @@ impl Width {
         panic!("the processor has no lanes of width {}", self.name());
     }
 
-    /// Runs a task in AVX2 lanes. Returns the task if the processor lacks these instructions. The compiler compiles the
-    /// task only for this width. Use it for tasks that take long to compile.
+    /// Runs a task in AVX2 lanes. If the processor lacks these instructions, returns the task without running it. The
+    /// compiler compiles the task only for this width. Use it for tasks that take long to compile.
     pub fn run_in_avx2<T: SimdTask>(task: T) -> Result<T::Output, T> {
         #[cfg(target_arch = "x86_64")]
         if let Some(simd) = Avx2::detect() {

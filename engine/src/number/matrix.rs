@@ -124,7 +124,8 @@ impl<T: Real> Matrix3<T> {
     fn turned_inline(&self, rodrigues: Vector3<T>) -> Self {
         let one = rodrigues.x.one();
         let factor = (one + one) / (one + rodrigues.norm_squared());
-        // The loop uses no closure, because the compiler might not inline it. The call would not be compiled for lanes.
+        // The loop uses no closure. The compiler might call a closure instead of inlining it, and the called code would not
+        // be compiled for lanes.
         let mut columns = self.columns;
         for column in &mut columns {
             let across = rodrigues.cross(*column);

@@ -45,8 +45,8 @@ pub trait Real:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    /// True if the number lives in SIMD registers. All of its arithmetic must then be inlined into the function for these
-    /// registers.
+    /// True if the number is stored in SIMD registers. All of its arithmetic must then be inlined into the function for
+    /// these registers.
     const IN_REGISTERS: bool = false;
     /// True if the number is larger than a plain number. Types that consist of several such numbers use function calls for
     /// their arithmetic.
@@ -105,8 +105,8 @@ pub trait Real:
         piece.work_outlined()
     }
 
-    /// Returns `self`, which the caller knows to be equal to the argument. For intervals, returns the intersection of the two
-    /// intervals, which is narrower.
+    /// Returns `self`. The argument must be equal to `self`. For intervals, returns the intersection of the two intervals,
+    /// which is narrower.
     #[inline(always)]
     fn intersected_with(self, _: Self) -> Self {
         self
@@ -236,7 +236,7 @@ pub trait LocalFunction<const N: usize, const K: usize> {
     fn at<T: Scalar>(&self, arguments: [T; N]) -> [T; K];
 }
 
-/// A number for formulas that contain local functions. Lanes evaluate these functions lane by lane.
+/// A number for formulas that contain a [`LocalFunction`]. In SIMD lanes, the function is evaluated lane by lane.
 pub trait Local: Real {
     /// Values of a function.
     fn local<const N: usize, const K: usize>(

@@ -27,7 +27,7 @@ thread_local! {
 /// Operations may only use numbers of the thread's newest tape. Dropping a tape removes its numbers from the record.
 #[derive(Debug)]
 pub struct Tape {
-    /// Index of the first number on the record.
+    /// Index of the tape's first number in the record of the thread.
     first: usize,
     /// Count of older tapes of the thread, and index of the first number of the last older tape.
     older: (usize, usize),
@@ -102,7 +102,7 @@ impl Adjoints {
     /// remain, because inputs have no operands.
     fn pass_back(&mut self, end: usize, inputs: &Range<usize>, nodes: &[Node]) {
         for word in (inputs.start / 64..end.div_ceil(64)).rev() {
-            // Operands have lower indices than their results, often in the same word.
+            // Operands have lower indices than their results. The flag of an operand is often in the same 64-bit word.
             while self.noted[word] != 0 {
                 let bit = 63 - self.noted[word].leading_zeros() as usize;
                 self.noted[word] &= !(1 << bit);
@@ -129,7 +129,7 @@ impl Record {
         }
     }
 
-    /// Adds a number.
+    /// Adds a number to the record.
     ///
     /// # Panics
     /// If the record has 2^32 entries, which need 100 GB.
@@ -144,7 +144,7 @@ impl Record {
         }
     }
 
-    /// Adds the result of an operation.
+    /// Adds the result of an operation to the record.
     #[inline(always)]
     fn note_result<'t>(
         &mut self,
@@ -287,7 +287,7 @@ impl Drop for Tape {
     fn drop(&mut self) {
         RECORD.with_borrow_mut(|record| {
             record.tapes -= 1;
-            // If tapes are dropped in another order, the last tape removes the remaining numbers.
+            // If tapes are not dropped in the reverse order of their creation, the last tape removes the remaining numbers.
             let (first, newest) = match (record.tapes, self.older) {
                 (0, _) => (0, 0),
                 (tapes, (older, newest)) if tapes == older => (self.first, newest),
@@ -327,7 +327,7 @@ impl<'t> Tracked<'t> {
     #[inline(never)]
     fn of_one(self, value: f64, slope: f64) -> Self {
         match self.place {
-            // A result that does not change with its operand needs no record.
+            // If the derivative with respect to the operand is zero, the result is a constant and needs no record.
             Some(place) if slope != 0.0 => {
                 RECORD.with_borrow_mut(|record| record.note_result(value, [place; 2], [slope, 0.0]))
             }
@@ -390,7 +390,7 @@ impl Neg for Tracked<'_> {
 }
 
 impl Real for Tracked<'_> {
-    /// True, because a record takes longer than a function call.
+    /// True, because recording an operation takes longer than a function call.
     const IS_NESTED: bool = true;
 
     fn constant(self, value: f64) -> Self {

@@ -25,8 +25,8 @@ impl<T> Vector3<T> {
     }
 }
 
-/// Types that implement `Copy` need no destructor. Without this bound, most of the compiled code of a function would be
-/// destructor calls for the case that a call unwinds.
+/// Types that implement `Copy` need no destructor. Without the bound `T: Copy`, most of the compiled code of a function
+/// would be destructor calls for the case that a call unwinds.
 impl<T: Copy> Vector3<T> {
     /// Applies `f` to each component.
     #[inline(always)]
@@ -71,7 +71,8 @@ impl<T: Real> Vector3<T> {
 }
 
 /// Arithmetic without function calls. Code in SIMD registers must be inlined, and the compiler does not inline closures
-/// reliably. So such code uses these functions directly; only nested derivatives call them.
+/// reliably. So code in SIMD registers uses these inlined functions. Nested derivative numbers call them through separate
+/// functions.
 impl<T: Real> Vector3<T> {
     #[inline(always)]
     pub(super) fn dot_inline(self, other: Self) -> T {
@@ -201,7 +202,7 @@ impl<T: Real> Vector3<T> {
         }
     }
 
-    /// Series of the vector and its derivative.
+    /// Taylor series of a vector: `self` is the value and `rate` is the first derivative.
     #[inline(always)]
     pub fn with_rate(self, rate: Self) -> Vector3<Jet<T, 2>> {
         Vector3::new(

@@ -155,7 +155,7 @@ macro_rules! registers {
             #[inline(always)]
             fn store(a: Lanes<$set>, to: &mut [f64]) {
                 let to = to[..Self::LANES].as_mut_ptr();
-                // SAFETY: the slice has room for two registers of numbers.
+                // SAFETY: the slice has space for two registers of numbers.
                 unsafe {
                     $store(to, a.registers.0);
                     $store(to.add($width), a.registers.1);

@@ -11,10 +11,10 @@
 //! with R upper triangular and regular. The method begins at the minimum without constraints, -R^-1 q. Then it repeats this
 //! step: it adds the most violated constraint to the set of held constraints, and moves to the minimum under the held
 //! constraints (D. Goldfarb, A. Idnani, A numerically stable dual method for solving strictly convex quadratic programs,
-//! Mathematical Programming 27, 1983). So it needs no feasible point to begin with. If there is no feasible point, the method
-//! ends at a violated constraint. The gradient of this constraint is a combination of gradients of held constraints, and each
-//! of these held constraints prevents the move. By Farkas' lemma these constraints contradict one another. The held gradients
-//! are independent, so none of these constraints can be left out.
+//! Mathematical Programming 27, 1983). So the method needs no feasible point at the start. If there is no feasible point,
+//! the method ends at a violated constraint. The gradient of this constraint is a combination of gradients of held
+//! constraints, and each of these held constraints prevents the move. By Farkas' lemma these constraints contradict one
+//! another. The held gradients are independent, so none of these constraints can be left out.
 //!
 //! The method works on a matrix J with J^T R^T R J = 1. The first columns of J span the held gradients. A move along the
 //! other columns leaves the values of the held constraints unchanged. J begins as R^-1, so the normal equations are never
@@ -63,7 +63,7 @@ pub enum Outcome {
     Solved,
     /// These constraints contradict one another. If any one of them were removed, the others could be met.
     Infeasible(Vec<Held>),
-    /// The method did not end because of rounding.
+    /// Rounding errors prevented the method from coming to an end.
     Stalled,
 }
 
@@ -80,7 +80,7 @@ pub struct ActiveSet {
     held: Vec<Held>,
     sign: Vec<f64>,
     multipliers: Vec<f64>,
-    /// True for each row, lower bound or upper bound that is held, in this order.
+    /// Flags of the rows, then of the lower bounds, then of the upper bounds. A flag is true if the constraint is held.
     is_held: Vec<bool>,
     step: Vec<f64>,
     /// Vectors n, v, z and w of (2).
@@ -136,9 +136,9 @@ impl ActiveSet {
         &self.step
     }
 
-    /// Returns the held constraints with their multipliers. At the minimum, R^T (R d + q) + sum of multiplier times gradient
-    /// = 0. The gradient is a for a row, -1 for a lower bound and +1 for an upper bound. Multipliers of inequalities and
-    /// bounds are not negative.
+    /// Returns the held constraints with their multipliers. At the minimum, R^T (R d + q) + sum of multiplier times
+    /// gradient = 0. The gradient of a row is the vector a. The gradient of a bound is -1 (lower bound) or +1 (upper
+    /// bound). Multipliers of inequalities and bounds are not negative.
     pub fn multipliers(&self) -> impl Iterator<Item = (Held, f64)> {
         let held = self.held.iter().zip(&self.sign);
         held.zip(&self.multipliers)
@@ -337,7 +337,7 @@ impl ActiveSet {
         }
     }
 
-    /// Position of a constraint in `is_held`.
+    /// Index of a constraint in `is_held`.
     fn place_of(&self, constraint: Held) -> usize {
         let n = self.variables;
         let rows = self.is_held.len() - 2 * n;
@@ -352,7 +352,7 @@ impl ActiveSet {
         matches!(self.held[place], Held::Row(row) if row < rows.equalities)
     }
 
-    /// Names a constraint that cannot be met, and the held constraints that exclude it.
+    /// Names a constraint that cannot be met, and the held constraints that contradict it.
     fn exclusion(&self, constraint: Held) -> Outcome {
         let held = self.held.iter().zip(&self.change);
         let pushing = held.filter(|(_, change)| change.abs() > UNINVOLVED);
@@ -381,7 +381,7 @@ impl ActiveSet {
         back_substitute(&self.triangle[..q * n], n, &mut self.change);
     }
 
-    /// Squared length of the normal's part outside the span of the held gradients, and squared length of the whole normal.
+    /// Two squared lengths: of the normal's part outside the span of the held gradients, and of the whole normal.
     fn gain(&self) -> (f64, f64) {
         let free = &self.projected[self.held.len()..];
         (dot(free, free), dot(&self.projected, &self.projected))

@@ -16,14 +16,15 @@ use nalgebra::DVector;
 pub struct Assessed {
     /// Residuals of the targets, with their derivatives.
     pub goal: Linearisation,
-    /// Rows of the constraints, with their derivatives. Each row holds the extreme between stations, if there is one.
+    /// Rows of the constraints, with their derivatives. If a value has an extreme between stations, the row contains the
+    /// value at this extreme.
     pub rows: Linearisation,
     /// Smallest margin of each constraint.
     pub margins: Vec<Margin>,
 }
 
 /// Returns the deviations from the targets at the design plus these offsets of the variables. If the deviations cannot be
-/// computed, returns the reason. The outer error says why the design itself cannot be solved.
+/// computed, returns the reason. The outer error gives the reason why the design cannot be solved at all.
 pub fn evaluated(
     suspension: &Suspension,
     variables: &[Variable],
@@ -38,8 +39,8 @@ pub fn evaluated(
 }
 
 /// Returns targets and constraints of the design itself, with their derivatives with respect to these variables, and the
-/// margins of the constraints. If these values cannot be computed, returns the reason. The outer error says why the design
-/// itself cannot be solved.
+/// margins of the constraints. If these values cannot be computed, returns the reason. The outer error gives the reason why
+/// the design cannot be solved at all.
 pub fn assessed(
     suspension: &Suspension,
     variables: &[Variable],
@@ -57,7 +58,7 @@ pub fn assessed(
 }
 
 /// Returns targets and constraints at the design plus these offsets of the variables, as a tuning evaluates them. If these
-/// values cannot be computed, returns the reason. The outer error says why the design itself cannot be solved.
+/// values cannot be computed, returns the reason. The outer error gives the reason why the design cannot be solved at all.
 pub fn assessed_at(
     suspension: &Suspension,
     variables: &[Variable],

@@ -94,7 +94,7 @@ impl AxleLayout {
         self.stations.iter().map(|station| &station.limits[..])
     }
 
-    /// Values with limits, for each station, mutable, so that the caller can number their rows.
+    /// Values with limits, for each station. They are mutable, so that the caller can assign numbers to their rows.
     pub(super) fn limits_mut(&mut self) -> impl Iterator<Item = &mut [LimitedValue]> {
         self.stations
             .iter_mut()
@@ -196,7 +196,7 @@ pub(super) fn moved_points(variables: &[Variable]) -> Vec<PointId> {
     points
 }
 
-/// Residuals and their derivatives.
+/// Evaluator of the rows of an axle or of elastic parts, with derivatives.
 pub(super) trait RowsBeside: Send {
     /// Writes the rows of all targets into `into`, from the given row on, and the rows of the constraints into `rows`.
     fn evaluate(
@@ -251,7 +251,7 @@ impl<const N: usize> RowsBeside for Rows<'_, N> {
         into: Option<(&mut Linearisation, usize)>,
         _rows: Option<&mut Linearisation>,
     ) -> Result<(), Infeasible> {
-        // Constraints of a rigid axle are rows of its left wheel.
+        // The rows of the left wheel already contain the constraints of a rigid axle.
         let Some((into, first)) = into else {
             return Ok(());
         };

@@ -73,7 +73,8 @@ impl BoundedLeastSquares {
         }
     }
 
-    /// Takes the m x n `jacobian`, the n factors `width` of its columns and the m `residuals`.
+    /// Reduces the m x n `jacobian` and the m `residuals` to a triangle. Each column of the Jacobian is first multiplied by
+    /// its entry of `width`.
     pub fn reduce(
         &mut self,
         jacobian: &DMatrix<f64>,
@@ -81,7 +82,7 @@ impl BoundedLeastSquares {
         residuals: &DVector<f64>,
     ) {
         let n = self.variables;
-        // If there are fewer residuals than variables, rows of zeros fill the matrix.
+        // If there are fewer residuals than variables, additional rows of zeros fill the matrix.
         let rows = residuals.len().max(n);
         scale_columns(jacobian, width.as_slice(), rows, &mut self.matrix);
         self.vector.clear();
@@ -256,7 +257,8 @@ impl BoundedLeastSquares {
     /// Writes the minimum over the free variables into the head of `vector`, in the order of `free`. The held variables keep
     /// their values.
     ///
-    /// The damping row of a variable follows the row of R that belongs to this variable, so that columns stay short.
+    /// The damping row of a variable follows the row of R that belongs to this variable. So the nonzero entries of each
+    /// column end after few rows.
     fn solve_free(&mut self, damping: f64) {
         let n = self.variables;
         self.free.clear();

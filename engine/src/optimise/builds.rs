@@ -42,7 +42,8 @@ pub(super) struct BuiltWheel<'a> {
     assembler: Assembler,
     /// Wheel of an axle. `None` for the only wheel of a study.
     side: Option<Side>,
-    /// Alignment of the builds of the latest nominal design. `None` if the builds are not aligned.
+    /// Adjustments that keep toe and camber of the builds at their nominal values. They belong to the latest nominal
+    /// design. `None` if the builds are not aligned.
     alignment: Option<Alignment>,
     moved: Vec<Vector3<ByVariables>>,
     /// Design of the latest build.
@@ -97,7 +98,7 @@ impl<'a> Builds<'a> {
         self.draws.len()
     }
 
-    /// Changes the nominal designs of the builds, one for each wheel.
+    /// Replaces the nominal designs from which the builds are made, one for each wheel.
     pub(super) fn redraw<'d>(
         &mut self,
         designs: impl IntoIterator<Item = &'d [Vector3<f64>]>,
@@ -106,7 +107,8 @@ impl<'a> Builds<'a> {
         wheels.try_for_each(|(wheel, design)| wheel.redraw(design))
     }
 
-    /// Assembles all wheels of a build, and writes their designs and rates. `nominal` has the nominal designs and their rates.
+    /// Assembles all wheels of a build, and writes their designs and rates. `nominal` contains the nominal designs and
+    /// their rates.
     pub(super) fn build<'d>(
         &mut self,
         number: usize,
@@ -150,7 +152,8 @@ impl<'a> BuiltWheel<'a> {
         &self.assembler
     }
 
-    /// Alignment of the builds of the latest nominal design. `None` if the builds are not aligned.
+    /// Adjustments that keep toe and camber of the builds at their nominal values. They belong to the latest nominal
+    /// design. `None` if the builds are not aligned.
     pub(super) fn alignment(&self) -> Option<&Alignment> {
         self.alignment.as_ref()
     }
@@ -177,7 +180,7 @@ impl<'a> BuiltWheel<'a> {
         Ok(())
     }
 
-    /// Assembles a build from its random numbers. `nominal` are the rates of the nominal design.
+    /// Assembles a build from its random numbers. `nominal` contains the rates of the nominal design.
     fn build(
         &mut self,
         draws: &[f64],
@@ -212,7 +215,8 @@ impl<'a> BuiltWheel<'a> {
             // The nominal design with its derivatives with respect to these variables, and the parts made from it.
             along_variables(&parts.drawn, nominal, first, moved);
             let mut along = Parts::of_drawing(mechanism, moved);
-            // Values of the build itself. The scatter and adjustments of the build are the same at every x, to first order.
+            // Replaces the nominal values by those of the build. The derivatives stay, because the scatter and adjustments
+            // of the build are the same at every x, to first order.
             for (dual, value) in along.points.iter_mut().zip(&parts.points) {
                 (dual.x.value, dual.y.value, dual.z.value) = (value.x, value.y, value.z);
             }
@@ -230,7 +234,7 @@ impl<'a> BuiltWheel<'a> {
     }
 }
 
-/// Scatter of a build, from a low-discrepancy sequence, so that few builds represent many.
+/// Scatter of a build. The random numbers come from a low-discrepancy sequence, so that few builds represent many.
 fn draw(scatter: &Scatter, build: usize) -> Vec<f64> {
     let count = sources(scatter).count();
     let number = |(k, source): (usize, &Source)| {

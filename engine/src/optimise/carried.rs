@@ -21,7 +21,7 @@ pub(super) struct AlongVariables {
 }
 
 impl AlongVariables {
-    /// Allocates for this number of variables. `None` if no measure is a force.
+    /// Allocates memory for this number of variables. `None` if no measure is a force in a member.
     pub(super) fn new<'m>(
         suspension: &Suspension,
         variables: usize,

@@ -10,8 +10,8 @@ use crate::mechanism::DesignFault;
 use crate::study::{Optimise, Scatter, Vehicle};
 use nalgebra::DVector;
 
-/// Limits the misfit of each target outside the Pareto front to this multiple of its misfit after the tuning of all targets. If
-/// one tolerance is larger, the limit is one tolerance.
+/// Limit for the misfit of each target outside the Pareto front, as a multiple of the target's misfit after the tuning of
+/// all targets. If this limit is below one tolerance, the limit is one tolerance.
 const AS_GOOD: f64 = 1.01;
 /// Number of steps in a price list.
 const STEPS: usize = 10;
@@ -39,8 +39,8 @@ pub struct Front {
     pub breaks: Vec<usize>,
 }
 
-/// Computes the Pareto front of `[optimise] front`, starting from the tuned design. An error says why the design itself cannot
-/// be solved.
+/// Computes the Pareto front of `[optimise] front`, starting from the tuned design. An error gives the reason why the
+/// design cannot be solved at all.
 pub fn front(
     vehicle: &Vehicle,
     optimise: &Optimise,
@@ -52,14 +52,14 @@ pub fn front(
 }
 
 /// Computes the least misfit for each size of change: about ten designs, from the study's own design to the design with the
-/// least misfit. An error says why the design itself cannot be solved.
+/// least misfit. An error gives the reason why the design cannot be solved at all.
 pub fn price_list(
     vehicle: &Vehicle,
     optimise: &Optimise,
     tuning: &Tuning,
     control: Control<'_>,
 ) -> Result<Vec<Choice>, DesignFault> {
-    // A study that tunes for yield measures misfits on the nominal design.
+    // In a study that is tuned for yield, misfits are those of the nominal design.
     let drawing = Optimise {
         scatter: optimise.scatter.clone().filter(Scatter::lowers_misfit),
         ..optimise.clone()
@@ -140,7 +140,7 @@ impl Tuner<'_> {
             })
         };
         let unmoved = untraded(&self.design).filter(|_| self.keeps_constraints());
-        // The list includes the tuned design.
+        // The list also contains the tuned design.
         let kept = untraded(&best.x).filter(|_| best.is_feasible());
         let mut all: Vec<Found> = unmoved.into_iter().chain(found).collect();
         if let Some(kept) = kept {

@@ -5,8 +5,8 @@ use super::multistart::fits;
 use super::starts::STARTS_BEFORE_REFUSAL;
 use super::{Bounds, Constrained, Control, Held, Multistart, Options, Termination};
 
-/// Finds a smallest set of constraints that cannot be satisfied together. It starts with all constraints that the runs name,
-/// and removes each constraint without which the others still cannot be satisfied.
+/// Finds a smallest set of constraints that cannot be satisfied together. The function starts with all constraints that the
+/// runs name. It removes a constraint if the other constraints still cannot be satisfied.
 ///
 /// `of_rows` gives the constraint of each row, `count` is the number of constraints. `can_be_kept` returns true if a run with
 /// only these constraints satisfies them. The result is empty if no such set is found.

@@ -11,7 +11,7 @@ pub(super) const CLOSE: f64 = 0.95;
 /// Covariance of some variables, (2) of [`standard_errors`](super::standard_errors), divided by s^2, in fractions of the ranges.
 pub(super) struct Covariance {
     variables: Vec<usize>,
-    /// One column for each variable. Products of columns are the covariances.
+    /// Matrix with one column for each variable. The scalar product of two columns is the covariance of their variables.
     pub spread: DMatrix<f64>,
     /// Diagonal of A^-1.
     inverse: Vec<f64>,
@@ -34,7 +34,8 @@ impl Covariance {
             at.jacobian[(i, variables[j])] * bounds.width()[variables[j]]
         });
         let (values, vectors) = right_singular_vectors(&scaled);
-        // Singular values up to this limit are rounding errors: the measurements do not determine their directions.
+        // Singular values up to this limit are rounding errors. The measurements do not determine the directions of these
+        // singular values.
         let nothing = 1e-13 * values[0];
         let inverse: Vec<f64> = values
             .iter()
@@ -44,7 +45,8 @@ impl Covariance {
             let hidden = (0..k).filter(|d| values[*d] <= nothing);
             hidden.map(|d| vectors[(j, d)].powi(2)).sum::<f64>() > 1e-12
         };
-        // A^-1 times the rows, multiplied by the weights again. This matrix times its transpose is the covariance.
+        // Rows of the scaled Jacobian, multiplied by the weights again, times A^-1. The products of this matrix's columns
+        // are the covariances.
         let a_inverse =
             &vectors * DMatrix::from_diagonal(&DVector::from_vec(inverse)) * vectors.transpose();
         let mut weighed = scaled;

@@ -2,8 +2,8 @@
 //! values.
 //!
 //! Variables may move hardpoints and rates together. Each station has a tape, a record of its operations for adjoint
-//! differentiation. The tape gives the gradient of a value with respect to the moving coordinates and rates. The slope along
-//! a variable sums the contributions of the coordinates and rates that the variable moves.
+//! differentiation. The tape gives the gradient of a value with respect to the moving coordinates and rates. The slope
+//! along a variable is the sum over the coordinates and rates that the variable moves.
 
 use super::axle::{Moved, RowsBeside};
 use super::layout::{LimitedValue, TargetSample};
@@ -122,14 +122,14 @@ impl ElasticLayout {
         self.stations.iter().map(|station| &station.limits[..])
     }
 
-    /// Values with limits, for each station, mutable, so that the caller can number their rows.
+    /// Values with limits, for each station. They are mutable, so that the caller can assign numbers to their rows.
     pub(super) fn limits_mut(&mut self) -> impl Iterator<Item = &mut [LimitedValue]> {
         self.stations
             .iter_mut()
             .map(|station| &mut station.limits[..])
     }
 
-    /// Travel of a station. `None` if the part is limited at only one station.
+    /// Travel of a station. `None` if this part of a constraint has a limit at only one station.
     pub(super) fn place_of(&self, part: usize, station: usize) -> Option<f64> {
         let own = self.limits().flatten().filter(|own| own.part == part);
         (own.count() > 1).then(|| self.stations[station].travel)
@@ -154,7 +154,7 @@ impl ElasticLayout {
     }
 }
 
-/// Motion of the stations of a target, and rack displacements of this motion along the study's +y.
+/// Motion at whose stations a target applies, and rack displacements of this motion along the study's +y.
 fn place<'m>(site: &'m Site, own: &'m Motion) -> (&'m Motion, Vec<f64>) {
     let motion = site.motion.as_ref().map_or(own, |(_, motion)| motion);
     let racks = match (site.racks.as_slice(), motion.rack_moves) {
@@ -215,8 +215,8 @@ fn along_variables(
     add_rates(moved, by_rate, slopes);
 }
 
-/// Adds those derivatives with respect to the variables that come from moving points. `by` returns the derivative of the value
-/// with respect to a coordinate.
+/// Adds the contributions of moving points to the derivatives with respect to the variables. `by` returns the derivative of
+/// the value with respect to a coordinate.
 pub(super) fn add_points(ways: &[PointRate], by: impl Fn(Parameter) -> f64, slopes: &mut [f64]) {
     for rate in ways {
         for (axis, by_axis) in Axis::ALL.into_iter().zip(rate.by.to_array()) {
@@ -228,8 +228,9 @@ pub(super) fn add_points(ways: &[PointRate], by: impl Fn(Parameter) -> f64, slop
     }
 }
 
-/// Adds the derivatives with respect to the variables that move rates. A rate may belong to both wheels or to one wheel. `by`
-/// returns the derivative of the value with respect to a rate: 0 if the value does not depend on the rate.
+/// Adds the contributions of moving rates to the derivatives with respect to the variables. A rate may belong to both
+/// wheels or to one wheel. `by` returns the derivative of the value with respect to a rate: 0 if the value does not depend
+/// on the rate.
 pub(super) fn add_rates(moved: &Moved<'_>, by: impl Fn(AxleParameter) -> f64, slopes: &mut [f64]) {
     for (column, parameter, [_, slope]) in moved.rates() {
         for side in [None, Some(Side::Left), Some(Side::Right)] {

@@ -17,7 +17,7 @@ use crate::model::{Axis, PointId, Side};
 use crate::number::Each;
 use crate::study::{AxleComplianceStudy, Variable};
 
-/// Returns the rows of a layout, for an axle with these elastic parts whose points move.
+/// Makes the evaluator of a layout's rows, for an axle with elastic parts. The variables move `points`.
 pub(super) fn elastic_axle_rows<'a>(
     layout: &'a AxleLayout,
     axle: &'a Axle,
@@ -64,7 +64,8 @@ struct Rows<'a> {
     layout: &'a AxleLayout,
     axle: &'a Axle,
     elastic: &'a AxleComplianceStudy,
-    /// Wheels whose points and rates move: one `None` if the wheels are mirror images, otherwise one entry for each wheel.
+    /// Wheels with separate moving points and rates. Only one entry, `None`, if the wheels are mirror images; otherwise one
+    /// entry for each wheel.
     sides: Vec<Option<Side>>,
     /// Coordinates and rates that the variables move.
     parameters: Vec<AxleParameter>,
@@ -159,7 +160,7 @@ impl RowsBeside for Rows<'_> {
                 }
             };
             let found = if moved.variables.is_empty() {
-                // Builds that only evaluate a design need no derivatives.
+                // A build that is only evaluated needs no derivatives.
                 equilibria.values(at, &reads).map(|values| {
                     let found = values.into_iter().enumerate();
                     found

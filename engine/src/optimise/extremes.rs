@@ -1,12 +1,12 @@
 //! Extremes between stations, so that constraints also hold between the stations.
 //!
-//! If the value at a station is above the values at both neighbours, or below both, an extreme lies nearby. The search begins
-//! at the extreme of the parabola through the three values, and uses the value's derivative with respect to the drive. At an
-//! end of the motion the search uses the parabola through the last three values, if the extreme of this parabola lies within
-//! the motion. The row of the station then holds the value at the extreme. The slopes of the row do not need the derivative
-//! of the extreme's position, because at an extreme the value has zero slope along the drive. So limits hold at all extremes.
-//! While the design changes, an extreme may move past a station. Halfway between two stations, the row of the other station
-//! starts to hold the value at this extreme, so the largest row stays continuous.
+//! If the value at a station is above the values at both neighbours, or below both, an extreme lies nearby. The search
+//! begins at the extreme of the parabola through the three values, and uses the value's derivative with respect to the
+//! drive. At an end of the motion the search uses the parabola through the last three values. The extreme of this parabola
+//! must lie within the motion. The row of the station then holds the value at the extreme. At an extreme the value has zero
+//! slope along the drive. So the slopes of the row do not need the derivative of the extreme's position. So limits hold at
+//! all extremes. While the design changes, an extreme may move past a station. When the extreme is halfway between two
+//! stations, the row of the other station takes over the value at this extreme. So the largest row stays continuous.
 
 use super::Linearisation;
 use super::layout::{Extremes, Leg, Part};
@@ -19,15 +19,15 @@ const PLACED: f64 = 1e-9;
 /// Smallest rise above the station that counts as a separate extreme, in the unit of the rows. This is a hundredth of the
 /// largest violation that still counts as satisfied.
 const FLAT: f64 = 1e-9;
-/// While the tuning searches, a row needs no extreme if it is farther than this below its limit, in the unit of the rows.
-/// Before this comparison, the code adds four times the rise of the fitted parabola to the value of the row.
+/// Distance of a row below its limit, in the unit of the rows, above which a tuning skips the search for an extreme. Before
+/// this comparison, the code adds four times the rise of the fitted parabola to the value of the row.
 pub(super) const FAR: f64 = 1.0;
 
 /// Search for the position of an extreme, where the slope vanishes.
 pub(super) struct Search {
     /// Index of the extreme to follow among [`Leg::extremes`].
     pub of: usize,
-    /// Row that receives the extreme.
+    /// Row that receives the value at the extreme.
     pub row: usize,
     /// Value of this row at the station.
     pub at_station: f64,
@@ -44,8 +44,8 @@ pub(super) struct Search {
     rise: f64,
 }
 
-/// Lists the searches of a leg in `into`, from the values of the leg's parts and the rows of constraints at its stations.
-/// Leaves out rows that are farther than `far` below their limit.
+/// Lists the searches of a leg (a motion at one rack displacement) in `into`. Uses the values of the leg's parts and the
+/// rows of constraints at its stations. Leaves out rows that are farther than `far` below their limit.
 pub(super) fn searches(
     leg: &Leg,
     parts: &[Part],
@@ -97,7 +97,8 @@ impl Search {
             first.map_or(at(k).0, |before| at(before).0),
             if k + 1 < count { at(k + 1).0 } else { at(k).0 },
         ];
-        // There is no extreme if the three values lie on a line, or if the extreme of the parabola lies outside the motion.
+        // If the three values lie on a line, or if the extreme of the parabola lies outside the motion, there is no
+        // extreme.
         if sign * curvature.signum() > 0.0 || !(ends[0]..=ends[1]).contains(&place) {
             return None;
         }
@@ -115,7 +116,8 @@ impl Search {
         })
     }
 
-    /// Makes a step with the slope at the current position. Returns true if that position was close enough.
+    /// Makes a step with the slope at the current position. Returns true if the current position was close enough to the
+    /// extreme.
     pub(super) fn advance(&mut self, slope: f64) -> bool {
         if let Some((place, before)) = self.before
             && place != self.place

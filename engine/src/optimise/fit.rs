@@ -16,12 +16,12 @@ use std::sync::atomic::AtomicBool;
 pub struct Control<'a> {
     /// Flag that stops the run. Once true, the run ends before its next evaluation, with the result so far.
     pub interrupt: Option<&'a AtomicBool>,
-    /// Callback after each iteration. If several starts run in parallel, their threads call it.
+    /// Callback after each iteration. If several starts run in parallel, the threads of the starts call it.
     pub watch: Option<&'a ProgressCallback<'a>>,
 }
 
 impl Control<'_> {
-    /// Returns true if a run is to end.
+    /// Returns true if the run must stop.
     pub(super) fn is_interrupted(&self) -> bool {
         Interrupt(self.interrupt).is_raised()
     }
@@ -52,7 +52,8 @@ pub struct Iteration {
 }
 
 impl Iteration {
-    /// Makes the record of the start, or of an iteration without progress that ends with this evaluation.
+    /// Makes the record of the start of a run, or of an iteration without progress. `end` is the last evaluation of the
+    /// iteration.
     pub(super) fn at(end: &Linearisation) -> Self {
         Iteration {
             iteration: 0,
@@ -82,7 +83,8 @@ pub enum Termination {
     /// The residuals are orthogonal to all columns of the Jacobian, within [`Options::gradient_below`]. Variables that a bound
     /// stops do not count.
     Stationary,
-    /// Every step that would lower the cost, however short, leads to a point where the residuals cannot be computed.
+    /// Every step that would lower the cost leads to a point where the residuals cannot be computed, even if the step is
+    /// very short.
     NoFeasibleStep(Infeasible),
     /// The design is good enough, and no other good enough design nearby has a smaller change.
     NearestGoodEnough,
@@ -276,8 +278,8 @@ impl Fit {
     }
 }
 
-/// Minimises from the point of the box nearest to `start`. `index` is the number of this start. An error says why there are
-/// no residuals at this point.
+/// Minimises from the point of the box nearest to `start`. `index` is the number of this start. An error gives the reason
+/// why there are no residuals at this point.
 pub fn fit(
     index: usize,
     problem: impl LeastSquares,

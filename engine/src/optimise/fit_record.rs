@@ -8,7 +8,8 @@ use nalgebra::DVector;
 /// State of a run in argmin: the variables and the cost.
 pub type ArgminState = IterState<DVector<f64>, (), (), (), (), f64>;
 
-/// Runs a solver from the point of the box nearest to `start`. An error says why there are no residuals at this point.
+/// Runs a solver from the point of the box nearest to `start`. An error gives the reason why there are no residuals at this
+/// point.
 pub(super) fn execute<P, S: Solver<P, ArgminState>>(
     problem: P,
     solver: S,
@@ -27,8 +28,8 @@ pub(super) fn execute<P, S: Solver<P, ArgminState>>(
     }
 }
 
-/// Returns the problem for an evaluation. argmin gives access only as `&P`, but an evaluation needs `&mut` for its workspace. The
-/// history counts the calls.
+/// Returns the problem for an evaluation. argmin gives access only through `&P`, but an evaluation needs `&mut` access to
+/// the workspace of the problem. The history counts the calls.
 pub(super) fn of<P>(problem: &mut Problem<P>) -> &mut P {
     problem
         .problem
@@ -111,7 +112,7 @@ impl<'a> FitRecord<'a> {
         self.history.push(iteration);
     }
 
-    /// Tells argmin after every iteration whether the run continues.
+    /// Reports to argmin after every iteration whether the run continues.
     pub(super) fn status(&mut self, state: &ArgminState) -> TerminationStatus {
         if self.termination.is_none() {
             if self.control.is_interrupted() {
@@ -122,7 +123,7 @@ impl<'a> FitRecord<'a> {
         }
         match &self.termination {
             None => TerminationStatus::NotTerminated,
-            // argmin receives only the text of the reason. The reasons that argmin defines are fewer, and no code reads them.
+            // argmin receives only the text of the reason. argmin's own list of reasons is shorter, and no code reads it.
             Some(reason) => {
                 let reason = TerminationReason::SolverExit(reason.to_string());
                 TerminationStatus::Terminated(reason)

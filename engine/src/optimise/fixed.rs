@@ -64,12 +64,12 @@ pub(crate) fn starts_without_fixed(
 /// Residuals of missed targets that no variable changes.
 #[derive(Debug, Default)]
 pub(crate) struct FixedRows {
-    /// Row, value, and a flag that is true if an evaluation has changed the row.
+    /// For each residual: row, value, and a flag. The flag is true if a variable changes the row at an evaluated point.
     rows: Vec<(usize, f64, AtomicBool)>,
 }
 
 impl FixedRows {
-    /// Finds the constant rows at a point.
+    /// Finds the missed residuals that no variable changes at a point.
     pub(super) fn at(at: &Linearisation, bounds: &Bounds) -> Self {
         let rows = at.residuals.iter().enumerate();
         let rows = rows.filter(|(row, value)| value.abs() > MISSED && !moves(at, *row, bounds));
@@ -83,12 +83,12 @@ impl FixedRows {
         self.rows.is_empty()
     }
 
-    /// Sum of the squares of these residuals.
+    /// Sum of the squares of the constant residuals.
     pub(super) fn square(&self) -> f64 {
         self.rows.iter().map(|(_, value, _)| value * value).sum()
     }
 
-    /// Returns the rows that never changed, or `None` if no row has changed.
+    /// Returns only the rows that no variable has changed at any evaluated point. `None` if all rows are still constant.
     pub(super) fn without_moved(&self) -> Option<Self> {
         let has_moved = |moved: &AtomicBool| moved.load(Ordering::Relaxed);
         if !self.rows.iter().any(|(.., moved)| has_moved(moved)) {
@@ -101,7 +101,7 @@ impl FixedRows {
         })
     }
 
-    /// Sets the residuals to zero, and marks the residuals that change.
+    /// Sets the constant residuals to zero. Marks residuals that a variable changes at this point.
     fn take_out(&self, at: &mut Linearisation, bounds: &Bounds) {
         for (row, _, moved) in &self.rows {
             if moves(at, *row, bounds) {
@@ -112,7 +112,7 @@ impl FixedRows {
         }
     }
 
-    /// Puts the residuals back into a fit.
+    /// Puts the constant residuals back into a fit.
     pub(super) fn put_back(&self, fit: &mut Fit) {
         if self.is_empty() {
             return;

@@ -49,7 +49,7 @@ const LEAST_LEVEL: f64 = 1e-6;
 /// Smallest improvement that counts, as a share of the extent of the Pareto front.
 const NO_BETTER: f64 = 1e-4;
 
-/// A design that is optimal for some levels.
+/// A design that is optimal under given limits (levels) of the other criteria.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Found {
     pub x: DVector<f64>,
@@ -74,7 +74,7 @@ pub(super) struct Tracer<'a, F> {
     pub bounds: &'a Bounds,
     pub distance: &'a Distance<'a>,
     pub aims: Vec<Criterion>,
-    /// Criteria that always have a limit, with their levels.
+    /// Criteria that are limited in every minimisation, with their levels.
     pub rest: Vec<(Criterion, f64)>,
     pub options: &'a Options,
     pub control: Control<'a>,
@@ -181,7 +181,8 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
                 Some(found) => vec![&found.x],
             };
             let Some(next) = self.lower(*aim, &held, &from) else {
-                // The previous result is an end of the Pareto front, though it may be inexact.
+                // No start satisfies the limits. The previous result then counts as the end of the Pareto front, though it
+                // may be inexact.
                 break;
             };
             held.push((
@@ -229,7 +230,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             let lowered = 1 - held;
             let level = gap.middle(held);
             let from = [&points[gap.ends[0]].x, &points[gap.ends[1]].x];
-            // Start from the point that already satisfies the level.
+            // Start from the end of the gap that already satisfies the level.
             let has = &points[gap.ends[held]].amounts;
             let found = self
                 .lower(lowered, &[(held, level)], &from)
@@ -254,7 +255,8 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             }
             gaps.extend(parts);
         }
-        // Widest gap between neighbours that the search has not examined. The search found no design in wider gaps.
+        // Width of the widest gap between neighbours that the search has not examined. In wider gaps, the search found no
+        // design.
         let unknown = gaps.iter().map(|gap| gap.width(extent)).fold(0.0, f64::max);
         let mut kept: Vec<usize> = best_of(&points);
         sort_by(&mut kept, |a, b| {
@@ -289,7 +291,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             [low, high]
         };
         let ranges: Vec<[f64; 2]> = (0..count).map(range).collect();
-        // Each point of a grid row starts from its neighbour. The rows do not depend on one another.
+        // Each point of a grid row starts from its neighbour in the row. The grid rows do not depend on one another.
         let rows: Vec<(usize, usize)> = (0..count)
             .flat_map(|lowered| (1..LEVELS).map(move |row| (lowered, row)))
             .collect();
@@ -371,8 +373,8 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
     }
 }
 
-/// Returns the only point of the Pareto front, if one criterion is equally good at both ends. This point is the end that is
-/// better in the other criterion.
+/// Returns the only point of the Pareto front, if one criterion is equally good at both ends. The returned end is the one
+/// that is better in the other criterion.
 fn single_end([first, last]: [&Found; 2], extent: [f64; 2], good: f64) -> Option<&Found> {
     let same = |k: usize, most: f64| extent[k] <= (NO_BETTER * most).max(good);
     match (same(0, last.amounts[0]), same(1, first.amounts[1])) {

@@ -31,7 +31,7 @@ impl Direction {
         mut misfit_at: impl FnMut(&DVector<f64>) -> Option<f64>,
     ) {
         for (free, sign) in self.free.iter_mut().zip([1.0, -1.0]) {
-            // Limits the move to the ranges.
+            // Reduces the move so that it stays within the ranges.
             let mut most: f64 = 1.0;
             for j in 0..x.len() {
                 let change = sign * self.change[j];
@@ -72,8 +72,9 @@ pub struct Identifiability {
     pub singular_values: Vec<f64>,
     /// Number of directions that change the residuals, with an effect above the given limit.
     pub rank: usize,
-    /// Basis of the other directions: combinations of variables that leave all targets, and the kept rows, unchanged. In each
-    /// direction, the variable that moves across its whole range does not occur in the other directions.
+    /// Basis of the other directions: combinations of variables that leave all targets unchanged, and also the rows given
+    /// to [`Identifiability::keeping`]. In each direction, the variable that moves across its whole range does not occur in
+    /// the other directions.
     pub unseen: Vec<Direction>,
 }
 
@@ -87,8 +88,8 @@ impl Identifiability {
         Self::keeping(evaluation, &none, bounds, effect_below)
     }
 
-    /// Analyses the Jacobian at a point like [`Identifiability::new`]. The unseen directions also change each of the rows of
-    /// `kept` by no more than `effect_below`. `kept` has the derivatives of the rows.
+    /// Analyses the Jacobian at a point like [`Identifiability::new`]. The unseen directions must also leave additional
+    /// rows unchanged: each row changes by no more than `effect_below`. `kept` contains the derivatives of these rows.
     pub fn keeping(
         evaluation: &Linearisation,
         kept: &DMatrix<f64>,
@@ -262,8 +263,8 @@ mod tests {
         }
     }
 
-    /// A kept row removes a dimension of the unseen directions. The remaining unseen directions leave the kept row unchanged,
-    /// and the rank remains that of the targets.
+    /// An additional row to keep unchanged removes a dimension of the unseen directions. The remaining unseen directions
+    /// leave this row unchanged, and the rank remains that of the targets.
     #[test]
     fn unseen_directions_leave_kept_rows_unchanged() {
         let evaluation = Linearisation {

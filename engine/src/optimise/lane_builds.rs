@@ -16,19 +16,19 @@ pub(super) struct LaneBuilds {
     points: usize,
     /// Random numbers of the builds, `[tolerance source][build]`.
     draws: Vec<f64>,
-    /// Length of the row of one tolerance source in `draws`: the number of builds, rounded up to whole vectors.
+    /// Length of the row of one tolerance source in `draws`: the number of builds, rounded up to whole SIMD vectors.
     stride: usize,
     /// The built designs, one after another.
     designs: Vec<Vector3<f64>>,
-    /// Rates of the designs, `[group][variable][point][axis][lane]`.
+    /// Derivatives of the designs with respect to the variables, `[group][variable][point][axis][lane]`.
     point_rates: Vec<f64>,
     variables: usize,
     accepted: Vec<bool>,
 }
 
 impl LaneBuilds {
-    /// Allocates for builds with these random numbers, `[build][tolerance source]`, of designs with `points` points and
-    /// `variables` variables.
+    /// Allocates memory for builds with these random numbers, `[build][tolerance source]`. The designs have `points` points
+    /// and `variables` variables.
     pub(super) fn new(draws: &[Vec<f64>], points: usize, variables: usize, width: Width) -> Self {
         let at_once = width.lanes();
         let stride = draws.len().next_multiple_of(MOST_LANES);
@@ -81,7 +81,8 @@ impl LaneBuilds {
         self.accepted[build] = false;
     }
 
-    /// Assembles the builds of a wheel's nominal design. `drawn` has the rates at which the variables move the nominal design.
+    /// Assembles the builds of a wheel's nominal design. `drawn` contains the rates at which the variables move the nominal
+    /// design.
     pub(super) fn assemble(&mut self, wheel: &BuiltWheel<'_>, drawn: &[PointRate]) {
         let (mechanism, parts) = (wheel.mechanism(), wheel.assembler().drawn());
         let along: Vec<Parts<Jet<f64, 2>>> = (0..self.variables)
@@ -186,7 +187,7 @@ impl SimdTask for Assembling<'_, '_> {
     }
 }
 
-/// Combines a vector of values in lanes with the rate of a series.
+/// Makes a series in lanes. The values are `value`, and the rate in every lane is that of `series`.
 #[inline(always)]
 fn with_rate<B: SimdReal>(value: Vector3<B>, series: Vector3<Jet<f64, 2>>) -> Vector3<Jet<B, 2>> {
     let rate = Vector3::new(series.x.0[1], series.y.0[1], series.z.0[1]);

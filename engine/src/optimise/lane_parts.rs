@@ -19,7 +19,7 @@ pub(super) enum LanePart {
     Formula(Measure, Vec<Source>),
 }
 
-/// Origin of a vector: quantities, given by their indices, or the design.
+/// Source of a vector: quantities, given by their indices, or the design.
 #[derive(Clone, Copy)]
 pub(super) enum Source {
     /// Coordinates of a point.
@@ -28,12 +28,13 @@ pub(super) enum Source {
     Between([[usize; 3]; 2]),
     /// Camber and toe.
     SpinAxis([usize; 2]),
-    /// A direction of the design position that rotates with the wheel carrier. Three points of the carrier give the rotation.
-    /// The fields are the quantities of their coordinates, and the points.
+    /// A direction of the design position that rotates with the wheel carrier. Three points of the carrier give the
+    /// rotation. The first field contains the indices of the quantities that are the coordinates of these points. The
+    /// second field contains the points.
     Carried([[usize; 3]; 3], [PointId; 3], Stud),
     /// Position of a point in the design position.
     Designed(PointId),
-    /// A direction in the design position.
+    /// Direction of a joint's stud in the design position.
     DesignedStud(Stud),
 }
 
@@ -103,7 +104,7 @@ impl Moving<'_> {
         self.design[point]
     }
 
-    /// A stud in the design position.
+    /// Direction of a joint's stud in the design position.
     fn stud(&self, stud: Stud) -> Vector3<f64> {
         match stud {
             Stud::Between(from, to) => self.at(to) - self.at(from),
@@ -111,7 +112,7 @@ impl Moving<'_> {
         }
     }
 
-    /// Derivative of a stud (in the design position) with respect to the variable with index `column`.
+    /// Derivative of a stud's direction (in the design position) with respect to the variable with index `column`.
     fn stud_along(&self, column: usize, stud: Stud) -> Vector3<f64> {
         match stud {
             Stud::Between(from, to) => self.along(column, to) - self.along(column, from),
@@ -140,13 +141,13 @@ impl Moving<'_> {
     }
 }
 
-/// A point, from the indices of its coordinates in a lane.
+/// Position of a point, read through the indices of its coordinates in a lane.
 fn point_in(found: &Jacobians<'_>, lane: usize, numbers: [usize; 3]) -> Vector3<f64> {
     Vector3::from(numbers.map(|number| found.value(lane, number)))
 }
 
 impl Source {
-    /// Origin of a vector that a formula reads. `None` if a stud rotates with a carrier whose points lie on a line.
+    /// Source of a vector that a formula needs. `None` if a stud rotates with a carrier whose points lie on a line.
     fn of(input: Input, suspension: &Suspension, quantities: &mut Vec<Quantity>) -> Option<Self> {
         let is_carried = |id: PointId| suspension.mechanism.body(id) == Body::Knuckle;
         let mut point =
@@ -199,7 +200,7 @@ impl Source {
         moving: &Moving<'_>,
         slopes: &mut [f64],
     ) {
-        // Adds the derivatives of quantities that were computed in lanes, each times its weight.
+        // Adds the derivatives of quantities that were computed in lanes. Each derivative is multiplied by its weight.
         let mut add = |numbers: &[usize], weights: [f64; 3]| {
             for (number, weight) in numbers.iter().zip(weights) {
                 for (column, slope) in slopes.iter_mut().enumerate() {

@@ -14,9 +14,9 @@ use crate::number::{Vector3, Width};
 /// Evaluates the targets of one wheel.
 #[derive(Clone)]
 pub(super) struct LaneRows<'a> {
-    /// Evaluator of each leg; `None` if no row reads the leg.
+    /// Evaluator of each leg (a motion at one rack displacement). `None` if no row uses the leg.
     legs: Vec<Option<Gradients<'a>>>,
-    /// The parts of constraints; `None` if some part is not available in lanes.
+    /// Parts of the constraints. `None` if some part is not available in lanes.
     parts: Option<Vec<LanePart>>,
     /// Rates of every coordinate of a design with respect to each variable, `[variable][point][axis]`.
     along: Vec<f64>,
@@ -97,9 +97,9 @@ impl<'a> LaneRows<'a> {
         }
     }
 
-    /// Writes the residuals of a leg of a design, and the rows of its constraints if `checked` is given, with their
-    /// derivatives. Returns true if the tracker accepted every station. Otherwise the caller must not use the written
-    /// values.
+    /// Writes the residuals of one leg (a motion at one rack displacement) of a design, with their derivatives. If
+    /// `checked` is given, also writes the rows of the constraints. Returns true if the solver in lanes accepted every
+    /// station. Otherwise the caller must not use the written values.
     pub(super) fn of_leg(
         &mut self,
         number: usize,
@@ -145,7 +145,7 @@ impl<'a> LaneRows<'a> {
         })
     }
 
-    /// Writes the residuals, with derivatives, of the builds that the tracker accepts.
+    /// Writes the residuals, with derivatives, of the builds that the solver in lanes accepts.
     pub(super) fn of_builds(
         &mut self,
         layout: &TargetLayout,

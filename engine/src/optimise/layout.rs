@@ -20,7 +20,7 @@ use draft::{Draft, TargetPlace, draft_of, legs_of};
 use nalgebra::DVector;
 use rows::RowNumbers;
 
-/// A target at one station of a leg or of an axle.
+/// A target at one station of a leg (a motion at one rack displacement) or of an axle.
 #[derive(Clone, Debug)]
 pub(super) struct TargetSample {
     pub row: usize,
@@ -52,7 +52,7 @@ impl TargetSample {
 #[derive(Clone, Debug)]
 pub(super) struct Extremes {
     pub part: usize,
-    /// 1 for the largest values, -1 for the smallest.
+    /// 1 for an upper limit (largest values), -1 for a lower limit (smallest values).
     pub sign: f64,
     /// Stations at which the part is evaluated, each with the row of this limit, in the order of the drive value.
     pub rows: Vec<(usize, usize)>,
@@ -113,7 +113,7 @@ impl Beside {
         }
     }
 
-    /// Values with limits, for each station, mutable, so that the caller can number their rows.
+    /// Values with limits, for each station. They are mutable, so that the caller can assign numbers to their rows.
     fn limits_mut(&mut self) -> Vec<&mut [LimitedValue]> {
         match self {
             Beside::Axle(axle) => axle.limits_mut().collect(),
@@ -141,12 +141,12 @@ pub struct TargetLayout {
     pub(super) beside: Option<Beside>,
     pub(super) parts: Vec<Part>,
     pub(super) labels: Vec<RowLabel>,
-    /// For each row that is a component of a distance, the row of the other component.
+    /// For each row that is one component of a distance: the row of the other component.
     others: Vec<Option<usize>>,
     pub(super) equalities: usize,
     /// Number of constraints of the study.
     constraints: usize,
-    /// Number of builds, each with all the rows. 1 if the tuning is not robust.
+    /// Number of builds. Each build has all rows. 1 if the tuning is not robust.
     pub(super) builds: usize,
     /// Residual per deviation of one tolerance, for each target.
     shares: Vec<f64>,
@@ -156,16 +156,16 @@ pub struct TargetLayout {
 }
 
 impl TargetLayout {
-    /// Lays out the targets and constraints of the nominal design alone. The layout of a robust study has the rows of all its
-    /// builds. An evaluation of the nominal design must not use that layout. Such an evaluation would fill the rows of only
-    /// one build, but divide the misfit by the number of all rows.
+    /// Lays out the targets and constraints of the nominal design alone. The layout of a robust study has the rows of all
+    /// its builds. An evaluation of the nominal design must not use the layout of a robust study. It would fill the rows of
+    /// only one build, but divide the misfit by the number of all rows.
     pub fn nominal(optimise: &Optimise, vehicle: &Vehicle) -> Self {
         TargetLayout::of(&optimise.nominal(), vehicle)
     }
 
     /// Lays out the targets and constraints of a mechanism. Curves are compared at all stations of the motion between the
-    /// ends of the curve, and at stations added for the curve. Each single value adds a station. The rack has the
-    /// displacement that the study gives, or is straight ahead if the study sweeps the rack.
+    /// ends of the curve, and at stations added for the curve. A target at a single drive value adds a station. The rack
+    /// has the displacement that the study gives, or is straight ahead if the study sweeps the rack.
     pub fn of(optimise: &Optimise, vehicle: &Vehicle) -> Self {
         let (
             own_motion,
@@ -250,7 +250,7 @@ impl TargetLayout {
         if let Some(beside) = &mut beside {
             beside.weigh(&shares);
         }
-        // Measures of the targets of one wheel, in the order of the targets.
+        // Collects the measures of the targets of one wheel, in the order of the targets.
         let mut measures = Vec::new();
         let targets = optimise.targets.iter().zip(&shares);
         let targets: Vec<TargetPlace> = targets
@@ -422,7 +422,7 @@ fn shares(optimise: &Optimise, rows: usize, own: &[usize]) -> Vec<f64> {
     targets
         .map(|(target, own)| {
             if optimise.fit {
-                // Each measured point counts equally, for any number of points.
+                // Each measured point has the same weight, whatever the number of points.
                 (target.weight / total * optimise.targets.len() as f64).sqrt()
             } else {
                 (target.weight / total * rows as f64 / *own as f64).sqrt()

@@ -15,7 +15,7 @@ pub(super) struct LocalModel<'a> {
 }
 
 impl<'a> LocalModel<'a> {
-    /// Allocates a model of m `residuals`.
+    /// Allocates memory for a model of m `residuals`.
     pub(super) fn new(bounds: &'a Bounds, residuals: usize) -> Self {
         let n = bounds.variables();
         LocalModel {
@@ -80,7 +80,8 @@ impl<'a> LocalModel<'a> {
         0.5 * self.subproblem.predicted_reduction()
     }
 
-    /// Writes the end of the step from `x` into `to`. A variable that the step holds at a bound lands on it exactly.
+    /// Writes the end of the step from `x` into `to`. If the step holds a variable at a bound, the variable is set exactly
+    /// to the bound.
     pub(super) fn step_from(&self, x: &DVector<f64>, to: &mut DVector<f64>) {
         let (step, active_bounds) = (self.subproblem.step(), self.subproblem.active_bounds());
         for j in 0..x.len() {
@@ -93,8 +94,8 @@ impl<'a> LocalModel<'a> {
         }
     }
 
-    /// Returns true if the residuals, with the norm `size`, are orthogonal to all columns whose variable can lower the cost
-    /// without crossing a bound. `cosine` is the tolerance.
+    /// Returns true if the residuals are orthogonal to the columns of the Jacobian. Only columns count whose variable can
+    /// lower the cost without crossing a bound. `size` is the norm of the residuals, and `cosine` is the tolerance.
     pub(super) fn is_stationary(&self, size: f64, cosine: f64) -> bool {
         let columns = self.subproblem.column_norms().iter().enumerate();
         columns.into_iter().all(|(j, column)| {

@@ -1,4 +1,4 @@
-//! Wheels whose nominal designs the variables move, with the rates of their points.
+//! Wheels whose nominal designs depend on the variables, with the rates at which the variables move the points.
 
 use super::moves::{PointRate, moved_design, point_rates, sort_by_point};
 use crate::model::{Frame, PointId, RigidAxle, Suspension};
@@ -20,12 +20,12 @@ pub(super) struct MovedWheel<'a> {
     frame: Frame,
     /// Design before any move.
     own: &'a [Vector3<f64>],
-    /// Point that the program adds to define the spin axis, if the carrier has no hardpoint for the axis; and the wheel
-    /// centre, with which the added point moves.
+    /// An added point and the wheel centre, with which the added point moves. The program adds this point to define the
+    /// spin axis, if the carrier has no hardpoint for this axis.
     follower: Option<(PointId, PointId)>,
     /// The moved design.
     pub design: Vec<Vector3<f64>>,
-    /// Rates at which the variables move its points.
+    /// Rates at which the variables move the points of the design.
     pub point_rates: Vec<PointRate>,
 }
 

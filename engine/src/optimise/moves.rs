@@ -102,8 +102,8 @@ pub fn moved_design(
 
 impl Study {
     /// Returns the study with the variables of its tuning moved by `offsets`. A right wheel with different hardpoints moves
-    /// by the same offsets. If one body carries both wheels, its far half (at the other wheel) follows the near half. A tuned
-    /// rate scatters about its new value.
+    /// by the same offsets. If one body carries both wheels, its far half (at the other wheel) moves with the near half. A
+    /// tuned rate scatters about its new value.
     pub fn moved(&self, offsets: &[f64]) -> Study {
         let Some(optimise) = &self.optimise else {
             return self.clone();

@@ -44,7 +44,7 @@ pub(super) struct Level<'l> {
     pub options: &'l Options,
 }
 
-/// Runs of a search for the nearest design.
+/// State of a search for the nearest design, which consists of several runs.
 struct Search<'s, 'a> {
     tuner: &'s Tuner<'a>,
     index: usize,
@@ -214,7 +214,8 @@ impl Tuner<'_> {
             self.take_near(fit, found, level);
         }
         if !is_known {
-            // The stored imbalance belongs to another problem: to a search for the lowest misfit, or to a lower level.
+            // The stored imbalance belongs to another problem: to a search for the lowest misfit, or to a lower level. So
+            // it is removed.
             fit.residual = None;
         }
     }

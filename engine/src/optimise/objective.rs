@@ -42,8 +42,8 @@ pub struct Objective<'a> {
     pub(super) wheel: MovedWheel<'a>,
     /// Right wheel of an axle, if its hardpoints differ from the left ones.
     pub(super) right: Option<MovedWheel<'a>>,
-    /// Evaluation in SIMD lanes (several poses at once), for designs and builds that the tracker accepts. `None` if a target
-    /// is not available in lanes, or if lanes are switched off.
+    /// Evaluation in SIMD lanes (several poses at once), for designs and builds that the solver in lanes accepts. `None` if
+    /// a target is not available in lanes, or if lanes are switched off.
     pub(super) lanes: Option<LaneRows<'a>>,
     robust: Option<Robust<'a>>,
     solver: Solver<'a>,
@@ -58,9 +58,9 @@ pub struct Objective<'a> {
     beside: Option<Box<dyn RowsBeside + 'a>>,
     values: PartValues,
     searches: Vec<Search>,
-    /// Distance below its limit from which on a row needs no extreme.
+    /// Distance from a row to its limit above which the search for an extreme is skipped.
     far: f64,
-    /// Drive values of the extremes that rows hold.
+    /// Drive values of the extremes whose values are in the rows.
     extremes: Vec<Option<f64>>,
 }
 
@@ -194,7 +194,7 @@ impl<'a> Objective<'a> {
             return;
         };
         right.move_to(variables, x);
-        // In a build, no point follows another point, so the design of the build is already complete.
+        // In a build, every point moves independently, so the design of the build is already complete.
         if let (Some(_), Some(rigid)) = (&self.robust, &self.solver.mechanism().rigid_axle) {
             self.wheel.complete(right, rigid, variables.len());
         }
@@ -304,7 +304,7 @@ impl<'a> Objective<'a> {
     }
 
     /// Evaluates the moved design of one wheel in lanes. Returns false if some row is not available in lanes, or if the
-    /// tracker rejects the design; the caller must then overwrite the written values.
+    /// solver in lanes rejects the design. The caller must then overwrite the written values.
     fn evaluate_in_lanes(
         &mut self,
         into: &mut Linearisation,
@@ -322,8 +322,8 @@ impl<'a> Objective<'a> {
         found
     }
 
-    /// Evaluates the moved design in lanes, leg by leg. Returns false under the conditions of
-    /// [`Objective::evaluate_in_lanes`].
+    /// Evaluates the moved design in lanes, one leg (a motion at one rack displacement) after another. Returns false under
+    /// the conditions of [`Objective::evaluate_in_lanes`].
     fn evaluate_legs(
         &mut self,
         lanes: &mut LaneRows<'a>,
@@ -384,7 +384,7 @@ impl<'a> Objective<'a> {
         Ok(())
     }
 
-    /// Lists the searches for extremes of a leg, from the values at its stations.
+    /// Lists the searches for extremes in a leg (a motion at one rack displacement), from the values at its stations.
     fn list_searches(&mut self, leg: &Leg, rows: &Linearisation) {
         let (parts, values) = (&self.layout.parts, &self.values);
         extremes::searches(leg, parts, values, (rows, self.far), &mut self.searches);
@@ -406,15 +406,15 @@ impl<'a> Objective<'a> {
         Ok(())
     }
 
-    /// Prepares to visit the stations of a leg.
+    /// Prepares to visit the stations of a leg (a motion at one rack displacement).
     fn begin(&mut self, leg: &Leg) -> Result<(), Infeasible> {
         let mechanism = self.solver.mechanism();
         let begun = self.toggles.begin(&mut self.solver, leg.drive, leg.rack);
         begun.map_err(refused(mechanism))
     }
 
-    /// Runs the listed searches for extremes between the stations of a leg. In the rows, the value at each extreme replaces
-    /// the value at its station.
+    /// Runs the listed searches for extremes between the stations of a leg (a motion at one rack displacement). In the
+    /// rows, the value at each extreme replaces the value at its station.
     fn find_extremes(&mut self, leg: &Leg, rows: &mut Linearisation) -> Result<(), Infeasible> {
         let Objective {
             layout,

@@ -28,7 +28,7 @@ impl<P> Pool<P> {
     }
 }
 
-/// Guard of a lent problem, which returns it to its pool.
+/// Guard of a lent problem. When the guard is dropped, it returns the problem to its pool.
 pub(super) struct PoolGuard<'p, P> {
     pool: &'p Pool<P>,
     problem: Option<P>,
@@ -51,7 +51,7 @@ impl<P> PoolGuard<'_, P> {
 
 impl<P> Drop for PoolGuard<'_, P> {
     fn drop(&mut self) {
-        // After a panic the problem may be half-evaluated, so it is dropped.
+        // After a panic the evaluation of the problem may be incomplete, so the problem is dropped.
         if !std::thread::panicking() {
             self.pool.idle().extend(self.problem.take());
         }

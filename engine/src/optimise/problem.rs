@@ -30,7 +30,7 @@ pub struct Linearisation {
 }
 
 impl Linearisation {
-    /// Allocates for m `residuals` of n `variables`.
+    /// Allocates memory for m `residuals` of n `variables`.
     pub fn new(residuals: usize, variables: usize) -> Self {
         Linearisation {
             residuals: DVector::zeros(residuals),
@@ -58,9 +58,10 @@ impl Linearisation {
 
     /// Refuses entries that are not finite, or so large that their squares could overflow.
     pub(super) fn check(&self) -> Result<(), Infeasible> {
-        // The sum of 1e8 such squares is still finite.
+        // The squares of usable numbers do not overflow. The sum of 1e8 such squares is still finite.
         let usable = |value: &f64| value.abs() < 1e150;
-        // Nearly always all numbers are usable. A check of all of them at once is faster than an early exit.
+        // Nearly always all numbers are usable. So a check of all numbers is faster than a check that stops at the first
+        // unusable number.
         let all = |values: &[f64]| values.iter().fold(true, |all, value| all & usable(value));
         if all(self.residuals.as_slice()) && all(self.jacobian.as_slice()) {
             return Ok(());

@@ -7,8 +7,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// Largest number of trials in the search for one end of the interval.
 const TRIALS: usize = 60;
-/// Factor of the Illinois method on the value at an end of the bracket that has not moved in two successive trials. The
-/// factor changes the path of the search, not the result.
+/// Factor for the value at an end of the bracket that has not moved in two successive trials (Illinois method). It changes
+/// the path, not the result.
 const ILLINOIS: f64 = 0.5;
 /// Damping of the bounded problems, relative to the largest column. The damping fixes the moves along directions that leave
 /// all residuals unchanged.
@@ -22,10 +22,10 @@ pub(super) struct Profile<'a> {
     others: Vec<usize>,
     /// Triangular factor of the columns of J that belong to the other variables, scaled by the ranges.
     triangle: DMatrix<f64>,
-    /// Column of the variable after the same rotations, and the diagonal entry of this column.
+    /// Column of the variable after the rotations that give `triangle`, and the diagonal entry of this column.
     column: DVector<f64>,
     diagonal: f64,
-    /// Residuals after the same rotations, and the entry that belongs to `diagonal`.
+    /// Residuals after the rotations that give `triangle`, and the entry that belongs to `diagonal`.
     offset: DVector<f64>,
     last: f64,
     /// Part of the sum of squares that does not depend on the moves.
@@ -91,7 +91,7 @@ impl<'a> Profile<'a> {
         ((&self.triangle * &moves + offset).norm_squared(), moves)
     }
 
-    /// Move that brings the variable to this value, in fractions of its range.
+    /// Move of the variable to this value, in fractions of its range.
     fn fraction(&self, value: f64) -> f64 {
         (value - self.point[self.variable]) / self.bounds.width()[self.variable]
     }
@@ -176,8 +176,8 @@ impl<'a> Profile<'a> {
 mod tests {
     use super::*;
 
-    /// Compares the profile with the closed form for two variables. There the other variable takes its best value within its
-    /// range.
+    /// Compares the profile with the closed form for two variables. In the closed form, the other variable takes its best
+    /// value within its range.
     #[test]
     fn profiles_are_the_closed_form() {
         let bounds = Bounds::new(&[[-2.0, 4.0], [0.0, 0.5]]).unwrap();

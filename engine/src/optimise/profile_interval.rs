@@ -18,8 +18,8 @@
 //! ```
 //!
 //! The other variables move within their ranges in (1). So a variable that ended at its bound is not treated as known: its
-//! error widens the intervals of the other variables. If no bound is near, T_j is the square of Student's t with the degrees
-//! of freedom of s^2, q is its 97.5 % quantile, and (3) is the usual interval of linear regression.
+//! error widens the intervals of the other variables. If no bound is near, T_j is the square of Student's t with the
+//! degrees of freedom of s^2. Then q is the 97.5 % quantile of t, and (3) is the usual interval of linear regression.
 //!
 //! Near a bound of x_j itself, T is smaller than t^2, since x^_j cannot follow the errors across the bound. Let d be the
 //! distance from c to the bound in standard deviations. If an error t would carry the estimate beyond the bound (t > d), the
@@ -51,9 +51,9 @@
 //!
 //! For a linear r, (1) is a bounded linear least-squares problem, convex and piecewise quadratic in c. A bracketing search
 //! finds the end of the interval (3). Then the true r and its Jacobian are evaluated at the point x(c) of that end. The
-//! search is repeated until the end no longer moves. At this end, (1) holds for the true r. If the end does not settle within
-//! the allowed number of evaluations, or if there are no residuals, the code uses the end of the range instead. This choice
-//! is safe, because x0 lies within the ranges by assumption.
+//! search is repeated until the end no longer moves. At this end, (1) holds for the true r. The end may not settle within
+//! the allowed number of evaluations, or residuals may not exist. Then the code uses the end of the range instead. This
+//! choice is safe, because x0 lies within the ranges by assumption.
 
 use super::profile::Profile;
 use super::simulated_fits::SimulatedFits;
@@ -150,7 +150,7 @@ impl Solved<'_> {
         let deviation = ratio * scatter.max(RESOLUTION);
         let least = self.at.residuals.norm_squared();
         let level = |quantile: f64| least + (quantile * deviation).powi(2);
-        // First, the quantile is found with the linear model, which needs no evaluations.
+        // The search first uses the linear model to find the quantile. This model needs no evaluations.
         let linear = Profile::new(self.x, self.at, self.bounds, variable);
         let mut quantile = self.student.quantile(0.5 * OUTSIDE);
         for _ in 0..SETTLING {

@@ -48,7 +48,7 @@ pub(super) fn triangularise_within(
             mirror[0] = 0.0;
             continue;
         }
-        // This sign avoids cancellation; |mirror|^2 = 2 norm (norm + |first|).
+        // The diagonal entry and `first` have opposite signs, to avoid cancellation. |mirror|^2 = 2 norm (norm + |first|).
         let first = mirror[0];
         let diagonal = -norm.copysign(first);
         mirror[0] = first - diagonal;
@@ -87,7 +87,7 @@ fn reflect(mirror: &[f64], scale: f64, x: &mut [f64]) {
     }
 }
 
-/// Scalar product in eight running sums, so that no addition must wait for the previous one.
+/// Scalar product with eight separate partial sums, so that no addition must wait for the previous one.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let count = a.len().min(b.len());
     let (a, b) = (&a[..count], &b[..count]);

@@ -61,7 +61,7 @@ impl<'a> Robust<'a> {
             }
             let nominal = problem.wheels().map(MovedWheel::moved);
             builds.build(number, nominal, problem.variables.len())?;
-            // The build temporarily replaces the nominal design.
+            // During the evaluation, the build replaces the nominal design.
             exchange(builds, problem);
             let found = evaluate_build(builds, number, problem, x, into);
             exchange(builds, problem);
@@ -87,7 +87,7 @@ fn evaluate_build<'a>(
     problem.evaluate_beside(x, Some(&scattered), Some((into, first)), None)
 }
 
-/// Swaps the designs of the latest build and of the problem.
+/// Swaps the designs of the latest build with the designs of the problem.
 fn exchange(builds: &mut Builds<'_>, problem: &mut Objective<'_>) {
     let wheels = [Some(&mut problem.wheel), problem.right.as_mut()];
     for (nominal, built) in wheels.into_iter().flatten().zip(&mut builds.wheels) {

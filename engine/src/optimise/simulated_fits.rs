@@ -28,11 +28,11 @@ pub(super) struct SimulatedFits<'a> {
     weights: &'a [f64],
     /// Jacobian J times the ranges.
     jacobian: DMatrix<f64>,
-    /// Triangular factor of this Jacobian.
+    /// Triangular factor of the Jacobian, which is multiplied by the ranges.
     triangle: DMatrix<f64>,
     /// Random errors of the residuals, one column for each fit: standard normal numbers, times the weights.
     errors: DMatrix<f64>,
-    /// Errors after the same orthogonal transformation.
+    /// Errors after the orthogonal transformation that gives `triangle`.
     rotated: DMatrix<f64>,
 }
 
@@ -45,7 +45,7 @@ impl<'a> SimulatedFits<'a> {
         }
         let mut noise = Noise(SEED);
         let errors = DMatrix::from_fn(rows, FITS, |i, _| weights[i] * noise.normal());
-        // If there are fewer residuals than variables, rows of zeros fill the matrix.
+        // If there are fewer residuals than variables, additional rows of zeros fill the matrix.
         let padded = jacobian.clone().resize_vertically(rows.max(n), 0.0);
         let decomposed = padded.qr();
         let q = decomposed.q();
@@ -60,7 +60,7 @@ impl<'a> SimulatedFits<'a> {
         }
     }
 
-    /// Square root of a quantile of T for a variable, if the true values are `x0` and the errors have this scatter.
+    /// Square root of a quantile of T for a variable. The true values are `x0`, and the errors have this scatter.
     pub(super) fn quantile(
         &self,
         variable: usize,

@@ -155,7 +155,7 @@ mod tests {
             solver.solve(1e-18, &ends[0], &ends[1]);
             let moved = &middle + DVector::from_column_slice(solver.step());
             let x = self.bounds.nearest(&moved);
-            // Variables that the solver holds are set exactly to the bound.
+            // The solver may hold variables at a bound. Such variables are set exactly to the bound.
             let active = solver.active_bounds();
             DVector::from_fn(n, |j, _| match active[j] {
                 ActiveBound::Free => x[j],
@@ -188,7 +188,8 @@ mod tests {
     }
 
     /// Fits a straight line to N points, with 1 to 5 degrees of freedom. Compares the result with textbook formulas for the
-    /// standard errors of slope and intercept, with quantiles of Student's distribution, and with the known correlation.
+    /// standard errors of slope and intercept. Also compares it with quantiles of Student's distribution, and with the
+    /// known correlation.
     #[test]
     fn intervals_of_a_line_are_the_closed_form() {
         let quantiles = [
@@ -473,7 +474,7 @@ mod tests {
             weights: vec![1.0; 20],
         };
         let mut x = fit.solved();
-        // Uses the middle of the equally good points.
+        // All points with the same mean are equally good. The test uses the middle of these points.
         let mean = 0.5 * (x[0] + x[1]);
         (x[0], x[1]) = (mean, mean);
         let (found, _) = fit.errors(&x);

@@ -21,7 +21,7 @@ const AS_GOOD: f64 = 1.01;
 const DESCENTS: usize = 4;
 /// Relative difference from which a misfit counts as smaller.
 const LOWER: f64 = 1e-4;
-/// Number of starts that are tried before the program reports that constraints contradict one another.
+/// Number of starts that the program runs before it reports that constraints contradict one another.
 pub(super) const STARTS_BEFORE_REFUSAL: usize = 4;
 
 impl<'a> Tuner<'a> {
@@ -30,7 +30,7 @@ impl<'a> Tuner<'a> {
         starts_without_fixed(at_design, &self.bounds, |fixed| self.starts_without(fixed))
     }
 
-    /// Makes the problem without some residuals.
+    /// Makes the problem without the residuals in `fixed`.
     pub(super) fn problem_without<'f>(
         &'f self,
         fixed: &'f FixedRows,
@@ -73,7 +73,8 @@ impl<'a> Tuner<'a> {
                 break;
             }
         }
-        // A run that stopped because its misfit was good enough still misses the removed targets.
+        // A run may have stopped at a misfit that is good enough, but above `misfit_below`. `MisfitReached` does not apply
+        // to such a run, and a smaller change may exist.
         for start in &mut found.starts {
             if let Ok(fit) = &mut start.outcome
                 && fit.termination == Termination::MisfitReached
@@ -110,9 +111,9 @@ impl<'a> Tuner<'a> {
         Multistart { starts, best }
     }
 
-    /// Looks for a smaller misfit with a descent from the result, if no design is good enough. The search for the smallest
-    /// change may have left the valley of the smallest misfit found. If the descent ends below that misfit, its end replaces
-    /// the lowered start, and the function returns true.
+    /// Looks for a smaller misfit with a descent from the result. Does so only if no design is good enough. The search for
+    /// the smallest change may have left the valley of the smallest misfit found. If the descent ends below that misfit,
+    /// the function stores its result in `lowered` and returns true.
     fn descends_further(
         &self,
         lowered: &mut [Start],
@@ -180,8 +181,8 @@ impl<'a> Tuner<'a> {
     }
 
     /// Limit for the misfit of the residuals that variables change. Together with the constant residuals, this limit gives
-    /// the misfit `good_enough`, if that is possible. Otherwise the limit is such that the whole misfit is about as small as
-    /// possible.
+    /// the misfit `good_enough`, if that is possible. Otherwise the limit makes the misfit of all residuals about as small
+    /// as possible.
     fn good_enough_without(&self, fixed: &FixedRows) -> f64 {
         let (good, constant) = (self.optimise.good_enough, self.constant_square(fixed));
         let rest = good * good - constant;

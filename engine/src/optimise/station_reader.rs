@@ -1,4 +1,4 @@
-//! Values and gradients of a layout's parts, evaluated in the poses of the stations.
+//! Values and gradients of the quantities that targets and constraints use, evaluated in the poses of the stations.
 
 use super::carried::{self, AlongVariables};
 use super::layout::{Leg, TargetLayout};
@@ -12,10 +12,10 @@ use crate::number::{Jet, Vector3};
 use crate::solve::{Solver, StationOrder, Toggles};
 use std::ops::ControlFlow;
 
-/// Values of the parts of a leg, by part and station.
+/// Values of constraint parts at the stations of a leg (a motion at one rack displacement), indexed by part and station.
 pub(super) type PartValues = Vec<Vec<f64>>;
 
-/// Inputs and memory for the evaluation of the stations of a leg.
+/// Inputs and memory for the evaluation of the stations of a leg (a motion at one rack displacement).
 pub(super) struct Visit<'v, 'a> {
     pub(super) leg: &'v Leg,
     pub(super) layout: &'v TargetLayout,
@@ -35,7 +35,7 @@ pub(super) struct Visit<'v, 'a> {
 pub(super) trait ReadStations: Send {
     /// Prepares to read poses of this design.
     fn prepare(&mut self, mechanism: &Mechanism, design: &[Vector3<f64>]);
-    /// Visits the stations of a leg.
+    /// Evaluates the stations of a leg (a motion at one rack displacement).
     fn visit(&mut self, visit: Visit<'_, '_>) -> Result<(), Infeasible>;
 }
 
@@ -232,8 +232,8 @@ pub(super) fn refused(mechanism: &Mechanism) -> impl Fn(DesignFault) -> Infeasib
     |fault| Infeasible::Refused(fault.describe(mechanism))
 }
 
-/// Reads the poses of a leg at some drive values, one after another. Stops with an error at the first drive value without a
-/// pose.
+/// Reads the poses of a leg (a motion at one rack displacement) at some drive values, one after another. Stops with an
+/// error at the first drive value without a pose.
 pub(super) fn read_poses<'a>(
     solver: &mut Solver<'a>,
     leg: &Leg,
@@ -262,8 +262,8 @@ pub(super) fn read_poses<'a>(
     failed.map_or(Ok(()), Err)
 }
 
-/// Makes the error for a force whose value `found` is NaN, because no member can carry its load. Returns `None` for all other
-/// measures and values.
+/// Makes the error for a force that no member can carry: the value `found` of such a force is NaN. Returns `None` for all
+/// other measures and values.
 pub(super) fn uncarried(
     measure: &Measure,
     found: f64,

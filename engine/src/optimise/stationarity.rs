@@ -13,10 +13,10 @@
 //! is below [`CONVERGED`].
 //!
 //! A computed slope is a sum of products, so rounding keeps it from being exactly zero. Residuals have the rounding error
-//! [`Options::misfit_below`], or a larger one that short steps have shown. For example, the rounding error of an equilibrium
-//! is larger than that of a pose. Variables have a resolution: no method makes smaller steps. A slope counts as zero if the
-//! rounding error and the resolution can explain it. So a fit to exact measurements converges. Its residuals and their slope
-//! consist of rounding errors only, even if the slope is large relative to the residuals.
+//! [`Options::misfit_below`], or a larger rounding error if short steps have shown it. For example, the rounding error of
+//! an equilibrium is larger than that of a pose. Variables have a resolution: no method makes smaller steps. A slope counts
+//! as zero if the rounding error and the resolution can explain it. So a fit to exact measurements converges. Its residuals
+//! and their slope consist of rounding errors only, even if the slope is large relative to the residuals.
 //!
 //! Multipliers come from non-negative least squares, which minimise the left side of (1). If gradients are linearly
 //! dependent, several sets of multipliers minimise it, and the code uses the smallest set. At a kink a row has several
@@ -31,7 +31,7 @@ pub(super) const CONVERGED: f64 = 1e-6;
 /// dependent on the others if its part outside their span is smaller than the square root of this damping.
 const DEPENDENT: f64 = 1e-18;
 
-/// Sizes that slopes are compared with.
+/// Sizes to which slopes are compared.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scale {
     /// Largest slope that the squared residuals could have.
@@ -49,7 +49,7 @@ pub(super) struct Sizes {
     /// Largest pivot of the residuals' scaled Jacobian, and norm of the longest column of this Jacobian.
     pub pivot: f64,
     pub longest: f64,
-    /// Norm of the residuals' rounding that short steps have shown; 0 without such steps.
+    /// Norm of the rounding errors of the residuals, as observed in short steps; 0 without such steps.
     pub seen_rounding: f64,
     /// Number of variables, and the shortest step of each variable.
     pub variables: usize,
@@ -80,7 +80,7 @@ impl Scale {
 }
 
 /// Residual of the optimality conditions with bounds only. `pivot` is the largest pivot of the scaled Jacobian, in half
-/// ranges. `seen_rounding` is the norm of the residuals' rounding that short steps have shown.
+/// ranges. `seen_rounding` is the norm of the rounding errors of the residuals, as observed in short steps.
 pub(super) fn between_bounds(
     at: &Linearisation,
     x: &DVector<f64>,

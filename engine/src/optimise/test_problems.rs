@@ -51,7 +51,7 @@ pub(super) struct Written<F> {
     rows: F,
 }
 
-/// Makes the problem of a function that has residuals at this point.
+/// Makes the problem of a function. The function must have residuals at this point.
 pub(super) fn written<F: Fn(&[f64]) -> Rows>(rows: F, at: &[f64]) -> Written<F> {
     Written {
         variables: at.len(),

@@ -19,7 +19,7 @@ fn run(
     fit(0, problem, &bounds, &start, options, Control::default()).unwrap()
 }
 
-/// Options with which a run stops only if no step lowers the cost any further.
+/// Options for a run that stops only if no step lowers the cost any further.
 fn to_the_end() -> Options {
     Options {
         misfit_below: 0.0,
@@ -76,7 +76,7 @@ fn val_published_minima_are_found() {
         if published.sum_of_squares == 0.0 {
             assert!(found < 1e-24, "{name}: {found:e}");
         } else {
-            // Compares all published digits.
+            // The comparison covers all published digits.
             let off = (found - published.sum_of_squares).abs() / published.sum_of_squares;
             assert!(off < 5e-6, "{name}: {found:e}");
             assert!(violation(&fit) < 1e-6, "{name}: {:e}", violation(&fit));
@@ -188,7 +188,7 @@ fn what_the_residuals_do_not_see_stays_where_it_is() {
 }
 
 /// Fits a random linear map of rank 3 on 6 variables, with residuals that cannot be zero. Rounding causes tiny singular
-/// values, which must not move the design.
+/// values. The design must not move along their directions.
 #[test]
 fn rounding_does_not_move_a_rank_deficient_fit() {
     for seed in 0..20 {

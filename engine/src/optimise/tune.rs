@@ -41,7 +41,7 @@ pub struct Tuning {
     pub starts: Multistart,
     /// Best design. `None` if no start succeeded.
     pub best: Option<Best>,
-    /// Missed targets that the variables do not change enough.
+    /// Missed targets on which the variables have too little effect.
     pub unmoved: Unmoved,
     /// Indices of violated constraints that no variable changes.
     pub unmoved_constraints: Vec<usize>,
@@ -75,7 +75,7 @@ pub struct Best {
     pub identifiability: Identifiability,
     /// Outcome for each constraint.
     pub constraints: Vec<ConstraintOutcome>,
-    /// Standard errors of the variables. Only present if the targets are measurements.
+    /// Standard errors of the variables. `None` unless the targets are measurements.
     pub errors: Option<StandardErrors>,
 }
 
@@ -91,7 +91,7 @@ pub struct ConstraintOutcome {
     pub price: Price,
 }
 
-/// Tunes a wheel or an axle. An error says why the design itself cannot be solved.
+/// Tunes a wheel or an axle. An error gives the reason why the design cannot be solved at all.
 pub fn tune(
     vehicle: &Vehicle,
     optimise: &Optimise,
@@ -157,7 +157,7 @@ impl<'a> Tuner<'a> {
     pub(super) fn new(asked: &'a TuningRequest<'a>) -> Result<Self, DesignFault> {
         let (suspension, optimise) = (asked.vehicle.wheel(), asked.optimise);
         let ranges: Vec<[f64; 2]> = optimise.variables.iter().map(|v| v.range).collect();
-        // An error here would occur in every start, because all starts use this design.
+        // Every start uses this design, so an error here would occur in every start.
         let plain = Objective::new(suspension, &optimise.variables, &asked.layout)?;
         let is_plain = asked.assembled.is_none();
         Ok(Tuner {
@@ -308,13 +308,13 @@ impl<'a> Tuner<'a> {
     }
 
     /// Returns the directions that the targets determine at a fit. Tests the directions without effect on the targets by
-    /// moving along them. Such a move keeps the constraints.
+    /// moves along these directions. A move counts only as far as it keeps the constraints.
     fn identifiability(&self, fit: &Fit) -> Identifiability {
         let mut problem = self.problem();
         let shape = problem.shape();
         let mut at = Assessment::new(&shape);
         let violation = |row: usize, value: f64| self.layout.violation(row, value);
-        // A constraint that the design violates may not become worse.
+        // If the design violates a constraint, the move must not increase the violation.
         let mut most = vec![MOVED_KEPT; shape.rows];
         let mut kept = DMatrix::zeros(0, shape.variables);
         if shape.rows > 0 && problem.assess(&fit.x, &mut at).is_ok() {
@@ -395,7 +395,7 @@ impl<'a> Tuner<'a> {
         })
     }
 
-    /// Missed targets that the variables do not change enough at any of the evaluated points.
+    /// Missed targets on which the variables have too little effect at all evaluated points.
     fn unmoved(&self, best: &Best, end: &Linearisation, seen: &[&Linearisation]) -> Unmoved {
         let residuals = Residuals {
             of_rows: &self.layout.targets_of_rows(),

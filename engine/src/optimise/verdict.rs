@@ -7,8 +7,8 @@ use super::{Bounds, Fit, Linearisation};
 
 /// Relative difference up to which prices of constraints count as equal.
 const SAME_PRICE: f64 = 0.05;
-/// Share of a target's deviation. If moves across all ranges change the deviation by less, the variables hardly affect the
-/// target.
+/// Smallest effect of the variables on a target, as a share of the target's deviation. If moves across all ranges change
+/// the deviation by less, the variables hardly affect the target.
 const HARDLY: f64 = 0.01;
 
 /// A limit of a constraint at the end of a run.
@@ -52,13 +52,14 @@ impl Price {
         }
     }
 
-    /// Price of a constraint at the end of a run. `visible` is a visible unit in the unit of the constraint.
+    /// Price of a constraint at the end of a run. `visible` is a visible change (1 mm or 1 degree), given in the unit of
+    /// the constraint.
     pub(crate) fn of(fit: &Fit, limits: impl Iterator<Item = Limit>, visible: f64) -> Self {
         let Some(state) = &fit.constraints else {
             return Price::Nothing;
         };
         let mut pulls = [0.0; 2];
-        // A limit that does not bind has no price, nor has a row that no variable changes.
+        // A limit that does not bind has no price. A row that no variable changes has no price either.
         for limit in limits.filter(|limit| limit.violation >= -KEPT) {
             let pull = |multipliers: &[f64]| {
                 let rows = limit.rows.iter().flatten();
@@ -114,7 +115,7 @@ pub struct SlightEffect {
     pub change: f64,
 }
 
-/// Missed targets that the variables do not change enough.
+/// Missed targets on which the variables have too little effect.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Unmoved {
     /// Indices of missed targets that no variable changes.
@@ -142,8 +143,8 @@ impl Residuals<'_> {
             .map(|(row, _)| row)
     }
 
-    /// Finds the missed targets that the variables do not change enough. `deviations` has the root mean square deviation
-    /// from each target, in multiples of the tolerance, and `end` the residuals of the tuned design.
+    /// Finds the missed targets on which the variables have too little effect. `deviations` has the root mean square
+    /// deviation from each target, in multiples of the tolerance, and `end` the residuals of the tuned design.
     pub(crate) fn unmoved(&self, deviations: &[f64], end: &Linearisation) -> Unmoved {
         let mut found = Unmoved::default();
         for (target, deviation) in deviations.iter().copied().enumerate() {

@@ -122,7 +122,8 @@ impl<'a> YieldSearch<'a> {
         })
     }
 
-    /// Raises the yield from the optimum without scatter. An error says why a build of that optimum has no values.
+    /// Raises the yield from the optimum without scatter. An error gives the reason why a build of that optimum has no
+    /// values.
     fn run(&self, plain: &DVector<f64>) -> Result<Found, Infeasible> {
         let sigmas = self.sigmas(plain)?;
         let plain_share = self.share(plain)?;
@@ -227,8 +228,8 @@ impl<'a> YieldSearch<'a> {
         }
     }
 
-    /// Describes a tuning of builds towards these targets, in which all residuals have the same weight. For this purpose, the
-    /// weight of a target is its number of residuals.
+    /// Describes a tuning of builds towards these targets. All residuals have the same weight, because the weight of a
+    /// target is its number of residuals.
     fn goals(&self, targets: Vec<Target>, scatter: &Scatter) -> Optimise {
         let mut goals = Optimise {
             targets,
@@ -284,7 +285,7 @@ impl<'a> YieldSearch<'a> {
         Ok((0..self.bands.len()).map(sigma).collect())
     }
 
-    /// Share of further builds within all bands.
+    /// Share of the further builds that are within all bands.
     fn share(&self, x: &DVector<f64>) -> Result<f64, Infeasible> {
         let bands: Vec<Target> = self
             .bands
@@ -303,7 +304,7 @@ impl<'a> YieldSearch<'a> {
             }
             let further = Scatter {
                 builds: at_once,
-                // Each part of the builds has a separate seed.
+                // The builds are divided into parts. Each part has a separate seed.
                 seed: self.scatter.seed.wrapping_add(1 + part as u32),
                 ..self.scatter.clone()
             };
@@ -459,7 +460,7 @@ pub(super) fn tune_for_yield(
         Err(reason) => Err(reason),
     });
     if let Some(best) = &mut tuning.best {
-        // These directions were judged by the nominal misfit. A move along them can lower the yield.
+        // The nominal misfit determined these directions. A move along them can lower the yield.
         best.identifiability.unseen.clear();
     }
     Ok(tuning)

@@ -29,7 +29,7 @@ mod cost {
     pub(super) const ITERATED_POSE: f64 = 7.0;
     /// Factorisation of the Jacobian of a pose from the closed form.
     pub(super) const FACTORS: f64 = 0.8;
-    /// First, second and third coefficient of the power series, with the outputs that read them.
+    /// First, second and third coefficient of the power series, together with the outputs that use this coefficient.
     pub(super) const DERIVATIVES: [f64; 3] = [0.5, 2.1, 3.0];
     /// Gradient of one output with respect to all hardpoints, for each coefficient of its series.
     pub(super) const GRADIENT: f64 = 2.2;
@@ -39,7 +39,8 @@ mod cost {
     pub(super) const SCREW_AXIS: f64 = 0.6;
     /// Rotation of a rocker, for each coefficient of its series. Estimated from its number of operations, not measured.
     pub(super) const ROCKER: f64 = 0.1;
-    /// Factorisation of the equations of a pose, together with the support of its loads.
+    /// Factorisation of the equations of a pose, including the support of the loads (the spring or a vertical force at the
+    /// wheel centre).
     pub(super) const BALANCE: f64 = 0.8;
     /// One load and its forces in the links.
     pub(super) const LOAD: f64 = 0.3;
@@ -62,7 +63,7 @@ impl Effect {
     }
 }
 
-/// Adds to a text the number of the line on which the study writes a path of keys.
+/// Appends a line number to a text: the line of the study that contains the key with this path.
 fn written(study: &Study, path: &[&str], text: &str) -> String {
     match study.line_of(path) {
         Some(line) => format!("{text} (line {line})"),
@@ -71,7 +72,8 @@ fn written(study: &Study, path: &[&str], text: &str) -> String {
 }
 
 impl Plan {
-    /// All effects that the program knows, in the order in which they build on each other. `study` is the study of the plan.
+    /// All effects that the program offers. Each effect comes after the effects on which it builds. `study` is the study of
+    /// the plan.
     pub fn effects(&self, study: &Study) -> Vec<Effect> {
         let written = |path: &[&str], text: &str| written(study, path, text);
         let mechanism = &study.wheel().mechanism;

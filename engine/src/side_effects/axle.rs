@@ -45,7 +45,7 @@ pub(super) fn observe(
     let grid = Grid::of(&places);
     let positions = places.iter().map(|place| grid.shares(place));
     let stations = stations(&placements, positions.collect(), both, &plan);
-    // Stations of the targets for some quantities.
+    // Returns the stations at which targets apply, for the quantities that `is_own` accepts.
     let wanted = |is_own: &dyn Fn(Quantity) -> bool| -> Vec<usize> {
         let targets = study.optimise.iter().flat_map(|o| &o.targets);
         let of_target = |target: &Target| {
@@ -74,7 +74,8 @@ pub(super) fn observe(
     let mut series = Vec::new();
     for (number, column) in columns.iter().enumerate() {
         let quantity = column.quantity();
-        // Gains that the study does not compare are only read as slopes.
+        // If a gain is not among the compared quantities, it has no separate series. Its values are then used only as
+        // slopes of other curves.
         if quantity.is_some_and(|own| gains.contains(&own) && !shown.contains(&own)) {
             continue;
         }
@@ -104,7 +105,7 @@ pub(super) fn observe(
     })
 }
 
-/// Gains of the wheels with targets, each once.
+/// Gains of the wheels (derivatives with respect to travel) for which the study has targets. Each gain occurs once.
 fn gains(study: &Study, both: &AxleStudy) -> Vec<Quantity> {
     let targets = study.optimise.iter().flat_map(|o| &o.targets);
     let samples = targets.flat_map(|target| target.axle_samples(&both.axle));
@@ -119,8 +120,8 @@ fn gains(study: &Study, both: &AxleStudy) -> Vec<Quantity> {
     gains
 }
 
-/// Slope of a quantity's curve over the travel of the gain's wheel that a gain of 1 means, in printed units. `None` if the
-/// curve does not follow from the gain.
+/// Slope of a quantity's curve over the travel of the wheel to which the gain belongs, if the gain is 1. The slope is in
+/// printed units. `None` if the gain does not determine the curve.
 fn slope_by_gain(gain: Quantity, of: Quantity, both: &AxleStudy) -> Option<f64> {
     use AxleQuantity::{TotalToe, TotalToeAtRim};
     let Quantity::Corner(side, gain) = gain else {
@@ -181,7 +182,7 @@ fn follows_a_target(quantity: Quantity, study: &Study) -> bool {
         })
 }
 
-/// Plans the study without derivatives. Adds the compared quantities that the axle has, and `gains`.
+/// Plans the study without derivatives. Adds the compared quantities that this axle offers, and `gains`.
 fn plan(both: &AxleStudy, gains: &[Quantity]) -> AxlePlan {
     let mut plan = AxlePlan {
         derivatives: 0,

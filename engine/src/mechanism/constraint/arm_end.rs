@@ -40,8 +40,8 @@
 //!
 //! with g' = d'/|d0| for a link and g' = 0 for a joint.
 //!
-//! In a built arm, the lengths of the two built legs and the coordinates of the point in the frame of the nominal arm
-//! determine a, b and c. This frame has its origin at the outer joint. Its directions are along the axis, and from the
+//! In a built arm, a, b and c follow from the lengths of the two built legs, and from the coordinates of the point in the
+//! frame of the nominal arm. This frame has its origin at the outer joint. Its directions are along the axis, and from the
 //! axis to the joint (7).
 
 use super::normals;
@@ -54,7 +54,7 @@ use crate::number::{Real, Vector3, outlined};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ArmEnd<T> {
     arm: ArmId,
-    /// Point of the arm. For a joint, the point of both bodies.
+    /// Point of the arm. For a joint, also the point of the knuckle.
     pub inner: PointId,
     pub outer: PointId,
     /// Dimensions a, b and c.
@@ -80,7 +80,7 @@ pub(crate) struct PartDimensions<'a, T> {
     pub lengths: &'a [T],
 }
 
-/// Unit axis of the arm, and the component of the vector to its outer joint that is normal to the axis.
+/// Unit vector of the arm's axis, and the vector from the axis to the outer joint, normal to the axis.
 #[inline(always)]
 fn frame<T: Real>(arm: Arm, design: &[Vector3<T>]) -> [Vector3<T>; 2] {
     let front = design[arm.front.0];
@@ -101,7 +101,7 @@ fn designed<T: Real>(arm: Arm, point: PointId, design: &[Vector3<T>]) -> [T; 3] 
     ]
 }
 
-/// Dimensions a, b and c for a built arm (7). `point` is the point in the nominal arm.
+/// Dimensions a, b and c for a built arm (7). `point` is the position of the point in the nominal arm.
 #[inline(always)]
 fn built<T: Real>(
     mechanism: &Mechanism,
@@ -195,7 +195,8 @@ impl<T: Real> ArmEnd<T> {
         }
     }
 
-    /// Makes one of the two equations of a joint, for built parts. The nominal point is a point of the arm.
+    /// Makes one of the two equations of a joint, for built parts. In the frame of the arm, the joint has its nominal
+    /// position.
     #[inline(always)]
     pub(crate) fn built_joint(
         mechanism: &Mechanism,

@@ -15,10 +15,10 @@
 //! f' = 0,   m' = (w x (l_n + s l_f)/2) x z,   q' = 0                (4)
 //! ```
 //!
-//! For a steered axle, heights count from the positions of the wheel centres after the knuckles have turned, with the
-//! axle itself at rest. Then r is smaller by the same amount (see (4) of `model/steered_axle.rs`). A row computes
-//! these positions from its design. Derivatives with respect to hardpoints are taken at constant travel, and travel
-//! counts from the hardpoints. So a row differentiates the height of a wheel centre above its hardpoint.
+//! For a steered axle, heights count from the positions of the wheel centres after the knuckles have turned, with the axle
+//! itself at rest. Then r is smaller by the travel that the steering alone causes (see (4) of `model/steered_axle.rs`). A
+//! row computes these positions from its design. Derivatives with respect to hardpoints are taken at constant travel, and
+//! travel counts from the hardpoints. So a row differentiates the height of a wheel centre above its hardpoint.
 //!
 //! F is linear in the pose. The far wheel of a twist beam is on a rocker of the near half, and both wheels of a steered axle are
 //! on rockers. Then the wrench of the height and its rate are those of a force on a rocker (see `rocker_end.rs`), and F is not
@@ -59,7 +59,7 @@ pub(crate) struct TravelRow<T> {
 }
 
 impl<T: Real> TravelRow<T> {
-    /// Makes the mean or the difference of the heights of both wheel centres above these heights.
+    /// Makes the row for the mean or the difference of the heights of both wheel centres. The heights count from `zeros`.
     #[inline(always)]
     pub(crate) fn new([near, far]: [PointId; 2], travel: AxleTravel, zeros: [T; 2]) -> Self {
         TravelRow {

@@ -48,7 +48,7 @@ impl<T: Real> Link<T> {
         Link::of_squared_length(inner, outer, squared)
     }
 
-    /// Makes a rod whose length is an independent dimension.
+    /// Makes a rod with a given squared length, which does not follow from the positions of the joints.
     #[inline(always)]
     pub(crate) fn of_squared_length(inner: PointId, outer: PointId, squared: T) -> Self {
         Link {

@@ -69,7 +69,7 @@ macro_rules! row {
 }
 
 impl<T: Real> Row<T> {
-    /// Row `number` of a constraint, for a design.
+    /// Makes row `number` of a constraint. The dimensions come from a design.
     #[inline(always)]
     pub(crate) fn of(
         mechanism: &Mechanism,
@@ -96,7 +96,7 @@ impl<T: Real> Row<T> {
             Constraint::Revolute { first, second } => {
                 Row::Pinned(Pinned::all(first, second, design, design, origin)[number])
             }
-            // A mount has the equations along x and z of the three equations of a ball joint.
+            // A mount has two of the three equations of a ball joint: those along x and z.
             Constraint::Mount { at } => Row::Pinned(Pinned::point(at, design, origin)[2 * number]),
             Constraint::BallJoint { at } => Row::Pinned(Pinned::point(at, design, origin)[number]),
             Constraint::ArmJoint { arm, at } => {
@@ -110,7 +110,7 @@ impl<T: Real> Row<T> {
         }
     }
 
-    /// Row `number` of the constraint with this index in the mechanism, for built parts.
+    /// Makes row `number` of the constraint with this index in the mechanism. The dimensions come from built parts.
     #[inline(always)]
     pub(crate) fn of_parts(
         mechanism: &Mechanism,
@@ -140,7 +140,7 @@ impl<T: Real> Row<T> {
             Constraint::ArmJoint { arm, at } => {
                 Row::ArmEnd(ArmEnd::built_joint(mechanism, arm, at, number, parts))
             }
-            // In an assembled axle, the wheel centres are at their nominal heights.
+            // The travels of an assembled axle count from the nominal heights of the wheel centres.
             Constraint::AxleTravel { near, far, held } => {
                 let centres = [near, far];
                 let zeros = centres.each(|id| parts.drawn[id.0].z);

@@ -100,7 +100,7 @@ impl<T: Real> RockerEnd<T> {
         RockerEnd::of_squared_length(inner, outer, squared)
     }
 
-    /// Makes a link whose length is an independent dimension.
+    /// Makes a link with a given squared length, which does not follow from the positions of its ends.
     #[inline(always)]
     pub(crate) fn of_squared_length(inner: PointId, outer: PointId, squared: T) -> Self {
         RockerEnd {
@@ -130,7 +130,7 @@ impl<T: Real> RockerEnd<T> {
         sink.hardpoint(self.inner, designed);
     }
 
-    /// Rates (4) of the row. A separate function, because it is rarely used, and large.
+    /// Rates (4) of the row. A separate function, because it is large and rarely used.
     #[inline(always)]
     pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         outlined!(
@@ -150,7 +150,8 @@ impl<T: Real> RockerEnd<T> {
             (outer, inner)
         };
         let Some(turned) = TurnedRockers::under(x, at, along) else {
-            // A link on a twist beam's mount has a separate row, so this row has no wrench.
+            // Neither end is on a rocker. Such a link, for example on a twist beam's mount, has a row of another type. So
+            // this row has no wrench.
             return Wrench::zero(at.rack);
         };
         let knuckle = KnuckleMotion { at, along };
@@ -192,7 +193,7 @@ impl<T: Real> KnuckleMotion<'_, '_, T> {
         Moving { now, rate }
     }
 
-    /// Adds the rate of the wrench of a force, times `sign`, at a point that is not on a rocker.
+    /// Adds the rate of the wrench of a force, multiplied by `sign`. The force acts at a point that is not on a rocker.
     #[inline(always)]
     fn add(
         &self,
@@ -219,7 +220,7 @@ impl<T: Real> KnuckleMotion<'_, '_, T> {
         }
     }
 
-    /// Adds the rate of the wrench of a force, times `sign`, at a point of the knuckle.
+    /// Adds the rate of the wrench of a force, multiplied by `sign`. The force acts at a point of the knuckle.
     #[inline(always)]
     fn add_at(&self, place: Moving<T>, force: Moving<T>, sign: T, wrench: &mut Wrench<T>) {
         let origin = Moving {
@@ -232,7 +233,7 @@ impl<T: Real> KnuckleMotion<'_, '_, T> {
     }
 }
 
-/// A rocker with its rotation and its rate (3), which follow from its rod.
+/// Rotation of a rocker and its rate (3), computed from the rod of the rocker.
 #[derive(Clone, Copy)]
 struct TurnedRocker<'a, 'c, T> {
     knuckle: KnuckleMotion<'a, 'c, T>,
@@ -241,13 +242,13 @@ struct TurnedRocker<'a, 'c, T> {
     is_on_knuckle: bool,
     foot: Moving<T>,
     axis: Moving<T>,
-    /// Angular rate about the axis, in the base.
+    /// Angular rate of the rocker about its axis, relative to its base.
     speed: T,
     off: Moving<T>,
 }
 
 impl<'a, 'c, T: Real> TurnedRocker<'a, 'c, T> {
-    /// Computes a rocker whose rod is mounted at `off`.
+    /// Computes the rotation of a rocker. `off` is the end of its rod away from the rocker.
     #[inline(always)]
     fn of(id: RockerId, knuckle: KnuckleMotion<'a, 'c, T>, off: Moving<T>) -> Self {
         let at = knuckle.at;
@@ -289,8 +290,8 @@ impl<'a, 'c, T: Real> TurnedRocker<'a, 'c, T> {
         Moving { now, rate }
     }
 
-    /// Adds the rates of the wrench on the knuckle that the force G = `push` at a point of the rocker causes, by equation (2)
-    /// and (4). Returns the force K with which the rod pulls at its other end.
+    /// Adds the rates of the wrench on the knuckle that the force G = `push` at a point of the rocker causes, by equations
+    /// (2) and (4). Returns the force K with which the rod pulls at its other end.
     #[inline(always)]
     fn add(&self, place: Moving<T>, push: Moving<T>, wrench: &mut Wrench<T>) -> Moving<T> {
         let (axis, foot, off) = (self.axis, self.foot, self.off);
@@ -313,7 +314,7 @@ impl<'a, 'c, T: Real> TurnedRocker<'a, 'c, T> {
     }
 }
 
-/// The rocker that carries a point, and the rocker on which its rod is mounted, if there is one.
+/// The rocker that carries a point. Also the rocker on which the rod of this rocker is mounted, if there is one.
 struct TurnedRockers<'a, 'c, T> {
     knuckle: KnuckleMotion<'a, 'c, T>,
     own: TurnedRocker<'a, 'c, T>,
@@ -321,7 +322,8 @@ struct TurnedRockers<'a, 'c, T> {
 }
 
 impl<'a, 'c, T: Real> TurnedRockers<'a, 'c, T> {
-    /// Returns the rockers that move a point; `None` for a point of another body. At most one further rocker carries the rod.
+    /// Returns the rockers that move a point: the rocker that carries the point, and at most one further rocker, which
+    /// carries the rod. `None` for a point of another body.
     #[inline(always)]
     fn under(x: PointId, at: &'a Configuration<'c, T>, along: &'a Twist<T>) -> Option<Self> {
         let knuckle = KnuckleMotion { at, along };
@@ -353,7 +355,7 @@ impl<'a, 'c, T: Real> TurnedRockers<'a, 'c, T> {
         self.own.point(id)
     }
 
-    /// Rates of the wrench on the knuckle that the force G = `push` at a point of the rocker causes.
+    /// Rates of the wrench on the knuckle. The wrench is the effect of the force G = `push` at a point of the rocker.
     #[inline(always)]
     fn wrench_rate(&self, place: Moving<T>, push: Moving<T>) -> Wrench<T> {
         let one = place.now.x.one();
@@ -370,8 +372,8 @@ impl<'a, 'c, T: Real> TurnedRockers<'a, 'c, T> {
     }
 }
 
-/// Rates of the wrench on the knuckle that a constant force at a point of a rocker causes: (4) with G' = 0. A
-/// separate function, because it is rarely used, and large.
+/// Rates of the wrench on the knuckle that a constant force at a point of a rocker causes: (4) with G' = 0. A separate
+/// function, because it is large and rarely used.
 #[inline(always)]
 pub(super) fn constant_push_rate<T: Real>(
     x: PointId,

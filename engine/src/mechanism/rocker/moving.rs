@@ -12,7 +12,7 @@ struct Turning<T> {
     turn: Turn<T>,
     /// Angular rate about the axis.
     speed: T,
-    /// Smallest w^2/(r.r l.l) among this rocker and the rockers that turn it.
+    /// Square of the smallest leverage among this rocker and the rockers that turn it: the smallest w^2/(r.r l.l).
     leverage_squared: T,
 }
 
@@ -111,7 +111,7 @@ impl<B: SimdReal> Configuration<'_, B> {
             let end = turn.moved(inner);
             let rod = end - outer;
             let speed = rod.dot(rate) / rod.dot(turn.axis.cross(end - first));
-            // With this form of the selection, the result is NaN if a value is NaN.
+            // This form of the selection returns NaN if one of the compared values is NaN.
             least = B::select(
                 least.less(turn.leverage_squared),
                 least,
@@ -252,7 +252,7 @@ impl<B: SimdReal> Configuration<'_, B> {
         }
     }
 
-    /// Rod of a rocker in this pose, as seen from the rocker.
+    /// Rod of a rocker in this pose, in the coordinates of the rocker's base.
     #[inline(always)]
     pub fn moving_rod(&self, id: RockerId, motion: &Twist<B>) -> RodReach<B> {
         let rocker = self.mechanism.rocker(id);
@@ -260,15 +260,15 @@ impl<B: SimdReal> Configuration<'_, B> {
         RodReach::of(self.ends_with(rocker, now))
     }
 
-    /// Rod of a rocker in the design position, as seen from the rocker.
+    /// Rod of a rocker in the design position, in the coordinates of the rocker's base.
     #[inline(always)]
     pub fn designed_rod(&self, id: RockerId) -> RodReach<B> {
         let rocker = self.mechanism.rocker(id);
         RodReach::of(self.ends_in_base(rocker, self.designed(rocker.outer)))
     }
 
-    /// Rod of a rocker while the knuckle is in its design position, as seen from the rocker. A steering gear may have
-    /// moved the rod.
+    /// Rod of a rocker while the knuckle is in its design position, in the coordinates of the rocker's base. A steering
+    /// gear may have moved the rod.
     #[inline(always)]
     pub fn rod_at_rest(&self, id: RockerId) -> RodReach<B> {
         let pose = Pose {

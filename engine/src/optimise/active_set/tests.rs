@@ -36,7 +36,7 @@ impl Program {
         }
         let mut normals = DMatrix::from_fn(rows, n, |_, _| noise.next());
         let inside = DVector::from_fn(n, |_, _| noise.next());
-        // Most problems have an interior point. In degenerate problems the point lies on the boundary of every row.
+        // Most problems have an interior point. In degenerate problems this point lies on the boundary of every row.
         let spread = if seed.is_multiple_of(4) { 0.0 } else { 1.0 };
         let mut slack: Vec<f64> = (0..rows).map(|_| spread * noise.next().abs()).collect();
         if seed.is_multiple_of(7) {
@@ -194,8 +194,8 @@ fn minima_obey_the_kuhn_tucker_conditions_and_refusals_are_proved() {
                     program.violation(&d)
                 );
             }
-            // Farkas' lemma: with multipliers of the right signs, the weighted sum of the gradients is zero. The same
-            // weighted sum of the values is positive everywhere.
+            // Farkas' lemma shows the contradiction. With multipliers of the right signs, the weighted sum of the gradients
+            // is zero. So the weighted sum of the values is the same at every point, and it is positive.
             Outcome::Infeasible(culprits) => {
                 refused += 1;
                 let gradients: Vec<_> = culprits.iter().map(|h| program.gradient(*h)).collect();

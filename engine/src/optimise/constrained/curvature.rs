@@ -2,8 +2,8 @@
 
 use super::super::qr::dot;
 
-/// Curvature that is added along the normals of the held rows if the quadratic program uses the estimate S. Relative to the
-/// largest diagonal entry.
+/// Factor for the curvature that is added along the normals of the held rows if the quadratic program uses the estimate S.
+/// The factor multiplies the largest diagonal entry of R^T R + S.
 const ACROSS: f64 = 4.0;
 /// Largest number of shifts tried to make a matrix positive definite. Each shift is ten times the previous shift.
 const SHIFTS: usize = 40;
@@ -31,7 +31,7 @@ impl Curvature {
         rows.map(|row| dot(row, d)).collect()
     }
 
-    /// Returns d . S d, or zero while S is not in use.
+    /// Returns d . S d. Returns zero if S is not in use.
     pub(super) fn quadratic(&self, d: &[f64]) -> f64 {
         if self.in_use {
             dot(&self.image(d), d)
@@ -47,7 +47,7 @@ impl Curvature {
         let off: Vec<f64> = y.iter().zip(&image).map(|(y, s)| y - s).collect();
         let along = dot(&off, d);
         let size = (dot(&off, &off) * dot(d, d)).sqrt();
-        // This check also rejects NaN.
+        // The comparison of the absolute value is false for NaN, so NaN is rejected, too.
         let is_sound = along.is_finite() && along.abs() > 1e-8 * size;
         if !is_sound {
             return;
@@ -102,7 +102,7 @@ impl Curvature {
             by
         });
         let mut shifts = shifts.by_ref().take(SHIFTS);
-        // With NaN no shift makes the matrix positive definite. The curvature is then left out.
+        // If the matrix contains NaN, no shift makes the matrix positive definite. The curvature is then left out.
         let Some(factor) = shifts.find_map(|by| cholesky(&square, n, by)) else {
             self.in_use = false;
             return;

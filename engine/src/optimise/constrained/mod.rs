@@ -16,10 +16,11 @@
 //! |A d + a|^2 / 2 + d . S d / 2    with  C d + c <= 0 (= 0),  |B d + b| <= level,  |d_j| <= radius   (1)
 //! ```
 //!
-//! with the Jacobians A, B, C ([`ConvexModel`](model)). The levels stay quadratic. If they were linearised, their multipliers
-//! would grow without bound wherever b vanishes. A secant method finds the multiplier of a level: it solves the same quadratic
-//! program with the squares of the level added, times a weight. Several levels use nested secant methods. They converge because
-//! the excess of a level falls as its own weight rises, even if the weights of the other levels are adjusted each time.
+//! with the Jacobians A, B, C ([`ConvexModel`](model)). The levels stay quadratic. If they were linearised, their
+//! multipliers would grow without bound wherever b vanishes. A secant method finds the multiplier of a level: it solves the
+//! same quadratic program with the squares of the level added, times a weight. Several levels use nested secant methods.
+//! The nested methods converge, because the excess of a level falls as its own weight rises. This holds even if the weights
+//! of the other levels are adjusted each time.
 //!
 //! S is zero in the first iterations. If a run takes longer, residuals are large or constraints are curved, and the
 //! Gauss-Newton method converges slowly. From then on S is a symmetric rank-one estimate of the curvature that A^T A does not
@@ -90,7 +91,7 @@ pub struct Assessment {
 }
 
 impl Assessment {
-    /// Allocates for a problem of this size.
+    /// Allocates memory for a problem of this size.
     pub fn new(shape: &Shape) -> Self {
         let room = |residuals: usize| Linearisation::new(residuals, shape.variables);
         Assessment {
@@ -107,8 +108,8 @@ impl Assessment {
         self.rows.check()
     }
 
-    /// Returns the largest violation. The violation of a level is the amount by which the norm exceeds the level, as a root
-    /// mean square over the residuals of the level.
+    /// Returns the largest violation. The violation of a level is the amount by which the norm exceeds the level, divided
+    /// by the root of the number of residuals.
     pub fn violation(&self, equalities: usize, levels: &[f64]) -> f64 {
         self.violation_of(equalities, levels, |_| true)
     }

@@ -22,7 +22,7 @@ const DAMPING: f64 = 1e-7;
 /// increases.
 const MORE_DAMPING: f64 = 100.0;
 const DAMPINGS: usize = 3;
-/// Largest number of programs for one step, over all levels.
+/// Largest number of quadratic programs for one step, over all levels.
 const PROGRAMS: usize = 300;
 /// Largest difference between duplicate rows: a hundredth of the largest violation that still counts as satisfied.
 const SLACK: f64 = 1e-9;
@@ -32,8 +32,8 @@ const SLACK: f64 = 1e-9;
 pub(super) enum Proposal {
     /// The minimum of the model.
     Optimal,
-    /// The rows exclude one another within the radius. Contains the smallest possible value of the largest violation, and the
-    /// rows that exclude one another.
+    /// The rows cannot all be satisfied within the radius. Contains the smallest possible value of the largest violation,
+    /// and the rows that contradict one another.
     Relaxed { remaining: f64, culprits: Vec<Held> },
 }
 
@@ -65,9 +65,10 @@ pub(super) struct ConvexModel<'a> {
     offsets: Vec<f64>,
     /// True for each row that can restrict steps.
     speaks: Vec<bool>,
-    /// Number of equalities among the kept rows.
+    /// Number of equalities among the rows that a step can violate.
     kept_equalities: usize,
-    /// Number of programs left for this step, and their damping relative to the largest pivot.
+    /// Number of quadratic programs that may still be solved for this step, and their damping relative to the largest
+    /// pivot.
     programs: usize,
     damping: f64,
     /// Indices and entries of the rows that a step can violate.
@@ -80,14 +81,14 @@ pub(super) struct ConvexModel<'a> {
     room_above: Vec<f64>,
     method: ActiveSet,
     elastic: ActiveSet,
-    /// Point at which the relaxed rows are met.
+    /// Point at which the relaxed rows are satisfied.
     relaxed: Vec<f64>,
     step: Vec<f64>,
-    /// Multipliers of rows, bounds (negative at a lower bound) and levels, from the last program.
+    /// Multipliers of rows, bounds (negative at a lower bound) and levels, from the last quadratic program.
     row_multipliers: Vec<f64>,
     bound_multipliers: Vec<f64>,
     level_multipliers: Vec<f64>,
-    /// Weight of each level's squares in the next program.
+    /// Weight of each level's squares in the next quadratic program.
     weights: Vec<f64>,
     /// Last multipliers of the levels. The next search starts from them.
     last_weights: Vec<Option<f64>>,
@@ -162,7 +163,8 @@ impl<'a> ConvexModel<'a> {
             } else {
                 value > KEPT
             };
-            // A violated row can be constant near this point and change elsewhere. Such a row does not restrict the step.
+            // A violated row can be constant near this point and change elsewhere. Such a row does not restrict the step
+            // from this point.
             *speaks = movable.is_none_or(|movable| {
                 movable.takes_part(row) && (missed || movable.moves_at(row, &at.rows, self.bounds))
             });
@@ -202,7 +204,7 @@ impl<'a> ConvexModel<'a> {
             self.kept_offsets
                 .push(trial.rows.residuals[row] - dot(normal, &self.step));
         }
-        // Levels are curved, too. The difference between a level and its model is subtracted from the level.
+        // Levels are curved, like the rows. So the difference between a level and its model is subtracted from the level.
         let levels = self.levels.clone();
         for (k, level) in self.levels.iter_mut().enumerate() {
             let promised = self.held[k].norm_after(&self.step, &mut self.scratch);
@@ -247,7 +249,7 @@ impl<'a> ConvexModel<'a> {
         self.programs = PROGRAMS;
         self.damping = DAMPING;
         let mut outcome = self.program(curved);
-        // If the point already satisfies the rows, a failed search for a step is only due to rounding errors.
+        // If the current point already satisfies the rows, only rounding errors can make the search for a step fail.
         let is_kept = self.worst() <= KEPT;
         for _ in 0..DAMPINGS {
             if outcome == Outcome::Solved || !is_kept {
@@ -264,7 +266,7 @@ impl<'a> ConvexModel<'a> {
                 culprits,
             };
             if self.program(curved) != Outcome::Solved {
-                // The point satisfies the relaxed rows, but it is not a minimum.
+                // The point `relaxed` satisfies the relaxed rows, but it is not a minimum.
                 self.step.copy_from_slice(&self.relaxed);
                 self.clear_multipliers();
                 return proposal;
@@ -277,8 +279,8 @@ impl<'a> ConvexModel<'a> {
         proposal
     }
 
-    /// Moves the step exactly onto these bounds. The relaxed rows have a small slack, so the program alone can end beside a
-    /// bound that keeps the violation from getting smaller.
+    /// Moves the step exactly onto these bounds. The relaxed rows have a small slack, so the step of the quadratic program
+    /// can end slightly inside these bounds. The bounds keep the violation from getting smaller.
     fn step_onto(&mut self, bounds: &[Held]) {
         for held in bounds {
             match *held {
@@ -290,7 +292,7 @@ impl<'a> ConvexModel<'a> {
     }
 
     /// Returns normals and offsets of the rows and bounds that were active (at their limits) in the previous step. They do
-    /// not depend on the weights of the levels in the next program.
+    /// not depend on the weights of the levels in the next quadratic program.
     fn held_rows(&self) -> Vec<(Vec<f64>, f64)> {
         let n = self.half.len();
         let rows = self.kept.iter().enumerate();
@@ -304,7 +306,7 @@ impl<'a> ConvexModel<'a> {
                 )
             })
             .collect();
-        // Counts only the variable's own bounds, not the radius.
+        // Includes only the bounds of the variable itself, not the limit by the radius.
         for (j, multiplier) in self.bound_multipliers.iter().enumerate() {
             let on_bound = self.room_below[j] == 0.0 || self.room_above[j] == 0.0;
             if on_bound && *multiplier != 0.0 {
@@ -316,7 +318,7 @@ impl<'a> ConvexModel<'a> {
         held
     }
 
-    /// Solves the program with the weighted squares of the levels added.
+    /// Solves the quadratic program, with the weighted squares of the levels added.
     fn program(&mut self, curved: bool) -> Outcome {
         let n = self.half.len();
         let weighed = || {
@@ -335,7 +337,7 @@ impl<'a> ConvexModel<'a> {
         } else {
             1.0
         };
-        // Rows of the triangles are interleaved, so that columns stay short.
+        // Rows of all triangles are interleaved. So the nonzero entries of each column end after few rows.
         self.matrix.clear();
         self.matrix.resize(n * rows, 0.0);
         self.vector.clear();
@@ -416,7 +418,8 @@ impl<'a> ConvexModel<'a> {
         -0.5 * (goal.change(step, scratch) + curvature.quadratic(step))
     }
 
-    /// Updates the curvature from an accepted step to `after`, with the multipliers of the last program.
+    /// Updates the curvature after an accepted step from `before` to `after`, with the multipliers of the last quadratic
+    /// program.
     pub(super) fn learn(&mut self, before: &Assessment, after: &Assessment) {
         let n = self.half.len();
         let mut y = vec![0.0; n];
@@ -442,7 +445,8 @@ impl<'a> ConvexModel<'a> {
         self.curvature.learn(&self.step, &y);
     }
 
-    /// Writes the end of the step from `x` into `to`. A step that ends within [`RESOLUTION`] of a bound lands on it exactly.
+    /// Writes the end of the step from `x` into `to`. If a step ends within [`RESOLUTION`] of a bound, the variable is set
+    /// exactly to the bound.
     pub(super) fn step_from(&self, x: &DVector<f64>, to: &mut DVector<f64>) {
         for j in 0..x.len() {
             let (lower, upper) = (self.bounds.lower()[j], self.bounds.upper()[j]);

@@ -1,9 +1,9 @@
 //! Separates rows that variables can change from constant rows.
 //!
-//! A row without a slope does not restrict steps. If it is satisfied, every step keeps it satisfied; if it is violated, no step
-//! can reduce the violation. Its computed gradient is a rounding error instead of zero, and a quadratic program that uses this
-//! gradient divides by a rounding error. A row is *constant* at a point if a move of all variables across their ranges changes
-//! it, to first order, by no more than its rounding:
+//! A row without a slope does not restrict steps. If it is satisfied, every step keeps it satisfied; if it is violated, no
+//! step can reduce the violation. The computed gradient of such a row is not zero but a rounding error. A quadratic program
+//! that uses this gradient divides by a rounding error. A row is *constant* at a point if a move of all variables across
+//! their ranges changes it, to first order, by no more than its rounding:
 //!
 //! ```text
 //! sum_j |a_j| width_j <= max(1e-9, 256 e (|value| + 2 |limit|)),     e: the machine precision            (1)
@@ -13,9 +13,10 @@
 //! thousand units, so their rounding error is about 1e-9. This is a hundredth of the largest violation that still counts as
 //! satisfied. The second term is the rounding error of larger values.
 //!
-//! A row that is constant at the start may change elsewhere. So every evaluation examines the row again, also the evaluations
-//! of refused steps. The row is used from the first evaluation at which it has a slope, or at which its value differs by more
-//! than (1). The violation of a run counts only the rows in use. The caller reports violated rows that were never used.
+//! A row that is constant at the start may change elsewhere. So every evaluation examines the row again, even if the step
+//! is then refused. The row is used from the first evaluation at which it has a slope, or at which its value differs by
+//! more than (1). The violation of a run counts only the rows in use. The caller reports violated rows that were never
+//! used.
 
 use super::super::{Bounds, Linearisation};
 

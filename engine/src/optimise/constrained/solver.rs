@@ -1,4 +1,4 @@
-//! The loop: one accepted step for each iteration of argmin.
+//! Main loop of the solver. Each iteration of argmin makes one accepted step.
 
 mod steps;
 
@@ -16,7 +16,7 @@ use argmin::core::{Error, KV, Problem, Solver, TerminationStatus};
 use nalgebra::DVector;
 use steps::{Trial, Trials};
 
-/// Largest violation with which a constraint counts as satisfied: 1e-7 of a visible difference.
+/// Largest violation with which a constraint counts as satisfied: 1e-7 of a visible difference (1 mm or 1 degree).
 pub(in crate::optimise) const KEPT: f64 = 1e-7;
 /// A run ends when the relative reduction is below this fraction of [`Options::reduction_below`]. The relative error of the
 /// multipliers is about the square root of this relative reduction.
@@ -32,8 +32,8 @@ const WHOLE: f64 = 4.0;
 const ACCEPTABLE: f64 = 1e-4;
 const POOR: f64 = 0.25;
 const GOOD: f64 = 0.75;
-/// If a refused trial is at most this far from the current point, the slopes at the trial are used as the slopes on the other
-/// side of a kink. In half ranges.
+/// Largest distance of a refused trial from the current point, in half ranges, for which the slopes at the trial are used.
+/// They are then the slopes on the other side of a kink.
 const BESIDE: f64 = 1e-6;
 /// Largest number of stored refused trials.
 const SIDES: usize = 4;
@@ -43,7 +43,7 @@ const CURVED_FROM: u64 = 7;
 pub(super) const RESOLUTION: f64 = 1e-12;
 /// Largest number of trials in an iteration. Each trial step is at most half as long as the previous step.
 const TRIALS: usize = 60;
-/// Smallest relative decrease of a violation. If the model predicts less, the violation counts as stuck.
+/// Smallest relative decrease of a violation. If the model predicts a smaller decrease, the violation counts as stuck.
 const STUCK: f64 = 1e-4;
 
 /// End of a run under constraints.
@@ -85,7 +85,7 @@ impl ConstrainedFit {
         self.violation <= KEPT
     }
 
-    /// Converts the result of the run into a `Fit`. `at_minimum` says whether the multipliers are meaningful.
+    /// Converts the result of the run into a `Fit`. `at_minimum` is true if the multipliers are meaningful.
     pub(in crate::optimise) fn into_fit(self, bounds: &Bounds, at_minimum: bool) -> Fit {
         let is_minimum = at_minimum && self.termination.at_minimum();
         Fit {
@@ -107,7 +107,8 @@ impl ConstrainedFit {
     }
 }
 
-/// Minimises from the point of the box nearest to `start`. An error says why there are no residuals at this point.
+/// Minimises from the point of the box nearest to `start`. An error gives the reason why there are no residuals at this
+/// point.
 pub fn constrained_fit(
     index: usize,
     problem: impl Constrained,
@@ -191,7 +192,7 @@ impl SequentialConvex<'_> {
         }
     }
 
-    /// Residuals that a run reports: those of the first level if there are levels, else the goal.
+    /// Residuals that a run reports: those of the first level if there are levels, otherwise those of the goal.
     fn reported(&self) -> &Linearisation {
         self.current.levels.first().unwrap_or(&self.current.goal)
     }
@@ -203,7 +204,7 @@ impl SequentialConvex<'_> {
         [of.goal.cost(), violation]
     }
 
-    /// Returns true if some variable is known to change a row, or if no row has been examined yet.
+    /// Returns true if some variable is known to change this row. Also returns true before the rows have been examined.
     fn takes_part(&self, row: usize) -> bool {
         self.movable.as_ref().is_none_or(|m| m.takes_part(row))
     }

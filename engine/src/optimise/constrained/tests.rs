@@ -24,8 +24,8 @@ fn near(found: &DVector<f64>, wanted: &[f64], bound: f64) {
     assert!(off < bound, "{found} {wanted:?}");
 }
 
-/// Least squares with a plane, between bounds that are no round numbers. In the result, each variable lies exactly on a
-/// bound, or its distance from the bounds is larger than the solver's resolution.
+/// Least squares with one linear row, between bounds that are not round numbers. In the result, each variable lies exactly
+/// on a bound, or its distance from the bounds is larger than the solver's resolution.
 #[test]
 fn variables_at_bounds_are_exactly_on_them() {
     let mut noise = Noise::new(11);
@@ -78,7 +78,7 @@ fn rosenbrock_in_a_disc_ends_on_its_edge() {
     };
     for start in [[-1.2, 1.0], [0.0, 0.0], [1.5, -1.5], [2.0, 2.0]] {
         let fit = solve(&start, &[[-3.0, 3.0]; 2], 0, f64::INFINITY, at);
-        // Solution of the first-order conditions on the circle, by Newton's method to full precision.
+        // The expected numbers solve the first-order conditions on the circle, by Newton's method to full precision.
         near(&fit.x, &[0.786_415_154_172, 0.617_698_316_529], 1e-8);
         assert!(fit.is_feasible() && fit.multipliers[0] > 0.0);
         assert!(fit.imbalance < 1e-6, "{}", fit.imbalance);
@@ -140,11 +140,12 @@ fn a_planted_contradiction_ends_with_its_rows() {
     assert!(fit.history.len() < 40);
 }
 
-/// Residuals vanish on a circle, and their norm is limited. The shortest move from the start ends on the boundary of the allowed
+/// Residuals vanish on a circle, and their norm is limited. The point nearest to (2, 1) is on the boundary of the allowed
 /// band around the circle.
 #[test]
 fn a_level_is_met_exactly_even_about_a_zero_of_its_residuals() {
-    // The constraint is |b| = |x0^2 + x1^2 - 1| <= level. The start is (2, 1). The solution lies on the ray from the origin.
+    // The constraint is |b| = |x0^2 + x1^2 - 1| <= level. The goal is the distance from (2, 1). The solution lies on the
+    // ray from the origin through this point.
     for level in [0.5, 0.1, 1e-3, 1e-6] {
         let at = |x: &[f64]| {
             let goal = vec![(x[0] - 2.0, vec![1.0, 0.0]), (x[1] - 1.0, vec![0.0, 1.0])];
@@ -166,8 +167,8 @@ fn a_level_is_met_exactly_even_about_a_zero_of_its_residuals() {
     }
 }
 
-/// No design satisfies the row. The smallest violation is at a corner of the box, and the goal pulls away from this corner. The
-/// run ends exactly at the corner.
+/// No design satisfies the row. The smallest violation is at a corner of the box, and the goal decreases away from this
+/// corner. The run ends exactly at the corner.
 #[test]
 fn an_unreachable_row_ends_exactly_on_the_bounds() {
     let mut noise = Noise::new(23);
@@ -198,7 +199,7 @@ fn an_unreachable_row_ends_exactly_on_the_bounds() {
     }
 }
 
-/// Random problems with curved residuals and curved rows end at points with balanced multipliers.
+/// Random problems with curved residuals and curved rows. The runs end at points where the multipliers balance the slopes.
 #[test]
 fn random_constrained_problems_end_at_kuhn_tucker_points() {
     let (mut balanced, mut evaluations) = (0, Vec::new());

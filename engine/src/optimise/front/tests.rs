@@ -39,7 +39,7 @@ fn traced(
     tracer.front(&starts.iter().collect::<Vec<_>>(), 0.0)
 }
 
-/// Widest step between neighbours, as a share of the extent of the Pareto front.
+/// Widest step between neighbouring points, as a share of the extent of the Pareto front.
 fn widest_step(points: &[Found]) -> f64 {
     let (first, last) = (&points[0].amounts, &points[points.len() - 1].amounts);
     let extent = [last[0] - first[0], first[1] - last[1]];
@@ -127,7 +127,7 @@ fn a_broken_front_is_found_piece_by_piece() {
         },
     );
     let places: Vec<_> = traced.points.iter().map(|p| &p.amounts).collect();
-    // Running minimum along a fine grid.
+    // Finds the Pareto front along a fine grid: the points with a smaller f_2 than all points before them.
     let grid = 200_000;
     let mut least = f64::INFINITY;
     let mut best: Vec<[f64; 2]> = Vec::new();
@@ -186,8 +186,8 @@ fn a_straight_front_has_its_slope_everywhere() {
     assert!(widest_step(&traced.points) < 0.045);
 }
 
-/// A goal has two residuals that no design can make zero together, so its misfit keeps a remainder. The ends of the Pareto
-/// front are the minima of each goal alone.
+/// A goal has two residuals that no design can make zero together, so the smallest possible misfit of the goal is above
+/// zero. The ends of the Pareto front are the minima of each goal alone.
 #[test]
 fn a_front_ends_at_the_minima_of_each_goal() {
     let traced = traced(&[[-5.0, 5.0]; 2], [2, 3], &[&[0.4, 1.1]], |x| {

@@ -1,4 +1,4 @@
-//! Draft of a leg, to which stations are still added.
+//! Draft of a leg (a motion at one rack displacement). Stations can still be added to the draft.
 
 use super::rows::RowNumbers;
 use super::{Extremes, Leg, TargetSample};
@@ -16,14 +16,14 @@ pub(super) struct TargetPlace {
     pub scale: f64,
 }
 
-/// A leg to which stations are still added.
+/// A leg (a motion at one rack displacement) to which stations can still be added.
 pub(super) struct Draft {
     drive: Drive,
     rack: f64,
     pub values: Vec<f64>,
-    /// Row, target, station and target value.
+    /// Row, target, station and target value of each target sample.
     pub targets: Vec<(usize, usize, usize, Sample)>,
-    /// Part and station of each check.
+    /// Part and station of each check of a constraint.
     pub checks: Vec<(usize, usize)>,
     /// Parts whose limits also apply to extremes between the stations.
     pub extremes: Vec<usize>,
@@ -105,7 +105,8 @@ pub(super) fn draft_of(drafts: &mut Vec<Draft>, drive: Drive, rack: f64, values:
     })
 }
 
-/// Returns the motion of a site and the indices of its drafts, one for each rack displacement.
+/// Returns the motion to which a target or constraint applies. Also returns the indices of the motion's drafts, one for
+/// each rack displacement.
 pub(super) fn legs_of<'m>(
     site: &'m Site,
     motion: &'m Motion,

@@ -29,7 +29,7 @@ pub(super) fn other_components(labels: &[RowLabel], parts: &[Part]) -> Vec<Optio
 }
 
 impl TargetLayout {
-    /// Drive value of a constraint's row. `None` if the constraint is checked at only one drive value.
+    /// Drive value of a constraint's row. `None` if the constraint applies at only one drive value.
     fn place_of(&self, label: &RowLabel) -> Option<f64> {
         let Some(leg) = self.legs.get(label.leg) else {
             let Some(Beside::Elastic(elastic)) = &self.beside else {
@@ -41,13 +41,13 @@ impl TargetLayout {
         (values.len() > 1).then(|| values[label.station])
     }
 
-    /// Row of the other component of a distance. `None` if the row is no component.
+    /// Row of the other component of a distance. `None` if the row is not a component of a distance.
     pub(in crate::optimise) fn other_component(&self, row: usize) -> Option<usize> {
         self.others[row]
     }
 
-    /// Combines the numbers of a row and of the other component of its distance: their norm. The number itself if the row is
-    /// no component. `None` for the second component, because the first one counts for both.
+    /// Combines the values of two rows that are the components of a distance: returns the norm. For any other row, returns
+    /// the value itself. Returns `None` for the second component, because the first component already counts for both.
     pub(in crate::optimise) fn whole(&self, row: usize, of: impl Fn(usize) -> f64) -> Option<f64> {
         match self.others[row] {
             None => Some(of(row)),

@@ -5,7 +5,7 @@ use super::{Extremes, Part, RowLabel};
 use crate::model::Mechanism;
 use crate::study::{Limited, Optimise};
 
-/// A part of a constraint at one station, and its rows.
+/// A part of a constraint at one station, with the indices of its rows.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::optimise) struct Check {
     pub part: usize,
@@ -39,7 +39,7 @@ impl Check {
     }
 }
 
-/// Limit of a value of elastic parts at a station.
+/// Limit of one value of elastic parts at a station.
 #[derive(Clone, Debug)]
 pub(in crate::optimise) struct LimitedValue {
     /// Index of the part of a constraint.

@@ -6,7 +6,8 @@ use super::ConvexModel;
 /// Relative accuracy to which a level is met. A tenth of the largest violation that still counts as satisfied is always accurate
 /// enough.
 pub(super) const LEVEL_MET: f64 = 1e-7;
-/// Number of successive moves of one end of a bracket before the excess at the other end counts half (Illinois method).
+/// Number of successive moves of one end of a bracket after which the excess at the other end counts half (Illinois
+/// method).
 const PATIENCE: usize = 4;
 /// Largest number of quadratic programs (subproblems) in the search for the multiplier of a level.
 const SECANTS: usize = 30;
@@ -21,7 +22,7 @@ impl<'a> ConvexModel<'a> {
     }
 
     /// Finds the smallest weights that meet the levels from the k-th on. A level that is met without a weight gets weight
-    /// zero. A norm falls as its weight grows. So the search is a secant method over the logarithms of norm and weight,
+    /// zero. A norm falls as its weight grows. So the search uses a secant method for the logarithms of norm and weight,
     /// within a bracket of two weights. If the same end of the bracket moves again and again, the excess at the other end
     /// counts half each time (the Illinois method). Otherwise the search would be slow where the norm stops falling: at a
     /// corner of the bounds. Each trial weight needs a new search for the weights of the later levels.
@@ -44,7 +45,8 @@ impl<'a> ConvexModel<'a> {
         let (mut was_low, mut repeats) = (None, 0);
         let mut weight = self.last_weights[k].unwrap_or(scale);
         for _ in 0..SECANTS {
-            // Nested levels multiply the number of quadratic programs. So all levels of a step share a budget.
+            // Nested levels multiply the number of quadratic programs. So all levels of a step together have a limited
+            // number of programs.
             if self.programs == 0 {
                 break;
             }

@@ -50,7 +50,7 @@ impl ConvexModel<'_> {
         self.scale().residual(left, size)
     }
 
-    /// Returns the sizes with which slopes of the goal are compared.
+    /// Returns the sizes to which slopes of the goal are compared.
     fn scale(&self) -> Scale {
         Scale::new(Sizes {
             residuals: self.residuals,

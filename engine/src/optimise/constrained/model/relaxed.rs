@@ -6,7 +6,7 @@ use super::super::KEPT;
 use super::ConvexModel;
 
 impl ConvexModel<'_> {
-    /// Largest violation of the kept rows at the current point.
+    /// Largest violation at the current point, among the rows that a step can violate.
     pub(super) fn worst(&self) -> f64 {
         let rows = self.kept_offsets.iter().enumerate();
         rows.fold(0.0_f64, |worst, (k, c)| {
@@ -18,8 +18,8 @@ impl ConvexModel<'_> {
         })
     }
 
-    /// Returns the smallest possible largest violation of the kept rows within the bounds, and the rows that limit it.
-    /// Relaxes the rows to their values at the point found.
+    /// Makes the largest violation as small as possible within the bounds. Returns this violation and the rows that limit
+    /// it. Relaxes the rows to their values at the point found. Only rows that a step can violate count.
     pub(super) fn relax(&mut self) -> (f64, Vec<Held>) {
         let n = self.half.len();
         let worst = self.worst();
@@ -74,7 +74,7 @@ impl ConvexModel<'_> {
             }
             match held {
                 Held::Row(row) => culprits.push(Held::Row(self.kept[of[row]])),
-                // This limit is a bound of the variable itself, not the radius.
+                // The limit is a bound of the variable itself, not the radius.
                 Held::Lower(j) if j < n && self.lower[j] == self.room_below[j] => {
                     culprits.push(held);
                 }
@@ -90,7 +90,8 @@ impl ConvexModel<'_> {
         (self.relax_rows(), culprits)
     }
 
-    /// Relaxes the kept rows to their values at the relaxed point. Returns the largest violation at the relaxed point.
+    /// Relaxes the rows that a step can violate to their values at the relaxed point. Returns the largest violation at this
+    /// point.
     fn relax_rows(&mut self) -> f64 {
         let n = self.half.len();
         let d = &self.relaxed;

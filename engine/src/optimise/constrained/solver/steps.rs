@@ -88,7 +88,7 @@ impl SequentialConvex<'_> {
             }
         }
         if !accepted && self.pair(&self.trial)[1] > trials.from[1].max(KEPT) {
-            // The step fails because of the curvature of the rows.
+            // The proposed step fails because of the curvature of the rows, so a corrected step is tried.
             match self.try_corrected(problem, x, predicted, trials) {
                 Some(is_better) => accepted = is_better,
                 None => return self.try_with_new_rows(x, trials),
@@ -118,7 +118,8 @@ impl SequentialConvex<'_> {
             self.record.end(Termination::ConstraintsExcludeEachOther);
             return true;
         }
-        // Rounding errors may prevent a smaller radius. The step then has the smallest possible length.
+        // Rounding errors may keep the step from getting shorter. So after [`TRIALS`] trials the step counts as the
+        // shortest possible step.
         trials.count += 1;
         let shortest = self.record.options.step_below.max(RESOLUTION);
         if step.length <= shortest || trials.count > TRIALS {
@@ -130,7 +131,7 @@ impl SequentialConvex<'_> {
         }
         let is_optimum = step.is_balanced && trials.obstacle.is_none();
         if is_optimum && self.model.imbalance() <= BALANCED {
-            // A further step would make no visible difference.
+            // A further step would not reduce the goal visibly.
             self.record.end(Termination::NoFurtherDescent);
             return true;
         }

@@ -54,8 +54,8 @@ impl RequestedChanges {
         RequestedChanges(asked.collect())
     }
 
-    /// Requested change of an output at a station: that at the nearest drive value, and the requested change of the slope times
-    /// the distance from there. 0 if no target requests a change.
+    /// Change of an output that targets request at a station. It is the change requested at the nearest drive value, plus the
+    /// requested change of the slope times the distance from there. 0 if no target requests a change.
     fn shift_at(&self, output: &str, station: &Station) -> f64 {
         let Some(shifts) = self.0.get(output) else {
             return 0.0;
@@ -119,7 +119,8 @@ struct Change {
 }
 
 impl Change {
-    /// Size of the change, for comparison with other stations. In multiples of the tolerance, if there is a tolerance.
+    /// Absolute change. It is a multiple of the tolerance if there is a tolerance, otherwise it is in the unit of the
+    /// output.
     fn size(&self) -> f64 {
         self.amount.abs() / self.tolerance.unwrap_or(1.0)
     }
@@ -198,7 +199,8 @@ fn effect(
     })
 }
 
-/// Stations at which a series is compared: all stations except those with a target for the series.
+/// Stations at which a series is compared. Stations at which a target or constraint applies are excluded. Some series
+/// are also compared only with the rack at 0.
 fn compared(series: &Series, stations: &[Station]) -> Vec<usize> {
     let mut counts: Vec<bool> = stations
         .iter()
@@ -210,9 +212,10 @@ fn compared(series: &Series, stations: &[Station]) -> Vec<usize> {
     (0..stations.len()).filter(|k| counts[*k]).collect()
 }
 
-/// Changes that targets request.
+/// Changes that targets request of one series.
 struct Wanted {
-    /// First coordinate of a station, its index, and the change, in the order of the coordinate.
+    /// Requested changes, sorted by the first coordinate of their station. Each entry has this coordinate, the index of
+    /// the station, and the change.
     shifts: Vec<(f64, usize, f64)>,
 }
 
@@ -230,8 +233,8 @@ impl Wanted {
         Wanted { shifts }
     }
 
-    /// Requested change at a station: that at the nearest station with a target. If a target for a gain applies there, the
-    /// requested change of the slope times the distance is added. 0 without a target.
+    /// Change that targets request at a station. It is the change at the nearest station with a target, plus the requested
+    /// change of the slope times the distance if a target for a gain applies there. 0 without a target.
     fn shift_at(
         &self,
         (before, after): (&Series, &Series),
@@ -241,8 +244,8 @@ impl Wanted {
         let here = &stations[number].position;
         let start = self.shifts.partition_point(|shift| shift.0 < here[0]);
         let (mut nearest, mut found) = (f64::INFINITY, None);
-        // Searches outward along the first coordinate. The search ends when the difference in this coordinate alone exceeds
-        // the distance to the nearest station found so far.
+        // Searches in both directions along the first coordinate. A direction ends when the difference in this coordinate
+        // alone exceeds the distance to the nearest station found so far.
         let (below, above) = self.shifts.split_at(start);
         let ways: [&mut dyn Iterator<Item = &(f64, usize, f64)>; 2] =
             [&mut below.iter().rev(), &mut above.iter()];

@@ -38,7 +38,7 @@ use crate::number::Vector3;
 pub(crate) struct Members<T> {
     lower_arm: Legs<T>,
     upper: UpperEnd<T>,
-    /// Vector l in the design position.
+    /// Vector l along the tie rod, in the design position.
     tie_rod: Vector3<T>,
 }
 
@@ -50,7 +50,7 @@ pub(crate) struct Adjoint<'a, T> {
     ball_joint_velocity: Vector3<T>,
     turn: Vector3<T>,
     d: Vector3<T>,
-    /// Vector l, and the same vector rotated back to the design position.
+    /// Vector l along the tie rod, and the same vector rotated back to the design position.
     tie_rod: Vector3<T>,
     tie_rod_in_knuckle: Vector3<T>,
     /// Cross product t x l.
@@ -73,7 +73,7 @@ enum UpperEnd<T> {
         lower: PointId,
         upper: PointId,
         /// `inverse_base`: inverse of the distance between the two points. `designed`: position of the mount along the line.
-        /// Both in the design position.
+        /// Both values belong to the design position.
         inverse_base: T,
         designed: T,
     },
@@ -91,7 +91,7 @@ struct Legs<T> {
     inverse_square: T,
     /// Unit vector along the axis, front to rear, divided by the length of the axis.
     axis: Vector3<T>,
-    /// Position s1, divided by the length of the axis.
+    /// Position s1 of the outer joint along the axis, divided by the length of the axis.
     along: T,
 }
 

@@ -86,8 +86,8 @@ const SHORTEST_STEP: f64 = 1e-12;
 const MOST_STEPS: usize = 5000;
 /// Cosine of the largest change of the tangent's direction in a step.
 const STRAIGHT: f64 = 0.9;
-/// Largest last correction of a corrector that converged, in multiples of the mechanism's size. A corrector stops when its
-/// corrections are rounding errors.
+/// Largest last correction with which Newton's method counts as converged, in multiples of the mechanism's size. The
+/// method stops when its corrections are rounding errors.
 const CLOSE: f64 = 1e-9;
 
 impl CurvePoint {
@@ -114,7 +114,7 @@ impl Curve<'_> {
         let mut here = self
             .at(pose, value, None, direction)
             .ok_or(PathEnd::Unresolved(value))?;
-        // If the path is known only with few digits, a correction may lead back to a point before the start.
+        // If the path is accurate to only a few digits, a correction may lead back to a point before the start.
         let unresolved = |at: &CurvePoint| {
             let gone = direction * (at.value() - value);
             PathEnd::Unresolved(if gone > 0.0 { at.value() } else { value })
@@ -222,8 +222,8 @@ impl Curve<'_> {
         })
     }
 
-    /// Point of the curve with its tangent and series. `orientation` gives the sign of the tangent. `None` is for the first
-    /// point: the tangent then has the sign for which the value moves in `direction`.
+    /// Makes a point of the curve with its tangent and Taylor series. `orientation` gives the sign of the tangent. At the
+    /// first point `orientation` is `None`, and the moving quantity changes along the tangent in `direction`.
     fn at(
         &self,
         pose: &Pose<f64>,
@@ -346,7 +346,7 @@ impl Curve<'_> {
         None
     }
 
-    /// Point with the target's value, before a fold.
+    /// Point before a fold at which the moving quantity has the value `target`.
     fn before_fold(&self, fold: &CurvePoint, target: f64) -> Option<CurvePoint> {
         let squared = (target - fold.value()) / fold.moved[2];
         let length = -squared.max(0.0).sqrt();
@@ -363,7 +363,7 @@ impl Curve<'_> {
         self.settle(&start, target, 0.5 * length.abs())
     }
 
-    /// Point with the target's value, near the given point.
+    /// Point near the given point at which the moving quantity has the value `target`.
     fn settle(&self, near: &CurvePoint, target: f64, reach: f64) -> Option<CurvePoint> {
         let rounding = near.noise * target.abs().max(self.unit());
         let (mut point, mut last) = (*near, f64::INFINITY);

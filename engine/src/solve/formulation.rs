@@ -43,7 +43,7 @@ pub struct FormulationPose {
     pub drive: f64,
 }
 
-/// Event while the stations of a motion are visited.
+/// Event that the solver reports while it visits the stations of a motion.
 #[derive(Clone, Copy, Debug)]
 pub enum FormulationVisit {
     /// The design position with the rack displaced. The solver visits it before the stations of this rack displacement.

@@ -19,8 +19,7 @@ const DEPTH: usize = 3;
 #[derive(Clone, Debug, Default)]
 pub struct Toggles {
     watched: Vec<RockerId>,
-    /// Drive and rack displacement of the stations that are visited. `None` if poses between the stations cannot be
-    /// computed.
+    /// Drive and rack displacement during the visit. `None` if poses between the stations cannot be computed.
     way: Cell<Option<(Drive, f64)>>,
     /// Rockers at or beyond a toggle at the start of the visit, and the positions of all watched rods at the start.
     at_start: Cell<RockerSet>,
@@ -206,8 +205,8 @@ impl Toggles {
         all.all(|(id, (from, to))| stuck & 1 << id.0 != 0 || from.keeps_leverage_to(to))
     }
 
-    /// Adds to `stuck` the rockers that reach a toggle between two points. `look` examines a part of the interval, given the
-    /// rockers that are at or beyond a toggle before it. `ends` are the rods at both points.
+    /// Adds to `stuck` the rockers that reach a toggle between two points. `ends` are the rods at both points. `look`
+    /// examines a part of the interval. Its input is the set of rockers that are at or beyond a toggle before this part.
     fn between(
         &self,
         look: &mut dyn FnMut(f64, RockerSet) -> Option<Seen>,

@@ -87,7 +87,7 @@ impl AxleSite {
         self.motion.as_deref() == name && self.words.is_empty()
     }
 
-    /// Poses for a value of `over` in the study's unit.
+    /// Poses at which the varying coordinate `over` has the value `at`, in the study's unit.
     pub fn placements(&self, at: f64, axle: &Axle) -> Vec<Placement> {
         let mut motion = self.held.clone();
         if motion.has_rows() {
@@ -194,7 +194,7 @@ pub(super) fn band(
     Some((of?, site))
 }
 
-/// Different values of a coordinate in a motion, as written.
+/// Distinct values of a coordinate in a motion, as written.
 fn moved(motion: &file::Motion, coordinate: Coordinate, problems: &mut Problems) -> Vec<f64> {
     let written = coordinates!(motion)[coordinate as usize];
     let given = written.as_ref().and_then(|given| list(given, problems));

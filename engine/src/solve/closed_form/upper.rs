@@ -86,7 +86,7 @@ impl<T: Real> Upper<T> {
         }
     }
 
-    /// Vectors m and u of v = m + s u.
+    /// Vectors m and u, which give the knuckle vector v = m + s u to the upper end.
     #[inline(always)]
     pub(crate) fn knuckle_vector(&self, designed: Vector3<T>) -> (Vector3<T>, Vector3<T>) {
         match *self {
@@ -133,8 +133,8 @@ impl<T: Real> Upper<T> {
         }
     }
 
-    /// Product d.d. For an upper arm it is also a constant, a.a + 2 (m.m - a.a)/2; interval numbers are intersected
-    /// with it.
+    /// Product d.d. For an upper arm, d.d also equals the constant a.a + 2 (m.m - a.a)/2. Interval numbers are
+    /// intersected with this constant, which makes the interval narrower.
     #[inline(always)]
     pub(crate) fn length_squared(&self, d: Vector3<T>) -> T {
         match self {

@@ -15,7 +15,7 @@ use crate::solve::continuation::{Moving, PathEnd};
 /// Largest rotation of an arm in one step (rad). Also the largest displacement in one step, relative to the mechanism's size.
 pub(crate) const LONGEST_TURN: f64 = 0.2;
 /// Shortest step in the drive, as a share of the distance to the next station. If a step would be shorter, the path turns
-/// sharply, and is followed by its arc length.
+/// sharply. The solver then follows the path in steps of arc length.
 const SHORTEST_STEP: f64 = 1.0 / 16.0;
 impl Solver<'_> {
     /// Follows the closure equations from a station to a motion point. It makes steps of the drive, and accepts a step only if
@@ -175,7 +175,7 @@ impl Solver<'_> {
     }
 }
 
-/// Pose at `step`, from its Taylor series.
+/// Pose at the distance `step` of the drive, from the Taylor series of the pose.
 pub(crate) fn predict(series: &Pose<Jet<f64, 3>>, step: f64) -> Pose<f64> {
     let along = |c: Jet<f64, 3>| c[0] + step * (c[1] + step * c[2]);
     let pose = series.map(along);

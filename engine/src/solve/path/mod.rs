@@ -89,8 +89,8 @@ impl<'m> Solver<'m> {
         self.size = self.mechanism.size(design);
         self.coordinate_scale = self.mechanism.coordinate_scale(design);
         self.series_is_current = false;
-        // Products of up to eight lengths must neither overflow nor underflow, and coordinates must leave six digits of the
-        // size. With this form of the test, NaN from an overflow is refused.
+        // Products of up to eight lengths must neither overflow nor underflow. Lengths of the mechanism's size must have at
+        // least six digits after the rounding of coordinates. With this form of the test, NaN from an overflow is refused.
         if !(self.coordinate_scale * DEGENERATE < self.size && SIZES.contains(&self.size)) {
             return Err(DesignFault::OutOfScale);
         }

@@ -99,7 +99,7 @@ impl Solver<'_> {
             }
         };
         let condition = form.condition(&state, size, rate);
-        // For every order of the series, the value is exactly the given pose.
+        // The constant term of the result is exactly the given pose, whatever the order of the series.
         let mut with_pose = pose.map(Jet::constant);
         with_pose.origin = with_constant(series.origin, pose.origin);
         for (k, column) in with_pose.rotation.columns.iter_mut().enumerate() {

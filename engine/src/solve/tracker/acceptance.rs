@@ -79,7 +79,7 @@ impl<B: SimdReal> Acceptance<B> {
         }
     }
 
-    /// Rejects the lanes in which the mask is not set, for this reason.
+    /// Rejects the lanes in which `mask` is false. `otherwise` is the reason for the rejection.
     #[inline(always)]
     pub fn require(&mut self, mask: B::Mask, otherwise: Rejection) {
         let failing = self.accepted & !mask;

@@ -1,11 +1,11 @@
 //! Tracks many designs at a time, one in each SIMD lane of the processor.
 //!
-//! All ordinary poses come from here. A sweep has a design in each lane. A single design is computed with ordinary numbers
-//! ([`poses`]). A mechanism with a closed form has one unknown ([`arm`]); every other mechanism has six ([`linkage`]). For both
-//! wheels of an axle, the unknowns are those of each wheel and the difference of the travels ([`pair`]). One loop solves the
-//! equations in all cases ([`track`](mod@track)). It visits the waypoints of a route: the stations and the points that divide
-//! long steps. The unknowns at a waypoint are predicted from earlier waypoints. Almost always one correction reaches rounding;
-//! otherwise more steps follow. A converged lane is frozen, so its neighbours do not affect it.
+//! This module computes all ordinary poses. A sweep has a design in each lane. A single design is computed with ordinary
+//! numbers ([`poses`]). A mechanism with a closed form has one unknown ([`arm`]); every other mechanism has six ([`linkage`]).
+//! For both wheels of an axle, the unknowns are those of each wheel and the difference of the travels ([`pair`]). One loop
+//! solves the equations in all cases ([`track`](mod@track)). It visits the waypoints of a route: the stations and the points
+//! that divide long steps. The unknowns at a waypoint are predicted from earlier waypoints. Almost always one correction
+//! reaches rounding; otherwise more steps follow. A converged lane is frozen, so its neighbours do not affect it.
 //!
 //! Checks, called guards in the code, decide at every waypoint which lanes are accepted. A rejected lane gets a reason
 //! ([`Rejection`]) and stays rejected to the end of its leg, up or down. The continuation ([`Solver`](crate::solve::Solver))
@@ -60,9 +60,9 @@ pub struct CornerTracker<'a> {
     drive: Drive,
     /// One route for each displacement of the rack.
     routes: Vec<Route>,
-    /// Pairs of points that must have a distance.
+    /// Pairs of points that must not coincide.
     distinct: Vec<(PointId, PointId)>,
-    /// Square of the shortest permitted distance.
+    /// Square of the shortest permitted distance between the points of a pair.
     shortest: f64,
     /// Largest residual that counts as rounding, as a length.
     tolerance: f64,
@@ -138,14 +138,14 @@ pub trait LanePose<B: SimdReal> {
     /// Position of the knuckle's origin.
     fn origin(&self) -> Vector3<B>;
     /// A point of the steering axis, the vector along it, and the lanes in which both are accurate. An instantaneous axis is
-    /// accurate if the rack rotates the knuckle enough, and about an axis that is not horizontal.
+    /// accurate if the rack rotates the knuckle enough and the axis is not near horizontal.
     fn steering_axis(&self) -> (Vector3<B>, Vector3<B>, B::Mask);
     /// Derivatives with respect to the drive.
     fn rates(&self) -> LaneRates<B>;
     /// Velocity of the knuckle's origin and angular velocity, both per unit of rack displacement at constant travel,
     /// from the rates of this pose.
     fn by_rack(&self, rates: &LaneRates<B>) -> Twist<B>;
-    /// Lanes in which velocities are accurate: those in which the knuckle does not rotate fast, as it does near a fold.
+    /// Lanes in which velocities are accurate. Near a fold, the knuckle rotates fast and velocities are not accurate.
     fn velocity_is_reliable(&self, rates: &LaneRates<B>) -> B::Mask;
     /// Derivatives of the steering axis with respect to the drive.
     fn steering_axis_rates(&self, rates: &LaneRates<B>) -> (Vector3<B>, Vector3<B>);
@@ -328,7 +328,7 @@ impl<'a> CornerTracker<'a> {
         }
     }
 
-    /// Makes the constants of designs from their points, each with all lanes.
+    /// Makes the constants of designs from their points. Each number contains one design in each lane.
     #[inline(always)]
     pub fn design<'d, B: SimdReal>(&'d self, design: &'d [Vector3<B>]) -> LaneDesign<'d, B> {
         outlined!(
@@ -418,9 +418,9 @@ impl CornerTracker<'_> {
         self.routes[rack].places.iter().filter_map(|p| p.station)
     }
 
-    /// Visits the stations of one design, which is in all lanes, with one station in each lane. `history` comes from
-    /// [`CornerTracker::track_one`], which must have accepted every station. The visitor receives the index of a group of
-    /// stations instead of a station. Lanes beyond the last station repeat the last station.
+    /// Visits the stations of one design, with one station in each lane. All lanes contain the same design. `history`
+    /// comes from [`CornerTracker::track_one`], which must have accepted every station. The visitor receives the index of
+    /// a group of stations instead of a station. Lanes beyond the last station repeat the last station.
     #[inline(always)]
     pub fn visit_stations_in_lanes<B: SimdReal>(
         &self,

@@ -1,4 +1,5 @@
-//! Tracks a single design, one number at a time. Lanes filled with copies of one design would be no faster.
+//! Tracks a single design with ordinary numbers instead of SIMD lanes. Lanes filled with copies of one design would be
+//! no faster.
 
 use super::{Acceptance, AdjointPose, CornerTracker, Rejection, Visit};
 use crate::mechanism::Pose;
@@ -40,7 +41,7 @@ pub(crate) struct TrackedPoses {
 }
 
 impl TrackedPoses {
-    /// Deletes all poses. Until they are tracked, the stations count as not visited.
+    /// Deletes all poses. All stations then count as not visited.
     pub(crate) fn clear(&mut self, station_order: &StationOrder) {
         self.poses.clear();
         let nowhere = Err(Rejection::NotOnTheWay);

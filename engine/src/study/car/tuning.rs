@@ -236,7 +236,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Reads the band of a target of a case.
+    /// Reads the tolerance band of a target of a case.
     fn band_of(&mut self, written: &file::Target, place: Span<usize>) -> Option<[f64; 2]> {
         let mut number = |limit: &LimitText, place: Span<usize>| match limit {
             OneOr::One(value) => Some(Number {

@@ -104,8 +104,8 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
         is_less(step.shift * inverse_size, largest) & is_less(step.turn, largest)
     }
 
-    /// Checks the unknowns after a step. Returns the configuration, the lanes whose residuals are rounding, and the unknowns
-    /// after one more correction with the present Jacobian. Rates need this correction.
+    /// Checks the unknowns after a step. Returns the configuration, the lanes whose residuals are at rounding level, and the
+    /// unknowns after one more correction with the present Jacobian. Rates are accurate only with this correction.
     #[inline(always)]
     pub(super) fn check_residual(
         &mut self,

@@ -127,8 +127,8 @@ impl<'w, 'd, B: SimdReal, V> OneBody<'w, 'd, B, V> {
         }
     }
 
-    /// Values of the closure equations at a waypoint: the fixed value and the drive value. `half` is half the difference of the
-    /// travels.
+    /// Input values of the closure equations at a waypoint: the mean travel, which is fixed, and the drive value. `half` is
+    /// half the difference of the travels.
     #[inline(always)]
     fn motion(&self, place: &RouteStep, half: B) -> [B; 2] {
         let [mean, difference] = self.rest;
@@ -319,7 +319,7 @@ impl<B: SimdReal, V: VisitPair<B>> PlaceEquations<B, ALL> for OneBody<'_, '_, B,
                 is_settled = is_settled & apart.abs().less(self.level);
                 step = self.levelling(on, apart, &twist);
             }
-            // Rates need the last correction, too.
+            // Rates are accurate only with the last correction.
             let last = is_settled & !settled;
             pose = kept(last, moved(pose, &twist), pose);
             settled = settled | is_settled;

@@ -115,7 +115,7 @@ pub struct CarSweep {
     pub format: FileFormat,
 }
 
-/// Tolerances of a car's parts, rates and masses.
+/// Tolerances of a car's parts, rates and masses, and the limits that the results of built cars must satisfy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarTolerance {
     /// Number of builds.

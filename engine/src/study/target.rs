@@ -179,8 +179,9 @@ impl Target {
         }
     }
 
-    /// Reason why a sweep cannot evaluate the target. `None` if a sweep can. A sweep can evaluate targets of an axle, and
-    /// characteristics and test results at the rack displacements of `motion`, the study's own motion.
+    /// Reason why a sweep cannot evaluate the target. `None` if a sweep can evaluate it. A sweep can evaluate all targets
+    /// of an axle. It can also evaluate characteristics and test results at the rack displacements of `motion`, the
+    /// study's own motion.
     pub fn not_swept(&self, motion: &Motion) -> Option<String> {
         if self.site.axle.is_some() {
             return None;
@@ -274,7 +275,8 @@ pub struct Limited {
     pub lower: Option<f64>,
     /// Upper limit. `None` means no limit. If it equals `lower`, the constraint is an equality.
     pub upper: Option<f64>,
-    /// Change of the measure that counts as 1 in the rows of a tuning. It is a visible change, such as 1 mm or 1 degree.
+    /// Change of the measure by which a tuning divides deviations from the limits. It is a visible change, such as 1 mm
+    /// or 1 degree.
     pub scale: f64,
     /// The change `scale`, expressed in `unit`.
     pub visible: f64,
@@ -283,7 +285,8 @@ pub struct Limited {
 }
 
 impl Limited {
-    /// Lower and upper limit in `unit`. `None` without a limit. A force of a member has the direction of the program.
+    /// Lower and upper limit in `unit`. `None` without a limit. The limits of a force in a member have their sign in the
+    /// kernel's axes.
     pub fn limits(&self) -> [Option<f64>; 2] {
         let printed = |limit: f64| {
             if self.of.is_versine() {
@@ -295,8 +298,8 @@ impl Limited {
         [self.lower, self.upper].map(|limit| limit.map(printed))
     }
 
-    /// Margin between the measure and one of its limits in `unit`, from the value of the limit's row. The row is (measure -
-    /// limit)/scale, with the opposite sign for a lower limit. Negative if the limit is violated.
+    /// Margin between the measure and one of its limits, in `unit`. `row` is (measure - limit)/scale, with the opposite
+    /// sign for a lower limit. The margin is negative if the limit is violated.
     pub(crate) fn margin(&self, row: f64) -> f64 {
         match (self.of.is_versine(), self.upper) {
             (true, Some(limit)) => {

@@ -281,7 +281,7 @@ impl TargetContext<'_> {
         Some(())
     }
 
-    /// Reads the target values, and the curve of a file.
+    /// Reads the target values, and the curve if it comes from a file.
     fn wanted(
         &self,
         written: &Written,

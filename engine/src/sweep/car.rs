@@ -281,7 +281,7 @@ fn describe(study: &CarStudy, sweep: &CarSweep, targets: &[CarTarget]) -> SweepR
         column: format!("{}_{}", AXLE_NAMES[end], target.of.column),
         tolerance: (target.tolerance * target.of.factor()).abs(),
         weight: target.weight,
-        // The points of the curve are not values of a load case.
+        // A target of a single axle has no points here, because the points of its curve are not values of a load case.
         points: Vec::new(),
     });
     let targets = targets.iter().map(|target| TargetColumn {
@@ -323,7 +323,7 @@ fn describe(study: &CarStudy, sweep: &CarSweep, targets: &[CarTarget]) -> SweepR
     }
 }
 
-/// Names of the constraints of the cases and of the axles on their rigs.
+/// Names of the constraints of the load cases and of the single axles.
 fn constraints(study: &CarStudy) -> Vec<String> {
     let Some(optimise) = &study.optimise else {
         return Vec::new();

@@ -434,7 +434,7 @@ fn describe(study: &Study, sweep: &Sweep, samples: &Samples, stations: &Stations
             Some(site) => t.stations_among(&site.values),
             None => t.stations_in(motion),
         };
-        // The page shows the curves at the rack displacement of the design position.
+        // The page with the results shows the curves at the rack displacement of the design position.
         let home = motion.design_rack();
         let is_shown = t.site.racks.is_empty() || t.site.racks.contains(&home);
         let wanted = t.wanted.at_stations(&stations).into_iter();

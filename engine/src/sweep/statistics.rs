@@ -9,8 +9,8 @@ use super::moments::{BinnedSums, Moments, SaltelliSums, Span};
 use super::{Rows, SweepRecord};
 use serde::{Deserialize, Serialize};
 
-/// Number of best designs in the statistics. Designs that fail at a station are not ranked; of their misfits, the statistics
-/// keep this many of the smallest.
+/// Number of best designs in the statistics. Designs that fail at a station are not ranked. The statistics keep the same
+/// number of the smallest misfits of these designs.
 pub const KEPT: usize = 10;
 /// Largest number of examples for each failure.
 const EXAMPLES: usize = 5;

@@ -1,8 +1,8 @@
 //! Exact second-order result of the tolerance analysis of an axle.
 //!
-//! As for one wheel (module `expansion`), the parts move along a direction, by one number. The built designs of both wheels,
-//! the poses and the values in these poses are Taylor series in this number. Module `axle/series` computes the positions on
-//! the ground. Quantities that contain velocities have no second-order result.
+//! As for one wheel (module `expansion`), the deviations of the parts move along a direction by a variable distance. The
+//! built designs of both wheels, the poses and the values in these poses are Taylor series in this distance. Module
+//! `axle/series` computes the positions on the ground. Quantities that contain velocities have no second-order result.
 //!
 //! Positions that follow from a load have no second-order result, either.
 

@@ -1,10 +1,10 @@
 //! Exact first- and second-order results of the tolerance analysis.
 //!
 //! The adjoint of the built design ([`crate::assembly::built_curves`]) gives the gradient g, for values and for gains. Taylor
-//! series give the Hessian H. The parts move along the direction d_j + d_k, by one number. The built design, the poses and
-//! the values in these poses are Taylor series in this number. The second coefficient of a value is (H_jj + 2 H_jk + H_kk)/2.
-//! Quantities that contain velocities (gains, roll centres, anti-features, swing arms, motion ratios) have no second-order
-//! result, because they would also need Taylor series in travel.
+//! series give the Hessian H. The deviations of the parts move along the direction d_j + d_k by a variable distance. The
+//! built design, the poses and the values in these poses are Taylor series in this distance. The second coefficient of a
+//! value is (H_jj + 2 H_jk + H_kk)/2. Quantities that contain velocities (gains, roll centres, anti-features, swing arms,
+//! motion ratios) have no second-order result, because they would also need Taylor series in travel.
 
 use super::{
     Estimate, Problem, Remainder, Spread, axle_expansion, axle_second, elastic, elastic_axle,
@@ -216,7 +216,7 @@ pub(super) fn combined(
 
 /// Second-order terms of the mean and variance of each cell, for tolerance sources with these distributions.
 /// `second_derivatives` returns the second derivatives of all cells along one source or the sum of two, each scaled by its
-/// standard deviation. NaN for cells that are not readable, and if there are too many sources.
+/// standard deviation. NaN for cells for which `is_readable` is false, and if there are too many sources.
 pub(super) fn of_pairs(
     laws: &[Law],
     cells: usize,

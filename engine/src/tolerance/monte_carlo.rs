@@ -105,7 +105,7 @@ struct Sums {
 }
 
 impl Sums {
-    /// Sums over the builds of one block. Powers are powers of the deviations from `drawn`.
+    /// Sums over the builds of one block: powers of the deviations from the nominal values `drawn`.
     fn of(problem: &Problem, drawn: &[f64], block: &Block, order: &Order) -> Self {
         let bands = &problem.bands;
         let mut sums = Sums {

@@ -267,8 +267,8 @@ impl Cell {
     }
 }
 
-/// Converts a gap between the windows `then` to the gap between the windows `now` that contains the first gap. Each new
-/// window lies within an old window.
+/// Returns the gap between the windows `now` that contains gap number `gap` between the windows `then`. Each new window
+/// lies within an old window.
 fn moved(gap: usize, then: &[[f64; 2]; MOST], now: &[[f64; 2]; MOST]) -> usize {
     match gap {
         0 => 0,

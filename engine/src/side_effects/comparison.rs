@@ -5,9 +5,10 @@ use super::observed::{Gain, Observed, Series, Station};
 use crate::sorting::sort_by;
 use std::collections::HashMap;
 
-/// Largest change that counts as rounding, as a share of the values or of the tolerance.
+/// Largest change that counts as a rounding error, as a share of the values or of the tolerance.
 const ROUNDING: f64 = 1e-9;
-/// Smallest change that does not count as rounding, for an output without a tolerance. In the unit of the output.
+/// Smallest change that does not count as a rounding error, for an output without a tolerance. In the unit of the
+/// output.
 const LEAST_CHANGE: f64 = 1e-12;
 
 /// Changes that targets request over `[motion]`: for each output, its changes in the order of the drive value.
@@ -54,8 +55,9 @@ impl RequestedChanges {
         RequestedChanges(asked.collect())
     }
 
-    /// Change of an output that targets request at a station. It is the change requested at the nearest drive value, plus the
-    /// requested change of the slope times the distance from there. 0 if no target requests a change.
+    /// Change of an output that targets request at a station. It is the change requested at the nearest drive value, plus a
+    /// term for a requested change of the slope. This term is the change of the slope times the distance between the two
+    /// drive values. 0 if no target requests a change.
     fn shift_at(&self, output: &str, station: &Station) -> f64 {
         let Some(shifts) = self.0.get(output) else {
             return 0.0;
@@ -233,8 +235,8 @@ impl Wanted {
         Wanted { shifts }
     }
 
-    /// Change that targets request at a station. It is the change at the nearest station with a target, plus the requested
-    /// change of the slope times the distance if a target for a gain applies there. 0 without a target.
+    /// Change that targets request at a station. It is the change at the nearest station with a target. If a target for a
+    /// gain applies to that station, the change of the slope times the distance is added. 0 without a target.
     fn shift_at(
         &self,
         (before, after): (&Series, &Series),

@@ -50,10 +50,10 @@ const UNBOUNDED_IN_TURNS: [&str; 3] = [
     "roll_centre_moment_arm",
 ];
 
-/// Largest change of a quantity that an engineer tolerates, in the printed unit. Angles: toe 0.05 degrees, camber, roll and
-/// pitch 0.1 degrees, caster and inclination of the steering axis 0.2 degrees. Others: turning circle 1 % of its value, other
-/// lengths 1 mm, toe at the rim 0.3 mm, share of the front axle in the load transfer 1 %, roll gradient 0.05 degrees/g.
-/// `None` for all others.
+/// Largest change of a quantity that an engineer tolerates, in the printed unit. Angles: toe 0.05 degrees; total toe, camber,
+/// roll and pitch 0.1 degrees; caster and inclination of the steering axis 0.2 degrees. Roll gradient: 0.05 degrees/g.
+/// Lengths: turning circle 1 % of its value, toe at the rim 0.3 mm, total toe at the rim 0.6 mm, other lengths 1 mm. Share of
+/// the front axle in the load transfer: 1 %. `None` for all other quantities, and for lengths that grow without bounds.
 pub(super) fn tolerance(name: &str, unit: Unit, length: LengthUnit) -> Option<Tolerance> {
     let fixed = match (name, unit) {
         ("turning_circle", _) => return Some(Tolerance::Share(TURNING_CIRCLE)),

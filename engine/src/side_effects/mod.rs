@@ -94,7 +94,7 @@ impl SideEffect {
         }
     }
 
-    /// Returns true if the values before and after agree to rounding.
+    /// Returns true if the values before and after the tuning differ at most by rounding errors.
     pub fn is_unchanged(&self) -> bool {
         self.lost == 0 && self.largest_change.unwrap_or(0.0) == 0.0
     }

@@ -8,9 +8,9 @@
 //! A t = 0, |t| = 1   tangent; its sign is chosen so that det [A; t] keeps its sign
 //! ```
 //!
-//! At a fold F_x is singular, but [A; t] is regular. So a step there is like any other step: a prediction along the Taylor series
-//! in the arc length, and corrections in the plane normal to the tangent. Where two paths nearly meet, a step that is too long
-//! ends on the other path. There the sign of the determinant gives the tangent the opposite direction, and the step is refused.
+//! At a fold F_x is singular, but [A; t] is regular. So a step there is like any other step. It predicts along the Taylor series
+//! in the arc length, and corrects in the plane normal to the tangent. Where two paths nearly meet, a step that is too long ends
+//! on the other path. There the sign of the determinant gives the tangent the opposite direction, and the step is refused.
 //!
 //! At a fold, the derivative q' with respect to the arc length is 0. Newton's method finds the fold from the q'' of
 //! the Taylor series. Since q is stationary there, its value is exact to rounding.
@@ -28,7 +28,7 @@ use crate::number::{Each, Jet, array_of};
 use crate::threads::checkpoint;
 use std::cmp::Ordering;
 
-/// Quantity that moves while the others are fixed.
+/// Quantity that moves while all other quantities are fixed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Moving {
     /// The drive.
@@ -81,7 +81,7 @@ pub(crate) enum PathEnd {
 const LONGEST_STEP: f64 = 0.1;
 /// Shortest step, relative to the mechanism's size. Shorter steps are within the rounding of the pose.
 const SHORTEST_STEP: f64 = 1e-12;
-/// Largest number of steps. The curve of a mechanism is a few dozen times as long as its size, and a sharp turn needs about forty
+/// Largest number of steps. The curve of a mechanism is a few dozen times as long as its size. A sharp turn needs about forty
 /// halvings of the step.
 const MOST_STEPS: usize = 5000;
 /// Cosine of the largest change of the tangent's direction in a step.
@@ -302,7 +302,7 @@ impl Curve<'_> {
             if iteration == 0 {
                 missed = correction;
             }
-            // With this form of the test, NaN is refused.
+            // The condition is written so that NaN is refused.
             let shrinks = correction < 0.5 * last;
             if correction <= self.rounding || (!shrinks && last <= CLOSE.max(100.0 * from.noise)) {
                 pose.rotation = pose.rotation.orthonormalised();
@@ -374,8 +374,8 @@ impl Curve<'_> {
             // The double root is used then.
             let discriminant = (first * first + 4.0 * second * short).max(0.0);
             let length = 2.0 * short / (first + first.signum() * discriminant.sqrt());
-            // Near a fold, a value that is correct to rounding is not enough. The remaining arc length must also be at
-            // rounding level. At the fold itself this arc length is NaN, which counts as zero.
+            // Near a fold, a value without an error above rounding is not enough. The remaining arc length must also be
+            // at rounding level. At the fold itself this arc length is NaN, which counts as zero.
             let is_there = short.abs() <= 0.5 * rounding
                 && length.abs().partial_cmp(&point.noise) != Some(Ordering::Greater);
             if is_there || (length.abs() >= 0.5 * last && short.abs() <= 4.0 * rounding) {

@@ -66,8 +66,8 @@ pub enum FormulationVisit {
 
 /// Equations that give the poses of a topology in unknowns other than the pose of the knuckle.
 pub trait Formulation: Sync {
-    /// Visits the stations of a motion. At each displacement of the rack, it starts at the design position and goes outward.
-    /// Returns the work of the solver.
+    /// Visits the stations of a motion. At each displacement of the rack, the visit starts at the design position and
+    /// continues outward. Returns the work of the solver.
     ///
     /// # Errors
     /// If the equations cannot describe the design.

@@ -30,7 +30,7 @@ pub struct CarSweepPlan<'s> {
 pub enum CarNotBegun {
     /// The study's own design cannot be solved.
     Fault(CarFault),
-    /// Two columns of the results would have the same name, given here.
+    /// Two columns of the results would have this name.
     TwoColumns(String),
 }
 

@@ -105,7 +105,7 @@ pub enum NotBegun {
     Designs(StudyErrors),
     /// The study's own design cannot be solved.
     Fault(DesignFault),
-    /// Two columns of the results would have the same name, given here.
+    /// Two columns of the results would have this name.
     TwoColumns(String),
 }
 

@@ -7,7 +7,7 @@ use crate::number::SimdReal;
 pub enum Rejection {
     /// A rod or an axis is too short to have a direction.
     NoLength,
-    /// Newton's method did not settle.
+    /// Newton's method did not converge.
     NotSettled,
     /// A divisor of the equations is too small.
     IllConditioned,

@@ -187,7 +187,7 @@ impl ByArm {
     }
 }
 
-/// Numbers that the checks compare between two waypoints.
+/// Numbers of a waypoint. The checks compare these numbers between consecutive waypoints.
 #[derive(Clone, Copy)]
 pub(super) struct BranchGuard<B> {
     tangent: B,

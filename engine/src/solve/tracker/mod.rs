@@ -13,14 +13,15 @@
 //!
 //! - a rod has no length, or the iteration does not settle;
 //! - the mechanism is not well conditioned;
-//! - a number that must not vanish, or the slope of the path, changes by more than half (or doubles) from one waypoint to the
-//!   next, because it could vanish in between. If there are several such factors, their product is checked;
+//! - a number that must not vanish changes by more than half (or doubles) from one waypoint to the next, because it could
+//!   vanish in between. The same check applies to the slope of the path. If there are several such factors, their product is
+//!   checked;
 //! - the mechanism rotates far, in one step or from the design position;
 //! - a fold is near: the slope of an arm is large, or a knuckle in six unknowns rotates fast per unit of travel.
 //!
-//! Code that reads a pose also rejects lanes whose quantity is poorly determined. Examples are the
-//! steering axis if the rack hardly rotates the knuckle, a horizontal steering axis, the angles of a wheel on its side,
-//! and a rocker close to its toggle.
+//! Code that reads a pose also rejects lanes whose quantity is poorly determined. Examples are a horizontal steering axis, the
+//! angles of a wheel on its side, and a rocker close to its toggle. Another example is the steering axis if the rack hardly
+//! rotates the knuckle.
 //!
 //! So a lane is either correct or rejected. The decision depends only on the design in the lane.
 
@@ -64,7 +65,7 @@ pub struct CornerTracker<'a> {
     distinct: Vec<(PointId, PointId)>,
     /// Square of the shortest permitted distance between the points of a pair.
     shortest: f64,
-    /// Largest residual that counts as rounding, as a length.
+    /// Largest residual that counts as a rounding error, as a length.
     tolerance: f64,
 }
 
@@ -239,8 +240,8 @@ impl<B: SimdReal> LaneRates<B> {
 
 /// Longest step as a share of the size. Longer steps are divided.
 const LONGEST_STEP: f64 = 0.02;
-/// Largest residual that counts as rounding, as a share of the largest coordinate. The limit allows a few roundings.
-/// Near a fold, rates amplify the remaining residual a thousandfold.
+/// Largest residual that counts as a rounding error, as a share of the largest coordinate. The limit allows the rounding
+/// errors of a few operations. Near a fold, rates amplify the remaining residual a thousandfold.
 const TOLERANCE: f64 = 1e-15;
 /// Shortest rod as a share of the largest coordinate. The continuation solves designs with shorter rods.
 const SHORTEST_LENGTH: f64 = 1e-6;
@@ -289,8 +290,7 @@ impl<'a> CornerTracker<'a> {
         })
     }
 
-    /// Returns true if the tracker visits every station. A route leaves out stations that coincide or are far out of
-    /// reach.
+    /// Returns true if the tracker visits every station. A route leaves out stations that coincide or are too far away.
     pub fn is_complete(&self) -> bool {
         self.routes.iter().all(|route| route.is_complete)
     }
@@ -410,7 +410,7 @@ impl<'a> CornerTracker<'a> {
     }
 }
 
-/// Stations of one design side by side, one station in each lane.
+/// Solves several stations of one design at a time, one station in each lane.
 impl CornerTracker<'_> {
     /// Indices of the stations in the order in which [`CornerTracker::visit_stations_in_lanes`] assigns them to
     /// lanes.

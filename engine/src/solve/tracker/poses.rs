@@ -103,7 +103,7 @@ impl<'m> PoseTracker<'m> {
                 history: &mut self.history,
                 rounds: &mut found.rounds,
             });
-            // Stations that a leg of the route did not reach get the reason why the leg ended.
+            // For stations that a leg of the route did not reach, the reason is the one for which the leg ended.
             for (side, rejection) in station_order.sides().into_iter().zip(legs) {
                 if let Some(reason) = rejection {
                     for station in side {

@@ -374,8 +374,8 @@ impl Resolver<'_> {
         }))
     }
 
-    /// Refuses a quantity of an axle alone if it depends on a rate that is a variable. The calculation of the axle alone
-    /// uses the rates of the axle's study.
+    /// Refuses a quantity of a single axle if it depends on a rate that is a variable. The calculation of a single axle
+    /// uses the rates of the axle's study, not the variable.
     fn refuse_moved_rates(
         &mut self,
         end: usize,

@@ -35,7 +35,7 @@ impl Order {
             order.rows.swap(k, i);
             a.iter_mut().for_each(|row| row.swap(k, j));
             order.columns.swap(k, j);
-            // With this form of the test, NaN is refused.
+            // The condition is written so that NaN is refused.
             (a[k][k].abs() > LEAST_PIVOT).then_some(())?;
             let pivot_row = a[k];
             for row in &mut a[k + 1..] {

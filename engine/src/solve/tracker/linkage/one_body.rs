@@ -248,8 +248,8 @@ impl<B: SimdReal, V: VisitPair<B>> PlaceEquations<B, ALL> for OneBody<'_, '_, B,
         if [along_mean, along_half, place.along_lead] == [0.0; 3] {
             return unknowns;
         }
-        // The first steps use the slopes of the lane's own design at the previous waypoint. The linearisation left
-        // over from that waypoint would depend on the number of corrections that neighbouring lanes needed.
+        // The first steps use the slopes of the lane's own design at the previous waypoint. The last linearisation at
+        // that waypoint is not used, because it depends on the number of corrections that neighbouring lanes needed.
         let (pose, half) = parted(&unknowns);
         let everywhere = half.everywhere();
         (self.steps).linearise(&pose, self.motion(place, half), everywhere);
@@ -302,7 +302,7 @@ impl<B: SimdReal, V: VisitPair<B>> PlaceEquations<B, ALL> for OneBody<'_, '_, B,
         let mut settled = settled;
         let mut chord = 0;
         loop {
-            // A settled lane does not change.
+            // A lane that has converged does not change.
             if let Some(on) = &on_ground {
                 twist = Twist {
                     shift: twist.shift.plus_scaled(on.by_travel.shift, step),

@@ -51,7 +51,7 @@ impl Conditioning {
         self.digits() < LEAST_DIGITS
     }
 
-    /// Conditioning from the factors of the Jacobian. It takes about as much work as the factorisation.
+    /// Conditioning from the factors of the Jacobian. The computation takes about as much work as the factorisation.
     pub(crate) fn of(lu: &Lu6<f64>, size: f64) -> Self {
         // Row sums. Displacements and residuals are relative to the mechanism's size; rotations are in radians.
         let norm = lu.matrix().iter().fold(0.0_f64, |norm, row| {

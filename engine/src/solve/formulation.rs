@@ -70,7 +70,7 @@ pub trait Formulation: Sync {
     /// continues outward. Returns the work of the solver.
     ///
     /// # Errors
-    /// If the equations cannot describe the design.
+    /// Returns an error if the equations cannot describe the design.
     fn poses(
         &self,
         suspension: &Suspension,
@@ -90,7 +90,7 @@ pub fn register_formulation(formulation: &'static dyn Formulation) {
 /// Formulation `point_coordinates`.
 ///
 /// # Errors
-/// If the program has not registered it.
+/// Returns an error if the program has not registered this formulation.
 pub(crate) fn point_coordinates() -> Result<&'static dyn Formulation, DesignFault> {
     let registered = POINT_COORDINATES.get().copied();
     registered.ok_or(DesignFault::NoFormulation("point_coordinates"))

@@ -126,7 +126,7 @@ impl Toggles {
         first.map(|id| mechanism.rocker(*id).rod)
     }
 
-    /// Prepares another visit with the same start as the previous one.
+    /// Prepares another visit with the same start as the previous visit.
     pub fn begin_again(&self) {
         let (way, rods) = (self.way.get(), self.rods_at_start.borrow().clone());
         self.begin_with(self.at_start.get(), rods);
@@ -147,9 +147,9 @@ impl Toggles {
         self.rods_at_start.replace(rods);
     }
 
-    /// Checks the next station of the visit. `value` is the change of the drive from the start. Returns the kind of rod of the
-    /// first checked rocker that is at a toggle here or was at one at an earlier station. `solver` is the solver that visits the
-    /// stations.
+    /// Checks the next station of the visit. `value` is the change of the drive from the start. Finds the first checked rocker
+    /// that is at a toggle at this station or was at one at an earlier station. Returns the kind of this rocker's rod. `solver`
+    /// is the solver that visits the stations.
     pub fn note<const N: usize>(
         &self,
         solver: Option<&Solver>,
@@ -160,7 +160,7 @@ impl Toggles {
             return None;
         }
         let past = self.past.get();
-        // If this test is false, the station is on the other side of the start.
+        // If this test is false, the station is on the other side of the start of the visit.
         let goes_on = value.abs() >= past.value.abs() && value * past.value >= 0.0;
         let (from, before) = if goes_on {
             (past.value, past.stuck)

@@ -381,8 +381,8 @@ struct Tasks {
 }
 
 impl Tasks {
-    /// Reads the sections in the order of their references. `is_known` is false if the axle could not be read. `None` if a
-    /// section has an error.
+    /// Reads the sections, each after the sections to which it refers. `is_known` is false if the axle could not be read.
+    /// `None` if a section has an error.
     fn read(
         context: &Context<'_>,
         is_known: bool,

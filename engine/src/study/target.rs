@@ -108,8 +108,8 @@ pub struct Site {
 }
 
 impl Site {
-    /// Returns true if the site consists of all stations of one wheel's motion, with the rack of this motion. `name` is the
-    /// name of the motion.
+    /// Returns true if the site (the stations of a target) consists of all stations of one wheel's motion, with the rack of
+    /// this motion. `name` is the name of the motion.
     pub fn is_whole_motion(&self, name: Option<&str>) -> bool {
         let own = self.motion.as_ref().map(|(name, _)| name.as_str());
         own == name && self.racks.is_empty() && self.axle.is_none()

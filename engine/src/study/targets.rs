@@ -145,7 +145,8 @@ fn target(
     Some((target, from_file))
 }
 
-/// Quantity of a target, its site, and for an axle its motion. A part with an error is `None`.
+/// Quantity of a target, the stations at which it applies (its site), and for an axle its motion. A part with an error
+/// is `None`.
 fn quantity_and_site(
     spanned: &Spanned<Written>,
     context: &Context,

@@ -21,7 +21,7 @@ const SIDE_BY_SIDE: usize = 8;
 pub struct MonteCarlo {
     /// Number of builds.
     pub builds: u64,
-    /// Spread of each cell: of each output at each station ([`Problem::cell`]).
+    /// Spread of each cell (an output at a station, see [`Problem::cell`]).
     pub spreads: Vec<Spread>,
     /// Builds that cannot be assembled, grouped by a word for the reason.
     pub rejects: BTreeMap<&'static str, Rejected>,
@@ -96,7 +96,8 @@ impl MonteCarlo {
 
 /// Sums of deviations from the nominal values over a block.
 struct Sums {
-    /// Count, and sums of the first to fourth powers, for each cell.
+    /// Number of values, and sums of the first to fourth powers of the deviations, for each cell (an output at a
+    /// station).
     powers: Vec<[f64; 5]>,
     ranges: Vec<[f64; 2]>,
     sifted: Sifted,

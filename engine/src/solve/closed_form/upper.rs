@@ -95,8 +95,9 @@ impl<T: Real> Upper<T> {
         }
     }
 
-    /// Returns d, s and a margin. At margin zero d is at its limit; beyond this limit, all values are NaN. `square`, if given,
-    /// is a more accurate value of [`Upper::square`] than the joint's position gives.
+    /// Returns the vector d to the upper end, the strut length s and the margin of the upper end. At margin zero the upper end
+    /// is at its limit. Beyond this limit, all values are NaN. `square`, if given, is a more accurate value of
+    /// [`Upper::square`] than the joint's position gives.
     #[inline(always)]
     pub(crate) fn at(&self, ball_joint: Vector3<T>, square: Option<T>) -> (Vector3<T>, T, T) {
         let known = |own: T| square.map_or(own, |square| own.intersected_with(square));

@@ -115,7 +115,7 @@ impl<T: Real> Circle<T> {
 }
 
 impl<T: Real> Upper<T> {
-    /// Vector f and the product d.f.
+    /// Vector f along which the upper end can move freely, and the product d.f.
     #[inline(always)]
     pub(crate) fn free(&self, state: &ArmState<T>, line: &Carried<T>) -> (Vector3<T>, T) {
         match self {

@@ -299,7 +299,7 @@ impl<'m> Solver<'m> {
     /// Checks that the drive can move the mechanism from its design position.
     ///
     /// # Errors
-    /// If the design position is singular.
+    /// Returns an error if the design position is singular.
     pub fn check_start(&self, drive: Drive) -> Result<(), DesignFault> {
         self.start(drive).map(drop)
     }

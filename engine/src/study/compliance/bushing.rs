@@ -84,7 +84,7 @@ pub(super) struct Rubber {
     pub(super) z_axis: Option<Vector3<f64>>,
 }
 
-/// Reads laws and axes.
+/// Reads the force laws and axes of a bushing.
 pub(super) fn rubber(
     name: &Text,
     written: &Spanned<file::Bushing>,

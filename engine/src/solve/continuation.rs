@@ -374,8 +374,8 @@ impl Curve<'_> {
             // The double root is used then.
             let discriminant = (first * first + 4.0 * second * short).max(0.0);
             let length = 2.0 * short / (first + first.signum() * discriminant.sqrt());
-            // Near a fold, a value without an error above rounding is not enough. The remaining arc length must also be
-            // at rounding level. At the fold itself this arc length is NaN, which counts as zero.
+            // Near a fold, an error of the value at rounding level is not sufficient. The remaining arc length must also
+            // be at rounding level. At the fold itself this arc length is NaN, which counts as zero.
             let is_there = short.abs() <= 0.5 * rounding
                 && length.abs().partial_cmp(&point.noise) != Some(Ordering::Greater);
             if is_there || (length.abs() >= 0.5 * last && short.abs() <= 4.0 * rounding) {

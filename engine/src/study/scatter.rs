@@ -132,7 +132,7 @@ pub struct Source {
     /// Wheel of an axle that has these dimensions, in the kernel's frame of its side. `None` for a part that both wheels
     /// share. The dimensions are then those of the left wheel.
     pub side: Option<Side>,
-    /// The same dimensions in the mechanism of a solid axle's other wheel. Empty for other vehicles.
+    /// Dimensions of the source, as they are in the mechanism of a solid axle's other wheel. Empty for other vehicles.
     pub seen_from_other: Vec<(BuildParameter, f64)>,
 }
 

@@ -58,7 +58,7 @@ pub struct FailureCount {
     pub stations: u64,
     /// Drive value of the failed station that is nearest to the design position.
     pub nearest: Option<f64>,
-    /// Numbers of the first few of these designs.
+    /// Numbers of the first few designs that failed for this reason.
     pub examples: Vec<u64>,
 }
 

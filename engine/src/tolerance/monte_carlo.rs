@@ -168,7 +168,7 @@ fn powers<'v>(pieces: impl Iterator<Item = &'v [f64]>, about: f64) -> ([f64; 5],
     for values in pieces {
         for values in values.chunks(SIDE_BY_SIDE) {
             for (k, value) in values.iter().enumerate() {
-                // Both comparisons are false for NaN.
+                // The comparisons are false for NaN, so NaN does not change the range.
                 range[0] = if *value < range[0] { *value } else { range[0] };
                 range[1] = if *value > range[1] { *value } else { range[1] };
                 let is = f64::from(u8::from(!value.is_nan()));

@@ -14,8 +14,8 @@
 //! - a rod has no length, or the iteration does not settle;
 //! - the mechanism is not well conditioned;
 //! - a number that must not vanish changes by more than half (or doubles) from one waypoint to the next, because it could
-//!   vanish in between. The same check applies to the slope of the path. If there are several such factors, their product is
-//!   checked;
+//!   vanish in between. If there are several such numbers, their product is checked. The same check applies to the slope of
+//!   the path;
 //! - the mechanism rotates far, in one step or from the design position;
 //! - a fold is near: the slope of an arm is large, or a knuckle in six unknowns rotates fast per unit of travel.
 //!

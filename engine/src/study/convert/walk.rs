@@ -75,7 +75,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// The same conversion with other units of mass.
+    /// Returns the same conversion of a text, with these units of mass.
     pub(super) fn with_masses(self, from: MassUnit, to: MassUnit) -> Self {
         let ends = self.ends.map(|end| end.with_masses(from, to));
         Walk { ends, ..self }

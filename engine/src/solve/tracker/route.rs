@@ -58,7 +58,7 @@ pub(crate) struct RouteStep {
     /// Change of the drive since the previous waypoint on this leg.
     pub step: f64,
     /// Stencil that predicts the unknowns here. The prediction also adds the steps in the fields `along_...`, multiplied by
-    /// slopes of the base design.
+    /// slopes of the unknowns.
     pub prediction: Stencil<NEIGHBOURS>,
     /// Step of the drive. The prediction adds it, multiplied by the slope with respect to the drive. Only the first
     /// step uses it.

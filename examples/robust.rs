@@ -1,5 +1,5 @@
-//! Runs a robust tuning with 4, 16 and 64 builds that scatter by `[tolerance]`. Prints their misfit before and after, and the
-//! moves.
+//! Runs a robust tuning with 4, 16 and 64 random builds, which have the tolerances of `[tolerance]`. Prints the misfit of the
+//! builds before and after the tuning, and the moves of the variables.
 //!
 //! `cargo run --example robust`
 

@@ -71,7 +71,7 @@ thread_local! {
 /// Makes a pool with this number of threads; 0 selects rayon's default.
 ///
 /// # Errors
-/// If the system cannot start the threads.
+/// Returns an error if the system cannot start the threads.
 pub fn pool(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
     ThreadPoolBuilder::new()
         .num_threads(threads)

@@ -96,7 +96,7 @@ class Bench:
         import dask
         from dask.distributed import Client, LocalCluster
 
-        # The documentation advises to switch the profiler off.
+        # The documentation of Dask recommends switching the profiler off.
         dask.config.set({"distributed.worker.profile.enabled": False})
 
         def on(workers: int, folder: str, name: str) -> float:

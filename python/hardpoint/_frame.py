@@ -97,7 +97,7 @@ class Frame(dict[str, Array]):
         super().__init__(arrays)
         rows = len(next(iter(arrays.values()), ()))
         self.info = {name: column_of(name) for name in arrays} if info is None else dict(info)
-        # A table that was read has its status in words.
+        # A table that was read from a file gives the status in words. The words are converted to codes.
         codes = _codes(arrays.get("status")) if status is None else status
         self.status = _read_only(np.zeros(rows, np.uint8) if codes is None else codes)
         if status is None and codes is not None and "reason" in arrays and arrays["reason"].dtype.kind == "U":

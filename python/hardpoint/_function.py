@@ -67,7 +67,7 @@ def _numbers(column: Any, name: str) -> Floats:
     """Column of a table as real numbers; NaN for a masked one."""
     mask = np.ma.getmaskarray(column) if isinstance(column, np.ma.MaskedArray) else None
     array = np.asarray(column)
-    # A column of objects may hold numbers and missing ones (None, or NA of pandas).
+    # A column of objects may contain numbers and missing values (None, or NA of pandas).
     missing = [v is None or type(v).__name__ == "NAType" for v in array.flat] if array.dtype.kind == "O" else []
     if missing and all(gone or isinstance(v, (int, float)) for v, gone in zip(array.flat, missing, strict=True)):
         found = [np.nan if gone else float(v) for v, gone in zip(array.flat, missing, strict=True)]

@@ -121,7 +121,8 @@ def sweep(
     good: NDArray[np.bool_] = np.asarray(np.isfinite(rows).all(axis=1))
     solved = rows
     if not good.all() or not len(rows):
-        # The study's own design stands in for a row that cannot be solved; its results are replaced below.
+        # The study's own design replaces each row that cannot be solved. Further below, the results of these rows are
+        # set to NaN.
         own = np.array(at_design)
         solved = np.where(good[:, None], rows, own) if len(rows) else own[None, :]
     found = _hardpoint.sweep(study._study, solved, names, threads, progress)

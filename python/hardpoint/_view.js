@@ -43,7 +43,7 @@ function plot(parent, name, nominal, curves) {
     of.x.forEach((x, k) => {
       const y = of.y[name][k];
       if (y !== null) path += `${pen}${sx(x)} ${sy(y)}`;
-      // A rack after the first begins a line of its own.
+      // Each rack displacement after the first one begins a new line.
       pen = y === null || (k + 1 < of.x.length && of.x[k + 1] < x) ? "M" : "L";
     });
     add(svg, "path", { d: path, fill: "none", stroke: colour, "stroke-dasharray": dash });

@@ -5,9 +5,10 @@ use super::observed::{Gain, Observed, Series, Station};
 use crate::sorting::sort_by;
 use std::collections::HashMap;
 
-/// Largest change that counts as rounding, as a share of the values or of the tolerance.
+/// Largest change that counts as a rounding error, as a share of the values or of the tolerance.
 const ROUNDING: f64 = 1e-9;
-/// Smallest change that does not count as rounding, for an output without a tolerance. In the unit of the output.
+/// Smallest change that does not count as a rounding error, for an output without a tolerance. In the unit of the
+/// output.
 const LEAST_CHANGE: f64 = 1e-12;
 
 /// Changes that targets request over `[motion]`: for each output, its changes in the order of the drive value.
@@ -54,8 +55,9 @@ impl RequestedChanges {
         RequestedChanges(asked.collect())
     }
 
-    /// Requested change of an output at a station: that at the nearest drive value, and the requested change of the slope times
-    /// the distance from there. 0 if no target requests a change.
+    /// Change of an output that targets request at a station. It is the change requested at the nearest drive value, plus a
+    /// term for a requested change of the slope. This term is the change of the slope times the distance between the two
+    /// drive values. 0 if no target requests a change.
     fn shift_at(&self, output: &str, station: &Station) -> f64 {
         let Some(shifts) = self.0.get(output) else {
             return 0.0;
@@ -119,7 +121,8 @@ struct Change {
 }
 
 impl Change {
-    /// Size of the change, for comparison with other stations. In multiples of the tolerance, if there is a tolerance.
+    /// Absolute change. It is a multiple of the tolerance if there is a tolerance, otherwise it is in the unit of the
+    /// output.
     fn size(&self) -> f64 {
         self.amount.abs() / self.tolerance.unwrap_or(1.0)
     }
@@ -198,7 +201,8 @@ fn effect(
     })
 }
 
-/// Stations at which a series is compared: all stations except those with a target for the series.
+/// Stations at which a series is compared. Stations at which a target or constraint applies are excluded. Some series
+/// are also compared only with the rack at 0.
 fn compared(series: &Series, stations: &[Station]) -> Vec<usize> {
     let mut counts: Vec<bool> = stations
         .iter()
@@ -210,9 +214,10 @@ fn compared(series: &Series, stations: &[Station]) -> Vec<usize> {
     (0..stations.len()).filter(|k| counts[*k]).collect()
 }
 
-/// Changes that targets request.
+/// Changes that targets request of one series.
 struct Wanted {
-    /// First coordinate of a station, its index, and the change, in the order of the coordinate.
+    /// Requested changes, sorted by the first coordinate of their station. Each entry has this coordinate, the index of
+    /// the station, and the change.
     shifts: Vec<(f64, usize, f64)>,
 }
 
@@ -230,8 +235,8 @@ impl Wanted {
         Wanted { shifts }
     }
 
-    /// Requested change at a station: that at the nearest station with a target. If a target for a gain applies there, the
-    /// requested change of the slope times the distance is added. 0 without a target.
+    /// Change that targets request at a station. It is the change at the nearest station with a target. If a target for a
+    /// gain applies to that station, the change of the slope times the distance is added. 0 without a target.
     fn shift_at(
         &self,
         (before, after): (&Series, &Series),
@@ -241,8 +246,8 @@ impl Wanted {
         let here = &stations[number].position;
         let start = self.shifts.partition_point(|shift| shift.0 < here[0]);
         let (mut nearest, mut found) = (f64::INFINITY, None);
-        // Searches outward along the first coordinate. The search ends when the difference in this coordinate alone exceeds
-        // the distance to the nearest station found so far.
+        // Searches in both directions along the first coordinate. A direction ends when the difference in this coordinate
+        // alone exceeds the distance to the nearest station found so far.
         let (below, above) = self.shifts.split_at(start);
         let ways: [&mut dyn Iterator<Item = &(f64, usize, f64)>; 2] =
             [&mut below.iter().rev(), &mut above.iter()];

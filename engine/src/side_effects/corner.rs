@@ -49,7 +49,7 @@ pub(super) fn observe(
         let quantity = output.and_then(Output::quantity);
         let further = number.checked_sub(plan.outputs.len());
         let figure = further.and_then(|place| plan.figures.get(place));
-        // Gains that the study does not compare are only read as slopes.
+        // A gain that the study does not compare is used only as the slope of another output.
         let is_hidden = |quantity| match quantity {
             Quantity::Characteristic(of) => !shown.contains(&of),
             _ => false,
@@ -69,7 +69,7 @@ pub(super) fn observe(
             (Some(Quantity::Characteristic(c)), _) => c.info().unit,
             (Some(Quantity::Coordinate(..)), _) => Unit::Length,
             (None, Some(measured)) => measured.of.shown_unit(),
-            // Angular velocities are not requested. All other columns are test results, or forces under a load.
+            // The results contain no angular velocities. All other columns are test results, or forces under a load.
             _ => figure.map_or(Unit::Force, |figure| figure.unit),
         };
         let at = Looked {
@@ -105,8 +105,8 @@ pub(super) fn observe(
     })
 }
 
-/// Values (no derivatives) of the study's outputs at all stations, and of those compared characteristics that exist for this
-/// wheel. Adds `gains`.
+/// Outputs whose values are compared: the study's outputs, the compared characteristics that exist for this wheel, and
+/// `gains`. The outputs have no derivatives.
 fn outputs(own: &WheelStudy, gains: &[Characteristic]) -> Outputs {
     let mut characteristics = own.outputs.characteristics.clone();
     for more in Characteristic::available(&own.suspension) {
@@ -148,7 +148,7 @@ fn gains(study: &Study) -> Vec<Characteristic> {
     gains
 }
 
-/// Stations of a motion, rack by rack, and their grid over drive and rack.
+/// Stations of a motion, sorted by rack displacement, and the grid of these stations over drive and rack.
 fn stations(motion: &Motion, length: LengthUnit) -> (Vec<Station>, Grid) {
     let racks = motion.rack.iter();
     let places = racks.flat_map(|rack| motion.values.iter().map(|value| vec![*value, *rack]));
@@ -249,7 +249,8 @@ impl Looked<'_> {
         places
     }
 
-    /// Stations nearest to these drive values. Empty if `site` belongs to another motion.
+    /// Stations nearest to these drive values. Empty if `site`, the place of a target or constraint, is on another
+    /// motion.
     fn at(&self, site: &Site, drives: &[f64]) -> Vec<usize> {
         if site.motion.as_ref().map(|(name, _)| name.as_str()) != self.name {
             return Vec::new();

@@ -1,4 +1,5 @@
-//! Customary tolerances of changes that no target requests. Also quantities that a target for another quantity determines.
+//! Customary tolerances for changes that no target requests. Also lists the quantities that follow from a target for
+//! another quantity.
 
 use crate::ask::Unit;
 use crate::characteristics::Characteristic;
@@ -8,8 +9,8 @@ use crate::model::{LengthUnit, Suspension};
 const LENGTH: f64 = 1.0;
 /// Smallest relevant change of toe at the rim, in mm: 0.05 degrees at a rim of 340 mm.
 const TOE_AT_RIM: f64 = 0.3;
-/// Smallest relevant change of a turning circle, as a share of its value. The tolerance is a share, because the turning
-/// circle grows without bounds near straight ahead.
+/// Smallest relevant change of a turning circle, as a share of its value. The tolerance is a share, because a turning
+/// circle becomes infinitely large near straight ahead.
 const TURNING_CIRCLE: f64 = 0.01;
 
 /// Customary tolerance of a change.
@@ -49,10 +50,10 @@ const UNBOUNDED_IN_TURNS: [&str; 3] = [
     "roll_centre_moment_arm",
 ];
 
-/// Largest change of a quantity that an engineer tolerates, in the printed unit. Angles: toe 0.05 degrees, camber, roll and
-/// pitch 0.1 degrees, caster and inclination of the steering axis 0.2 degrees. Others: turning circle 1 % of its value, other
-/// lengths 1 mm, toe at the rim 0.3 mm, share of the front axle in the load transfer 1 %, roll gradient 0.05 degrees/g.
-/// `None` for all others.
+/// Largest change of a quantity that an engineer tolerates, in the printed unit. Angles: toe 0.05 degrees; total toe, camber,
+/// roll and pitch 0.1 degrees; caster and inclination of the steering axis 0.2 degrees. Roll gradient: 0.05 degrees/g.
+/// Lengths: turning circle 1 % of its value, toe at the rim 0.3 mm, total toe at the rim 0.6 mm, other lengths 1 mm. Share of
+/// the front axle in the load transfer: 1 %. `None` for all other quantities, and for lengths that grow without bounds.
 pub(super) fn tolerance(name: &str, unit: Unit, length: LengthUnit) -> Option<Tolerance> {
     let fixed = match (name, unit) {
         ("turning_circle", _) => return Some(Tolerance::Share(TURNING_CIRCLE)),
@@ -79,8 +80,8 @@ pub(super) fn is_judged_straight_ahead(name: &str) -> bool {
     is_toe || ["roll_centre_height", "roll_centre_lateral"].contains(&name)
 }
 
-/// Returns true if a target for one characteristic also determines another characteristic, except for the other
-/// characteristic's value in the design position.
+/// Returns true if a target for the characteristic `target` also determines the curve of the characteristic `of`. The
+/// value of `of` in the design position may remain free.
 pub(super) fn determines(target: Characteristic, of: Characteristic) -> bool {
     use Characteristic::{Toe, ToeAtRim};
     let is_same =
@@ -88,8 +89,8 @@ pub(super) fn determines(target: Characteristic, of: Characteristic) -> bool {
     is_same(target, of) || integral_of(target).is_some_and(|own| is_same(own, of))
 }
 
-/// Slope of a characteristic's curve over wheel travel that a gain of 1 means, in printed units. `None` if the curve does not
-/// follow from the gain.
+/// Slope of a characteristic over wheel travel for a gain of 1, in printed units. `None` if the gain does not determine the
+/// slope of this characteristic.
 pub(super) fn slope_by_gain(
     gain: Characteristic,
     of: Characteristic,
@@ -105,7 +106,7 @@ pub(super) fn slope_by_gain(
     }
 }
 
-/// Characteristic whose curve over travel follows from a gain, except for the curve's value in the design position.
+/// Characteristic whose slope over wheel travel is determined by a gain. `None` if the gain determines no slope.
 pub(super) fn integral_of(gain: Characteristic) -> Option<Characteristic> {
     Some(match gain {
         Characteristic::BumpSteer => Characteristic::Toe,

@@ -14,11 +14,11 @@
 //!
 //! Example: a target requests a change of caster in the design position. Then a change of caster by up to the same amount is
 //! allowed over the whole travel. A larger change, or a change in the other direction, is a side effect. Distances between
-//! stations are measured in shares of the motion's ranges. Over a named motion without a target for the quantity, n is the
+//! stations are measured in shares of the motion's ranges. If a named motion has no target for the quantity, n is the
 //! station of `[motion]` with the nearest drive value.
 //!
 //! A target for a gain also counts for the quantity whose slope is the gain: bump steer for toe, motion ratio for spring
-//! length. Limits of a constraint on a quantity also count as a target, because the study allows any value between them.
+//! length. Limits of a constraint also count as a target, because the study allows any value between these limits.
 
 mod axle;
 mod car;
@@ -50,8 +50,8 @@ pub struct SideEffect {
     pub after_min: Option<f64>,
     /// Largest value after the tuning.
     pub after_max: Option<f64>,
-    /// Largest change beyond the changes that targets request, with its sign. "Largest" is measured in multiples of the
-    /// tolerance. 0 if only rounding changes the values. `None` if no station has a value both before and after.
+    /// Largest change that no target requests, with its sign. Changes are compared in multiples of the tolerance. 0 if
+    /// only rounding changes the values. `None` if no station has a value both before and after.
     pub largest_change: Option<f64>,
     /// Largest change that targets request at the same stations. 0 if they request none.
     #[serde(default)]
@@ -66,7 +66,7 @@ pub struct SideEffect {
     pub wheel: Option<String>,
     /// Customary tolerance at the station of the largest change. `None` if the output has none.
     pub tolerance: Option<f64>,
-    /// True if the change exceeds the tolerance, or if values are lost at some stations.
+    /// True if the change exceeds the tolerance, or if the output no longer has a value at some stations.
     pub flagged: bool,
     /// Number of stations with a value before the tuning and none after it.
     pub lost: usize,
@@ -94,15 +94,16 @@ impl SideEffect {
         }
     }
 
-    /// Returns true if the values before and after agree to rounding.
+    /// Returns true if the values before and after the tuning differ at most by rounding errors.
     pub fn is_unchanged(&self) -> bool {
         self.lost == 0 && self.largest_change.unwrap_or(0.0) == 0.0
     }
 }
 
 /// Compares a study's design with a tuned design, over `[motion]` and over the named motions with curves. Flagged outputs
-/// come first, angles before lengths, in the order of the largest change, measured in multiples of the tolerance. The list is
-/// empty without `[optimise]`, or if `[optimise]` has `side_effects = false`.
+/// come first: those without a value at some stations, then angles, then all others. Within these groups, the largest change
+/// comes first, in multiples of the tolerance. The list is empty without `[optimise]`, or if `[optimise]` has `side_effects =
+/// false`.
 ///
 /// # Errors
 /// Returns an error if one of the two designs cannot be solved.

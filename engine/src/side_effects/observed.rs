@@ -82,7 +82,8 @@ impl Series {
         Series {
             output: name.to_owned(),
             unit: unit.suffix(length),
-            // Some quantities have a customary tolerance only straight ahead. Without such a station they have no tolerance.
+            // Some quantities have a customary tolerance only with the rack at 0. If no station has the rack at 0, these
+            // quantities have no tolerance.
             tolerance: tolerance.filter(|_| straight_only || !is_judged_straight),
             straight_only,
             wheel: None,
@@ -164,7 +165,8 @@ impl Grid {
         }
     }
 
-    /// Station nearest to a position along one coordinate. `None` if another coordinate of the position is not in the grid.
+    /// Station whose coordinate `along` is nearest to that of a position. `None` if another coordinate of the position is
+    /// not in the grid.
     pub(super) fn station(&self, place: &[f64], along: usize) -> Option<usize> {
         let mut key = Vec::with_capacity(place.len());
         for (k, value) in place.iter().enumerate() {

@@ -35,9 +35,9 @@
 //! the closure equations is U T times lengths that are constants of the design. So:
 //!
 //! - every fold of the arm's angle has U T = 0, and the cause is the part whose factor is zero.
-//! - if U T = 0, the arm does not move in the motion t, because C has rank 5. So a fold of the travel, or of the rack
-//!   at fixed travel, has this cause if and only if U T = 0 at that fold, too. (An example is an upright steering axis,
-//!   with which steering does not lift the wheel.) Otherwise no part is the cause.
+//! - if U T = 0, the arm does not move in the motion t, because C has rank 5. So a fold of the travel has this cause if and
+//!   only if U T = 0 at that fold. The same holds for a fold of the rack at fixed travel. (An example is an upright steering
+//!   axis, with which steering does not lift the wheel.) Otherwise no part is the cause.
 //!
 //! The links of a rigid axle have no such parts. Its limit names the link with the largest multiplier w in w J = 0, where J
 //! is the whole Jacobian. This link carries the largest force that holds the axle at the fold.
@@ -53,8 +53,8 @@ use crate::model::{Drive, Mechanism, PointId, TwistBeam};
 use crate::number::{Each, Vector3};
 use nalgebra::{Matrix5, SMatrix};
 
-/// A part counts as singular if its sine, (3) or (4), is smaller than this. Folds are found to rounding, but at a double root
-/// only half as many digits of a sine are correct.
+/// A part counts as singular if its sine, (3) or (4), is smaller than this. Only rounding errors limit the accuracy of a
+/// fold. But at a double root only half as many digits of a sine are correct.
 pub(crate) const SINGULAR_PART: f64 = 1e-6;
 
 /// An arm counts as vertical if the sine of its angle to the vertical is smaller than this (about half a degree).

@@ -51,7 +51,7 @@ impl Conditioning {
         self.digits() < LEAST_DIGITS
     }
 
-    /// Conditioning from the factors of the Jacobian. It takes about as much work as the factorisation.
+    /// Conditioning from the factors of the Jacobian. The computation takes about as much work as the factorisation.
     pub(crate) fn of(lu: &Lu6<f64>, size: f64) -> Self {
         // Row sums. Displacements and residuals are relative to the mechanism's size; rotations are in radians.
         let norm = lu.matrix().iter().fold(0.0_f64, |norm, row| {
@@ -97,9 +97,9 @@ impl Solver<'_> {
     }
 
     /// Taylor series of the configuration as in [`Solver::configuration_series`], with the condition number of its
-    /// Jacobian. If the Jacobian's factors are needed anyway, the number comes from them. If the closed form gave the
-    /// pose far from any singularity ([`Conditioning::ESTIMATED`]), the number is an estimate that costs almost nothing
-    /// and is correct within a factor of ten.
+    /// Jacobian. If the Jacobian's factors are needed anyway, the number is computed from these factors. If the closed
+    /// form gave the pose far from any singularity ([`Conditioning::ESTIMATED`]), the number is an estimate. The
+    /// estimate takes almost no time and is correct within a factor of ten.
     pub fn conditioned_series<'a, const N: usize>(
         &'a self,
         design_series: &'a DesignSeries<N>,
@@ -112,7 +112,7 @@ impl Solver<'_> {
             .flatten()
         {
             let configuration = design_series.at(self.mechanism(), series, motion.rack);
-            // With this form of the test, NaN leads to a new computation.
+            // The condition is written so that NaN leads to a new computation.
             let condition = if number < Conditioning::ESTIMATED {
                 Conditioning {
                     number,

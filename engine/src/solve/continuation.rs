@@ -8,9 +8,9 @@
 //! A t = 0, |t| = 1   tangent; its sign is chosen so that det [A; t] keeps its sign
 //! ```
 //!
-//! At a fold F_x is singular, but [A; t] is regular. So a step there is like any other step: a prediction along the Taylor series
-//! in the arc length, and corrections in the plane normal to the tangent. Where two paths nearly meet, a step that is too long
-//! ends on the other path. There the sign of the determinant gives the tangent the opposite direction, and the step is refused.
+//! At a fold F_x is singular, but [A; t] is regular. So a step there is like any other step. It predicts along the Taylor series
+//! in the arc length, and corrects in the plane normal to the tangent. Where two paths nearly meet, a step that is too long ends
+//! on the other path. There the sign of the determinant gives the tangent the opposite direction, and the step is refused.
 //!
 //! At a fold, the derivative q' with respect to the arc length is 0. Newton's method finds the fold from the q'' of
 //! the Taylor series. Since q is stationary there, its value is exact to rounding.
@@ -28,7 +28,7 @@ use crate::number::{Each, Jet, array_of};
 use crate::threads::checkpoint;
 use std::cmp::Ordering;
 
-/// Quantity that moves while the others are fixed.
+/// Quantity that moves while all other quantities are fixed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Moving {
     /// The drive.
@@ -81,13 +81,13 @@ pub(crate) enum PathEnd {
 const LONGEST_STEP: f64 = 0.1;
 /// Shortest step, relative to the mechanism's size. Shorter steps are within the rounding of the pose.
 const SHORTEST_STEP: f64 = 1e-12;
-/// Largest number of steps. The curve of a mechanism is a few dozen times as long as its size, and a sharp turn needs about forty
+/// Largest number of steps. The curve of a mechanism is a few dozen times as long as its size. A sharp turn needs about forty
 /// halvings of the step.
 const MOST_STEPS: usize = 5000;
 /// Cosine of the largest change of the tangent's direction in a step.
 const STRAIGHT: f64 = 0.9;
-/// Largest last correction of a corrector that converged, in multiples of the mechanism's size. A corrector stops when its
-/// corrections are rounding errors.
+/// Largest last correction with which Newton's method counts as converged, in multiples of the mechanism's size. The
+/// method stops when its corrections are rounding errors.
 const CLOSE: f64 = 1e-9;
 
 impl CurvePoint {
@@ -114,7 +114,7 @@ impl Curve<'_> {
         let mut here = self
             .at(pose, value, None, direction)
             .ok_or(PathEnd::Unresolved(value))?;
-        // If the path is known only with few digits, a correction may lead back to a point before the start.
+        // If the path is accurate to only a few digits, a correction may lead back to a point before the start.
         let unresolved = |at: &CurvePoint| {
             let gone = direction * (at.value() - value);
             PathEnd::Unresolved(if gone > 0.0 { at.value() } else { value })
@@ -222,8 +222,8 @@ impl Curve<'_> {
         })
     }
 
-    /// Point of the curve with its tangent and series. `orientation` gives the sign of the tangent. `None` is for the first
-    /// point: the tangent then has the sign for which the value moves in `direction`.
+    /// Makes a point of the curve with its tangent and Taylor series. `orientation` gives the sign of the tangent. At the
+    /// first point `orientation` is `None`, and the moving quantity changes along the tangent in `direction`.
     fn at(
         &self,
         pose: &Pose<f64>,
@@ -302,7 +302,7 @@ impl Curve<'_> {
             if iteration == 0 {
                 missed = correction;
             }
-            // With this form of the test, NaN is refused.
+            // The condition is written so that NaN is refused.
             let shrinks = correction < 0.5 * last;
             if correction <= self.rounding || (!shrinks && last <= CLOSE.max(100.0 * from.noise)) {
                 pose.rotation = pose.rotation.orthonormalised();
@@ -346,7 +346,7 @@ impl Curve<'_> {
         None
     }
 
-    /// Point with the target's value, before a fold.
+    /// Point before a fold at which the moving quantity has the value `target`.
     fn before_fold(&self, fold: &CurvePoint, target: f64) -> Option<CurvePoint> {
         let squared = (target - fold.value()) / fold.moved[2];
         let length = -squared.max(0.0).sqrt();
@@ -363,7 +363,7 @@ impl Curve<'_> {
         self.settle(&start, target, 0.5 * length.abs())
     }
 
-    /// Point with the target's value, near the given point.
+    /// Point near the given point at which the moving quantity has the value `target`.
     fn settle(&self, near: &CurvePoint, target: f64, reach: f64) -> Option<CurvePoint> {
         let rounding = near.noise * target.abs().max(self.unit());
         let (mut point, mut last) = (*near, f64::INFINITY);
@@ -374,8 +374,8 @@ impl Curve<'_> {
             // The double root is used then.
             let discriminant = (first * first + 4.0 * second * short).max(0.0);
             let length = 2.0 * short / (first + first.signum() * discriminant.sqrt());
-            // Near a fold, a value that is correct to rounding is not enough. The remaining arc length must also be at
-            // rounding level. At the fold itself this arc length is NaN, which counts as zero.
+            // Near a fold, an error of the value at rounding level is not sufficient. The remaining arc length must also
+            // be at rounding level. At the fold itself this arc length is NaN, which counts as zero.
             let is_there = short.abs() <= 0.5 * rounding
                 && length.abs().partial_cmp(&point.noise) != Some(Ordering::Greater);
             if is_there || (length.abs() >= 0.5 * last && short.abs() <= 4.0 * rounding) {

@@ -43,7 +43,7 @@ pub struct FormulationPose {
     pub drive: f64,
 }
 
-/// Event while the stations of a motion are visited.
+/// Event that the solver reports while it visits the stations of a motion.
 #[derive(Clone, Copy, Debug)]
 pub enum FormulationVisit {
     /// The design position with the rack displaced. The solver visits it before the stations of this rack displacement.
@@ -66,11 +66,11 @@ pub enum FormulationVisit {
 
 /// Equations that give the poses of a topology in unknowns other than the pose of the knuckle.
 pub trait Formulation: Sync {
-    /// Visits the stations of a motion. At each displacement of the rack, it starts at the design position and goes outward.
-    /// Returns the work of the solver.
+    /// Visits the stations of a motion. At each displacement of the rack, the visit starts at the design position and
+    /// continues outward. Returns the work of the solver.
     ///
     /// # Errors
-    /// If the equations cannot describe the design.
+    /// Returns an error if the equations cannot describe the design.
     fn poses(
         &self,
         suspension: &Suspension,
@@ -90,7 +90,7 @@ pub fn register_formulation(formulation: &'static dyn Formulation) {
 /// Formulation `point_coordinates`.
 ///
 /// # Errors
-/// If the program has not registered it.
+/// Returns an error if the program has not registered this formulation.
 pub(crate) fn point_coordinates() -> Result<&'static dyn Formulation, DesignFault> {
     let registered = POINT_COORDINATES.get().copied();
     registered.ok_or(DesignFault::NoFormulation("point_coordinates"))

@@ -19,8 +19,7 @@ const DEPTH: usize = 3;
 #[derive(Clone, Debug, Default)]
 pub struct Toggles {
     watched: Vec<RockerId>,
-    /// Drive and rack displacement of the stations that are visited. `None` if poses between the stations cannot be
-    /// computed.
+    /// Drive and rack displacement during the visit. `None` if poses between the stations cannot be computed.
     way: Cell<Option<(Drive, f64)>>,
     /// Rockers at or beyond a toggle at the start of the visit, and the positions of all watched rods at the start.
     at_start: Cell<RockerSet>,
@@ -127,7 +126,7 @@ impl Toggles {
         first.map(|id| mechanism.rocker(*id).rod)
     }
 
-    /// Prepares another visit with the same start as the previous one.
+    /// Prepares another visit with the same start as the previous visit.
     pub fn begin_again(&self) {
         let (way, rods) = (self.way.get(), self.rods_at_start.borrow().clone());
         self.begin_with(self.at_start.get(), rods);
@@ -148,9 +147,9 @@ impl Toggles {
         self.rods_at_start.replace(rods);
     }
 
-    /// Checks the next station of the visit. `value` is the change of the drive from the start. Returns the kind of rod of the
-    /// first checked rocker that is at a toggle here or was at one at an earlier station. `solver` is the solver that visits the
-    /// stations.
+    /// Checks the next station of the visit. `value` is the change of the drive from the start. Finds the first checked rocker
+    /// that is at a toggle at this station or was at one at an earlier station. Returns the kind of this rocker's rod. `solver`
+    /// is the solver that visits the stations.
     pub fn note<const N: usize>(
         &self,
         solver: Option<&Solver>,
@@ -161,7 +160,7 @@ impl Toggles {
             return None;
         }
         let past = self.past.get();
-        // If this test is false, the station is on the other side of the start.
+        // If this test is false, the station is on the other side of the start of the visit.
         let goes_on = value.abs() >= past.value.abs() && value * past.value >= 0.0;
         let (from, before) = if goes_on {
             (past.value, past.stuck)
@@ -206,8 +205,8 @@ impl Toggles {
         all.all(|(id, (from, to))| stuck & 1 << id.0 != 0 || from.keeps_leverage_to(to))
     }
 
-    /// Adds to `stuck` the rockers that reach a toggle between two points. `look` examines a part of the interval, given the
-    /// rockers that are at or beyond a toggle before it. `ends` are the rods at both points.
+    /// Adds to `stuck` the rockers that reach a toggle between two points. `ends` are the rods at both points. `look`
+    /// examines a part of the interval. Its input is the set of rockers that are at or beyond a toggle before this part.
     fn between(
         &self,
         look: &mut dyn FnMut(f64, RockerSet) -> Option<Seen>,

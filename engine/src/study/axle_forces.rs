@@ -1,11 +1,11 @@
-//! Keys of `[vehicle]` about braking and drive, which are inputs of the anti-features; and the anti-features that an axle
-//! has.
+//! Anti-features of an axle (such as anti-dive), and the keys of `[vehicle]` that they need: the data on braking and
+//! drive.
 
 use crate::ask::Need;
 use crate::model::{AxlePosition, VehicleFigures};
 
-/// Returns true if a need concerns the drive, and false if it concerns braking. `None` for other needs. Also `None` if the
-/// need depends on the axle's position (front or rear) and the study does not give it.
+/// Returns true if a required input concerns the drive, and false if it concerns braking. `None` for other inputs. Also
+/// `None` if the input depends on the axle's position (front or rear) and the study does not give the position.
 fn of_drive(need: &Need, vehicle: &VehicleFigures) -> Option<bool> {
     match need {
         Need::FrontBraking => Some(false),
@@ -15,7 +15,7 @@ fn of_drive(need: &Need, vehicle: &VehicleFigures) -> Option<bool> {
     }
 }
 
-/// Keys for this need that are missing in the study.
+/// Keys of this required input that are missing in the study.
 pub(super) fn missing(need: &Need, vehicle: &VehicleFigures) -> Vec<&'static str> {
     let mut keys = Vec::new();
     if vehicle.position.is_none() {
@@ -39,8 +39,8 @@ pub(super) fn missing(need: &Need, vehicle: &VehicleFigures) -> Vec<&'static str
     keys
 }
 
-/// Reason why an axle does not have an anti-feature although all inputs are given, and the anti-feature that applies
-/// instead.
+/// Reason why an anti-feature does not apply to an axle although all inputs are given. Also names the anti-feature that
+/// applies instead.
 pub(super) fn refusal(
     need: &Need,
     vehicle: &VehicleFigures,

@@ -60,7 +60,8 @@ impl AxleSite {
         let mut held = motion.clone();
         let over = held.moving()[0];
         let along = held.along(over).cloned().unwrap_or_default();
-        // Several rows of a motion may have the same value. For each value, the site contains all these rows.
+        // Several rows of a motion may have the same value. For each value, the site (the stations of a target) contains
+        // all these rows.
         let mut values: Vec<f64> = Vec::new();
         for value in along {
             index_or_push(&mut values, over.written(value, axle));
@@ -82,12 +83,12 @@ impl AxleSite {
         motion + &self.words
     }
 
-    /// Returns true if the site contains all stations of the motion with this name.
+    /// Returns true if the site (the stations of a target) contains all stations of the motion with this name.
     pub fn is_whole_motion(&self, name: Option<&str>) -> bool {
         self.motion.as_deref() == name && self.words.is_empty()
     }
 
-    /// Poses for a value of `over` in the study's unit.
+    /// Poses at which the varying coordinate `over` has the value `at`, in the study's unit.
     pub fn placements(&self, at: f64, axle: &Axle) -> Vec<Placement> {
         let mut motion = self.held.clone();
         if motion.has_rows() {
@@ -173,7 +174,8 @@ impl<'w> Where<'w> {
     }
 }
 
-/// Reads the quantities of a band of an axle, and its stations. If the site is `None`, the band applies to the whole `[motion]`.
+/// Reads the quantities of a band of an axle, and the stations at which the band applies (its site). If the site is `None`, the
+/// band applies to the whole `[motion]`.
 pub(super) fn band(
     spanned: &Spanned<file::Band>,
     study: &AxleStudy,
@@ -194,7 +196,7 @@ pub(super) fn band(
     Some((of?, site))
 }
 
-/// Different values of a coordinate in a motion, as written.
+/// Distinct values of a coordinate in a motion, as written.
 fn moved(motion: &file::Motion, coordinate: Coordinate, problems: &mut Problems) -> Vec<f64> {
     let written = coordinates!(motion)[coordinate as usize];
     let given = written.as_ref().and_then(|given| list(given, problems));

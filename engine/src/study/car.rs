@@ -50,11 +50,11 @@ pub struct CarStudy {
     pub cases: Vec<Case>,
     /// Requested results.
     pub quantities: Vec<CarQuantity>,
-    /// True if the study asks for derivatives with respect to parameters and hardpoints.
+    /// True if the study requests derivatives with respect to parameters and hardpoints.
     pub sensitivities: bool,
-    /// True if the study asks for forces in members.
+    /// True if the study requests forces in members.
     pub member_loads: bool,
-    /// Map of states over ax and ay.
+    /// Map of steady states over the longitudinal acceleration ax and the lateral acceleration ay.
     pub gg_map: Option<GgMap>,
     /// Sweep.
     pub sweep: Option<CarSweep>,
@@ -64,7 +64,7 @@ pub struct CarStudy {
     pub tolerance: Option<CarTolerance>,
 }
 
-/// Map of states over ax and ay.
+/// Map of steady states over the longitudinal acceleration ax and the lateral acceleration ay.
 #[derive(Clone, Debug)]
 pub struct GgMap {
     /// Longitudinal accelerations, positive forward.
@@ -117,7 +117,7 @@ pub struct CarSweep {
     pub constraints: bool,
 }
 
-/// Tolerances of a car's parts, rates and masses.
+/// Tolerances of a car's parts, rates and masses, and the limits that the results of built cars must satisfy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarTolerance {
     /// Number of builds.
@@ -130,7 +130,7 @@ pub struct CarTolerance {
     pub axles: [Tolerance; 2],
     /// All tolerance sources, in the order of the study.
     pub contributors: Vec<CarContributor>,
-    /// Limits that builds must keep.
+    /// Limits that the results of built cars must satisfy.
     pub bands: Vec<CarBand>,
 }
 
@@ -187,7 +187,7 @@ const RESERVED: [&str; 5] = ["front", "rear", "left", "right", "static"];
 const MOST_STATES: usize = 100_000;
 
 impl CarStudy {
-    /// Texts of the car, of its front and of its rear axle.
+    /// Study texts of the car, of its front axle and of its rear axle.
     pub fn texts(&self) -> [&str; 3] {
         let [front, rear] = &self.axles;
         [&self.text, &front.text, &rear.text]

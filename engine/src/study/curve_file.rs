@@ -24,7 +24,7 @@ pub(super) struct WantedColumns<'a> {
     /// True if the measured points are used unchanged. Otherwise they are sorted, and the two directions of a hysteresis loop are
     /// averaged.
     pub as_measured: bool,
-    /// Returns the reason if a measured point cannot be compared at a drive value.
+    /// Returns the reason why a measured point at a drive value cannot be compared. `None` if the point can be compared.
     pub refuse_measured: &'a dyn Fn(f64) -> Option<String>,
 }
 
@@ -205,8 +205,8 @@ pub(super) fn delimiter(text: &str) -> u8 {
 }
 
 /// Converts measured points to a function of the drive value, sorted by drive value. If the measurement went back and forth
-/// over much the same range, the function is the mean of the curves in both directions. Values at the same drive value are
-/// averaged, too.
+/// over nearly the same range, the function is the mean of the curves in both directions. Values at the same drive value
+/// are averaged, too.
 fn function(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let ways = ways(&points);
     let reach = |way: &[[f64; 2]]| (way[0][0], way[way.len() - 1][0]);
@@ -351,8 +351,8 @@ mod tests {
         );
     }
 
-    /// Rows with different rack displacements belong to different curves. The target of one displacement does not use rows
-    /// with other displacements, and it does not use a mean.
+    /// Rows with different rack displacements belong to different curves. A target uses only rows with its own
+    /// displacement, and never a mean over displacements.
     #[test]
     fn each_rack_has_its_own_rows() {
         let text = "travel_mm,rack_mm,camber_deg\n-1,0,1\n1,0,2\n-1,10,5\n1,10,6\n";

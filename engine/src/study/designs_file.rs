@@ -131,7 +131,7 @@ impl DesignTable {
     /// the range of its values.
     ///
     /// # Errors
-    /// Reason, in words, why the values do not form a table of designs.
+    /// Returns the reason, in words, if the values do not form a table of designs.
     pub fn of(mut variables: Vec<SweepVariable>, values: Vec<f64>) -> Result<Self, String> {
         if variables.is_empty() {
             return Err("expected at least one variable, found none".to_owned());

@@ -25,8 +25,8 @@ impl Study {
     }
 
     /// Returns a built suspension ([`crate::assembly`]) as the text of a study. If angles define the spin axis of the study,
-    /// a point `spindle_inner` replaces them, because points define the axis of a build. The hinge of a twist beam gets its
-    /// second point.
+    /// a point `spindle_inner` replaces them, because points define the axis of a build. For a twist beam, the text also
+    /// gets the second point of the hinge.
     pub fn with_built(&self, built: &Suspension) -> String {
         let text = self.with_design(&built.design);
         let mechanism = &built.mechanism;

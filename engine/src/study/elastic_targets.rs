@@ -35,7 +35,7 @@ pub(super) fn figures(elastic: &ComplianceStudy, suspension: &Suspension) -> Vec
         }
         for (quantity, unit) in quantities(suspension, &elastic.parts, elastic.tyre_rate, test) {
             for is_secant in [false, true] {
-                // A test with a motion has no window of loads, so it has no secants.
+                // A test that prescribes a motion has no range of loads (key `window`), so it has no secant.
                 if is_secant && test.load.is_motion() {
                     continue;
                 }

@@ -149,7 +149,8 @@ fn all(
             let error = problems.add(load.name.span(), message);
             error.related(first.name.span(), "first here");
         }
-        // Both loads act in one equilibrium.
+        // Two loads with the same name, one on each wheel, act in one equilibrium. So both loads must keep the same
+        // quantity constant.
         let differs =
             |one: &&file::Load| one.name == load.name && apart(one) && one.hold != load.hold;
         if let Some(first) = written[..i].iter().find(differs) {

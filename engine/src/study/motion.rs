@@ -52,7 +52,7 @@ impl Drive {
         format!("{}_{}", self.key(), self.unit(length))
     }
 
-    /// Kernel's drive for this drive.
+    /// Converts this drive of a study to the drive of the kernel.
     pub fn in_kernel(self) -> model::Drive {
         match self {
             Drive::Travel => model::Drive::Travel,

@@ -121,7 +121,7 @@ pub(super) fn sensitivities(
     }
 }
 
-/// Returns true if the study asks for the angular rates of the knuckle. These rates need an order above position.
+/// Returns true if the study requests the angular rates of the knuckle. These rates need an order above position.
 pub(super) fn knuckle(section: &file::Outputs, order: Order, problems: &mut Problems) -> bool {
     let knuckle = section.knuckle.as_ref();
     if let Some(knuckle) = knuckle.filter(|k| *k.get_ref() && order == Order::Position) {

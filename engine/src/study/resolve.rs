@@ -381,8 +381,8 @@ struct Tasks {
 }
 
 impl Tasks {
-    /// Reads the sections in the order of their references. `is_known` is false if the axle could not be read. `None` if a
-    /// section has an error.
+    /// Reads the sections, each after the sections to which it refers. `is_known` is false if the axle could not be read.
+    /// `None` if a section has an error.
     fn read(
         context: &Context<'_>,
         is_known: bool,
@@ -434,7 +434,7 @@ impl Tasks {
     }
 }
 
-/// Laws of bushings that come from separate files. They become part of the study's text.
+/// Force laws of bushings that come from separate files. These laws become part of the study's text.
 fn bushings_of_files(file: &file::File, parts: Option<NamedParts<'_>>) -> Vec<BushingText> {
     let bushings = parts.into_iter().flat_map(|own| own.bushings);
     let is_of_file = |part: &NamedBushing<'_>| {

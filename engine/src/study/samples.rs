@@ -1,4 +1,4 @@
-//! Target values at each drive value. Between the points of a curve, they are interpolated.
+//! Target values at each drive value. The values between the points of a curve are interpolated.
 
 use super::drive_rounding::{DriveRounding, ends_of_curve};
 use super::{Interpolation, Limit, Target, TargetKind, Wanted};
@@ -37,7 +37,7 @@ pub struct AxleSample {
     pub placement: Placement,
     /// Quantity.
     pub quantity: Quantity,
-    /// Target range of the quantity. Its `drive` is the value on the target's curve as written in the study.
+    /// Target range of the quantity. Its field `drive` is the drive value of the curve's point, as written in the study.
     pub wanted: Sample,
 }
 

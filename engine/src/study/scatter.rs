@@ -94,7 +94,7 @@ pub struct Want {
     pub value: f64,
 }
 
-/// Tolerances of builds, and the bands that builds must keep.
+/// Tolerances of built vehicles, and the limits that these vehicles must satisfy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tolerance {
     /// Number of builds.
@@ -105,7 +105,7 @@ pub struct Tolerance {
     pub aligned: bool,
     /// Dimensions that scatter, at least one.
     pub scatter: Vec<Contributor>,
-    /// Bands that builds must keep.
+    /// Limits that the built vehicles must satisfy.
     pub bands: Vec<Band>,
 }
 
@@ -132,7 +132,7 @@ pub struct Source {
     /// Wheel of an axle that has these dimensions, in the kernel's frame of its side. `None` for a part that both wheels
     /// share. The dimensions are then those of the left wheel.
     pub side: Option<Side>,
-    /// The same dimensions in the mechanism of a solid axle's other wheel. Empty for other vehicles.
+    /// Dimensions of the source, as they are in the mechanism of a solid axle's other wheel. Empty for other vehicles.
     pub seen_from_other: Vec<(BuildParameter, f64)>,
 }
 
@@ -178,17 +178,17 @@ pub enum Law {
     },
 }
 
-/// A band that a quantity of the builds must keep, in radians or length units.
+/// Lower and upper limit of a quantity of built vehicles, in radians or length units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Band {
-    /// Quantity that must keep the band: a characteristic, or a quantity of an axle. Without a side, the quantities of both
-    /// wheels must keep it.
+    /// Quantity with limits: a characteristic, or a quantity of an axle. Without a side, the quantities of both wheels must
+    /// satisfy the limits.
     pub of: TargetQuantity,
-    /// Drive value at which the band applies, or a value of the coordinate that [`Band::site`] varies. `None` for all
+    /// Drive value at which the limits apply, or a value of the coordinate that [`Band::site`] varies. `None` for all
     /// stations.
     pub at: Option<f64>,
     /// For an axle: the coordinate of the motion to which `at` refers, and the values of the other coordinates. `None` means
-    /// that the band applies to the whole motion.
+    /// that the limits apply to the whole motion.
     pub site: Option<AxleSite>,
     /// Lowest and highest value. A missing limit is infinite.
     pub between: [f64; 2],

@@ -108,7 +108,7 @@ fn adjustment_of_wheel(
     adjustment(written, context.suspension, problems)
 }
 
-/// Target change of the ride height: as written, or minus the written travel.
+/// Target change of the ride height: the written change, or the written travel with the opposite sign.
 fn ride_height_change(section: &file::Setup, problems: &mut Problems) -> Option<f64> {
     match (&section.ride_height_change, &section.travel) {
         (Some(change), Some(travel)) => {

@@ -273,7 +273,7 @@ impl Reader<'_> {
         Ok(found)
     }
 
-    /// Adds the targets of a row: one for its value, and one for its secant.
+    /// Adds the targets of a row of the sheet: one for its value, and one for its secant.
     fn row(&self, row: &Row<'_>, into: &mut Vec<(Target, SheetTarget)>) -> Result<(), StudyErrors> {
         for (column, is_secant) in [("value", false), ("secant", true)] {
             let Some(value) = row.number(column)? else {
@@ -305,7 +305,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Returns true if a row belongs to a test. Empty cells match every test.
+    /// Returns true if a row of the sheet belongs to a test. Empty cells match every test.
     fn is_of(&self, row: &Row<'_>, test: &KcTest) -> Result<bool, StudyErrors> {
         let u = self.context.suspension.length_unit.symbol();
         let trail = row.number(&format!("trail_{u}"))?;
@@ -361,7 +361,8 @@ impl Reader<'_> {
         }
     }
 
-    /// Test result of a row. `None` for a secant of a test with a motion, because such a test has no secants.
+    /// Test result that a row of the sheet contains. `None` for a secant of a test with a motion, because such a test
+    /// has no secants.
     fn figure_of_wheel(
         &self,
         elastic: &ComplianceStudy,
@@ -469,6 +470,6 @@ struct SheetFigure {
     /// Name of the test result in a study.
     name: String,
     of: TargetQuantity,
-    /// Wheel that the row names, for an axle.
+    /// Wheel that the row of the sheet names, for an axle.
     side: Option<Side>,
 }

@@ -248,7 +248,8 @@ fn links(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool 
     }
 }
 
-/// Axle as seen from its left wheel and from its right wheel. The second is `None` if the axle is symmetric.
+/// Axle as seen from its left wheel, and as seen from its right wheel. The second view is `None` if the axle is
+/// symmetric.
 pub(super) fn wheels(
     file: &File,
     suspension: &Suspension,

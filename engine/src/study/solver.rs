@@ -53,7 +53,7 @@ pub(super) fn formulation(
     Some(formulation)
 }
 
-/// Refuses the key `accuracy`, because every study is solved to rounding.
+/// Refuses the key `accuracy`, because every study is solved with errors only at rounding level.
 pub(super) fn refuse_accuracy(file: &File, problems: &mut Problems) {
     if let Some(accuracy) = &file.solver.accuracy {
         let message = "the option accuracy was removed: poses always have full double precision";

@@ -108,8 +108,8 @@ pub struct Site {
 }
 
 impl Site {
-    /// Returns true if the site consists of all stations of one wheel's motion, with the rack of this motion. `name` is the
-    /// name of the motion.
+    /// Returns true if the site (the stations of a target) consists of all stations of one wheel's motion, with the rack of
+    /// this motion. `name` is the name of the motion.
     pub fn is_whole_motion(&self, name: Option<&str>) -> bool {
         let own = self.motion.as_ref().map(|(name, _)| name.as_str());
         own == name && self.racks.is_empty() && self.axle.is_none()
@@ -276,7 +276,8 @@ pub struct Limited {
     pub lower: Option<f64>,
     /// Upper limit. `None` means no limit. If it equals `lower`, the constraint is an equality.
     pub upper: Option<f64>,
-    /// Change of the measure that counts as 1 in the rows of a tuning. It is a visible change, such as 1 mm or 1 degree.
+    /// Change of the measure by which a tuning divides deviations from the limits. It is a visible change, such as 1 mm
+    /// or 1 degree.
     pub scale: f64,
     /// The change `scale`, expressed in `unit`.
     pub visible: f64,
@@ -285,7 +286,8 @@ pub struct Limited {
 }
 
 impl Limited {
-    /// Lower and upper limit in `unit`. `None` without a limit. A force of a member has the direction of the program.
+    /// Lower and upper limit in `unit`. `None` without a limit. The limits of a force in a member have their sign in the
+    /// kernel's axes.
     pub fn limits(&self) -> [Option<f64>; 2] {
         let printed = |limit: f64| {
             if self.of.is_versine() {
@@ -297,8 +299,8 @@ impl Limited {
         [self.lower, self.upper].map(|limit| limit.map(printed))
     }
 
-    /// Margin between the measure and one of its limits in `unit`, from the value of the limit's row. The row is (measure -
-    /// limit)/scale, with the opposite sign for a lower limit. Negative if the limit is violated.
+    /// Margin between the measure and one of its limits, in `unit`. `row` is (measure - limit)/scale, with the opposite
+    /// sign for a lower limit. The margin is negative if the limit is violated.
     pub(crate) fn margin(&self, row: f64) -> f64 {
         match (self.of.is_versine(), self.upper) {
             (true, Some(limit)) => {

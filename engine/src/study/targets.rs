@@ -145,7 +145,8 @@ fn target(
     Some((target, from_file))
 }
 
-/// Quantity of a target, its site, and for an axle its motion. A part with an error is `None`.
+/// Quantity of a target, the stations at which it applies (its site), and for an axle its motion. A part with an error
+/// is `None`.
 fn quantity_and_site(
     spanned: &Spanned<Written>,
     context: &Context,
@@ -281,7 +282,7 @@ impl TargetContext<'_> {
         Some(())
     }
 
-    /// Reads the target values, and the curve of a file.
+    /// Reads the target values, and the curve if it comes from a file.
     fn wanted(
         &self,
         written: &Written,

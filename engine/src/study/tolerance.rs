@@ -1,4 +1,4 @@
-//! `[tolerance]`: tolerances of parts, and the bands that builds must keep.
+//! `[tolerance]`: tolerances of parts, and the limits (bands) that built vehicles must satisfy.
 
 mod band;
 mod jig;
@@ -23,8 +23,8 @@ use jig::jig;
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Number of standard deviations about the nominal value within which every value must be one that a study accepts. Builds
-/// with other values are rejected.
+/// Number of standard deviations. Within this distance from the nominal value, a study must accept every value. Builds
+/// with values that a study does not accept are rejected.
 const LEAST_SIGMAS: f64 = 4.0;
 /// Largest number of builds: hours of work for the fastest machine.
 const MOST_BUILDS: i64 = 10_000_000_000;
@@ -144,7 +144,8 @@ pub(super) fn contributors_of_axle(
         if only.is_some_and(|only| only != side) {
             continue;
         }
-        // Uses the left wheel's axes, because a mirror-image part has the same tolerances as the original.
+        // Uses the axes of the left wheel. A part of the right wheel is the mirror image of the left part, so it has the
+        // same tolerances in these axes.
         let of_side = Suspension {
             frame: suspension.frame,
             ..study.axle.suspension(side).clone()

@@ -50,14 +50,14 @@ pub struct Optimise {
     pub fit: bool,
     /// Two or three goals whose trade-off is computed. Empty if no trade-off is requested.
     pub front: Vec<FrontGoal>,
-    /// Builds of a robust tuning. The tuning improves their mean squared misfit, or the share of builds within all bands.
-    /// `None` for a tuning of the nominal design.
+    /// Built vehicles (builds) of a robust tuning. The tuning improves their mean squared misfit, or the share of builds
+    /// within all bands. `None` for a tuning of the nominal design.
     pub scatter: Option<Scatter>,
     /// True if the results report changes in quantities without a target.
     pub side_effects: bool,
 }
 
-/// A fixed sample of builds with the tolerances of `[tolerance]`.
+/// Fixed sample of built vehicles (builds), with the tolerances of `[tolerance]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scatter {
     /// Number of builds.
@@ -84,11 +84,11 @@ impl Scatter {
 pub enum RobustAim {
     /// Mean squared misfit of the builds.
     Misfit,
-    /// Share of builds that keep these bands.
+    /// Share of builds that satisfy these limits.
     Yield(Vec<Band>),
 }
 
-/// Goal of a front: all targets with one name.
+/// Goal of a trade-off curve (Pareto front). It consists of all targets with one name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrontGoal {
     /// Name of the targets.
@@ -98,7 +98,7 @@ pub struct FrontGoal {
 }
 
 impl Optimise {
-    /// The same tuning without builds. It improves only the nominal design.
+    /// Returns the same tuning without builds. That tuning improves only the nominal design.
     pub fn nominal(&self) -> Self {
         Optimise {
             scatter: None,
@@ -154,8 +154,8 @@ impl Variable {
         }
     }
 
-    /// Axis of the move. `None` if the move is not along a single axis. Also `None` for a direction against the axis, in
-    /// which the coordinates of all points fall as the offset rises.
+    /// Axis of the move. `None` if the move is not along a single axis. Also `None` if the coordinates of all points
+    /// fall as the offset rises.
     pub fn axis(&self) -> Option<Axis> {
         let first = self.moves.first()?.axis;
         let is_along = self.moves.iter().all(|m| m.axis == first);

@@ -139,7 +139,7 @@ impl Vehicle {
     ///
     /// # Errors
     ///
-    /// The design of a wheel cannot move.
+    /// Returns an error if the design of a wheel cannot move.
     pub fn assembled(&self) -> Result<Vehicle, DesignFault> {
         let of = |wheel: &Suspension| Ok(Assembler::new(wheel)?.suspension().clone());
         let mut assembled = self.clone();

@@ -34,7 +34,7 @@ pub struct CarSweepPlan<'s> {
 pub enum CarNotBegun {
     /// The study's own design cannot be solved.
     Fault(CarFault),
-    /// Two columns of the results would have the same name, given here.
+    /// Two columns of the results would have this name.
     TwoColumns(String),
 }
 
@@ -324,7 +324,7 @@ fn describe(study: &CarStudy, sweep: &CarSweep, targets: &[CarTarget]) -> SweepR
         column: format!("{}_{}", AXLE_NAMES[end], target.of.column),
         tolerance: (target.tolerance * target.of.factor()).abs(),
         weight: target.weight,
-        // The points of the curve are not values of a load case.
+        // A target of a single axle has no points here, because the points of its curve are not values of a load case.
         points: Vec::new(),
     });
     let targets = targets.iter().map(|target| TargetColumn {
@@ -370,7 +370,7 @@ fn describe(study: &CarStudy, sweep: &CarSweep, targets: &[CarTarget]) -> SweepR
     }
 }
 
-/// Names of the constraints of the cases and of the axles on their rigs.
+/// Names of the constraints of the load cases and of the single axles.
 fn constraints(study: &CarStudy) -> Vec<String> {
     let Some(optimise) = &study.optimise else {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! Pareto front: a set of designs. If another design is better in one target, it is worse in another target.
+//! Pareto front of a sweep. A design is on the front if every other design is worse in at least one target.
 
 use super::Failing;
 use crate::sorting::sort_by_key;

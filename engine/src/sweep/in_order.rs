@@ -33,7 +33,7 @@ pub fn in_order<W, T: Send, E: Send>(
     };
     rayon::broadcast(|_| {
         let mut own = None;
-        // If this thread panics, the others must not wait for its result.
+        // If this thread panics, all other threads must not wait for its result.
         let _ends = EndsOnPanic(&queue);
         while let Some(turn) = queue.turn() {
             match turn {
@@ -53,7 +53,7 @@ pub fn in_order<W, T: Send, E: Send>(
     failed.map_or(Ok(()), Err)
 }
 
-/// Queue of the pieces of work: finished, running and not yet started ones.
+/// Queue of the pieces of work: finished pieces, running pieces and pieces that have not been started.
 struct Queue<T, F, E> {
     /// Largest number of pieces that have been started but not yet passed on.
     most: u64,

@@ -118,7 +118,7 @@ pub enum NotBegun {
     Designs(StudyErrors),
     /// The study's own design cannot be solved.
     Fault(DesignFault),
-    /// Two columns of the results would have the same name, given here.
+    /// Two columns of the results would have this name.
     TwoColumns(String),
 }
 
@@ -479,7 +479,7 @@ fn describe(study: &Study, sweep: &Sweep, samples: &Samples, stations: &Stations
             Some(site) => t.stations_among(&site.values),
             None => t.stations_in(motion),
         };
-        // The page shows the curves at the rack displacement of the design position.
+        // The page with the results shows the curves at the rack displacement of the design position.
         let home = motion.design_rack();
         let is_shown = t.site.racks.is_empty() || t.site.racks.contains(&home);
         let wanted = t.wanted.at_stations(&stations).into_iter();

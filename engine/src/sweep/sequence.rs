@@ -27,9 +27,9 @@ pub fn uniform(index: u64, dimension: usize, seed: u32) -> f64 {
     (bits >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-/// Returns coordinate `dimension` of point `index` of a Latin hypercube of `count` points: a uniform number in an
-/// interval of width 1 / `count` that contains no other point (M. D. McKay, R. J. Beckman, W. J. Conover, Technometrics
-/// 21, 1979).
+/// Returns coordinate `dimension` of point `index` of a Latin hypercube of `count` points. The coordinate is a uniform
+/// number in an interval of width 1 / `count`, and no other point has its coordinate in this interval (M. D. McKay, R.
+/// J. Beckman, W. J. Conover, Technometrics 21, 1979).
 pub fn latin_hypercube(index: u64, count: u64, dimension: usize, seed: u32) -> f64 {
     let stratum = permuted(index, count, key(dimension, seed));
     let within = uniform(index, dimension, !seed);
@@ -52,8 +52,9 @@ fn key(dimension: usize, seed: u32) -> u64 {
     mixed((dimension as u64 + 1).wrapping_mul(STRIDE) ^ (u64::from(seed) << 32))
 }
 
-/// Returns the image of `index` under a permutation of `0..count`: a Feistel network over the next even power of two,
-/// repeated until the result is in the range (J. Black, P. Rogaway, Ciphers with arbitrary finite domains, CT-RSA 2002).
+/// Returns the number to which a permutation of `0..count` moves `index`. The permutation is a Feistel network over the
+/// next even power of two, which is repeated until the result is in the range (J. Black, P. Rogaway, Ciphers with
+/// arbitrary finite domains, CT-RSA 2002).
 fn permuted(index: u64, count: u64, key: u64) -> u64 {
     let bits = (u64::BITS - (count - 1).leading_zeros()).max(2).div_ceil(2);
     let mask = (1_u64 << bits) - 1;

@@ -9,8 +9,8 @@ use super::moments::{BinnedSums, Moments, SaltelliSums, Span};
 use super::{Rows, SweepRecord};
 use serde::{Deserialize, Serialize};
 
-/// Number of best designs in the statistics. Designs that fail at a station are not ranked; of their misfits, the statistics
-/// keep this many of the smallest.
+/// Number of best designs in the statistics. Designs that fail at a station are not ranked. The statistics keep the same
+/// number of the smallest misfits of these designs.
 pub const KEPT: usize = 10;
 /// Largest number of examples for each failure.
 const EXAMPLES: usize = 5;
@@ -65,7 +65,7 @@ pub struct FailureCount {
     pub stations: u64,
     /// Drive value of the failed station that is nearest to the design position.
     pub nearest: Option<f64>,
-    /// Numbers of the first few of these designs.
+    /// Numbers of the first few designs that failed for this reason.
     pub examples: Vec<u64>,
 }
 

@@ -21,8 +21,8 @@ use crate::study::Source;
 /// Rates at which a tolerance source moves every point of a wheel.
 pub(super) type Moves = Vec<Vector3<f64>>;
 
-/// Derivatives of every value with respect to each tolerance source, `[cell][source]`. NaN if there is no value or no
-/// derivative.
+/// Derivatives of every cell (an output at a station) with respect to each tolerance source, `[cell][source]`. NaN if
+/// there is no value or no derivative.
 pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f64>, SetUpError> {
     let moves = moves(problem, sources)?;
     let drawn = |side: Side| {

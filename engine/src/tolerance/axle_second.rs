@@ -1,8 +1,8 @@
 //! Exact second-order result of the tolerance analysis of an axle.
 //!
-//! As for one wheel (module `expansion`), the parts move along a direction, by one number. The built designs of both wheels,
-//! the poses and the values in these poses are Taylor series in this number. Module `axle/series` computes the positions on
-//! the ground. Quantities that contain velocities have no second-order result.
+//! As for one wheel (module `expansion`), the deviations of the parts move along a direction by a variable distance. The
+//! built designs of both wheels, the poses and the values in these poses are Taylor series in this distance. Module
+//! `axle/series` computes the positions on the ground. Quantities that contain velocities have no second-order result.
 //!
 //! Positions that follow from a load have no second-order result, either.
 
@@ -20,7 +20,7 @@ use crate::study::Source;
 /// Largest number of Taylor series of poses, over both wheels. Their computation takes some seconds.
 const MOST_SERIES: usize = 300_000;
 
-/// Second-order terms of the mean and of the variance, for each cell.
+/// Second-order terms of the mean and of the variance, for each cell (an output at a station).
 pub(super) fn second(
     problem: &Problem,
     stations: &AxleStations,
@@ -101,8 +101,8 @@ impl<'p> DrawnPositions<'p> {
         })
     }
 
-    /// Second derivative of each cell along the sum of the directions of some tolerance sources, each scaled by its standard
-    /// deviation.
+    /// Second derivative of each cell (an output at a station). The derivative is along the sum of the directions of some
+    /// tolerance sources, each scaled by its standard deviation.
     fn second_derivatives(&self, along: &[&Source]) -> Vec<f64> {
         let wheel_assemblers = self.problem.wheel_assemblers.iter().zip(&self.built);
         let designs: Vec<Vec<Vector3<Series>>> = wheel_assemblers

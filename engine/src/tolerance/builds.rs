@@ -1,4 +1,4 @@
-//! Builds with given numbers: their random numbers, assembly and solution.
+//! Random numbers, assembly and solution of builds (vehicles with scattering parts). A build is given by its number.
 
 use super::lanes::LaneBuilder;
 use super::wheel_assembler::WheelAssembler;
@@ -17,10 +17,11 @@ impl Problem<'_> {
         builder.evaluator.not_in_lanes()
     }
 
-    /// Values of the nominal suspension, for each cell.
+    /// Values of the nominal suspension, for each cell (an output at a station).
     pub fn drawn(&self) -> Result<Vec<f64>, DesignFault> {
         let mut builder = Builder::new(self, None)?;
-        // The random numbers are 0. A nominal design that cannot be assembled has no values.
+        // With all random numbers 0, the build is the nominal design. A nominal design that cannot be assembled has no
+        // values.
         if builder.build(0).is_err() {
             return Ok(vec![f64::NAN; self.cells()]);
         }

@@ -2,9 +2,9 @@
 //! rates, and values of the car such as its mass.
 //!
 //! The parts of each axle are assembled as in a study of the axle ([`crate::assembly`]). The car with these parts is in
-//! equilibrium on its springs. First-order results are exact. They follow from the chain rule: derivatives of every result
-//! with respect to the hardpoints, times derivatives of the built designs with respect to each tolerance source. Rates and
-//! values of the car add further terms. Module `car_second` computes the second order.
+//! equilibrium on its springs. First-order results are exact and follow from the chain rule. One factor is the derivatives
+//! of every result with respect to the hardpoints. The other factor is the derivatives of the built designs with respect
+//! to each tolerance source. Rates and values of the car add further terms. Module `car_second` computes the second order.
 
 use super::axle_expansion::{Moves as PointMoves, moves};
 use super::histogram::Histogram;

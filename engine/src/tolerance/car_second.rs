@@ -1,9 +1,9 @@
 //! Exact second-order result of the tolerance analysis of a car.
 //!
-//! The deviations move along a direction of the tolerance sources, by one number. The built designs of both axles, the rates
-//! and the values of the car are Taylor series in this number. The wheels, the unknowns of each state and the results are
-//! then Taylor series, too ([`crate::car`], module `second`). If an axle is solid, results that are derivatives of a state
-//! have no second-order result.
+//! The deviations move along a direction of the tolerance sources by a variable distance. The built designs of both axles,
+//! the rates and the values of the car are Taylor series in this distance. The wheels, the unknowns of each state and the
+//! results are then Taylor series, too ([`crate::car`], module `second`). If an axle is solid, results that are derivatives
+//! of a state have no second-order result.
 
 use super::Problem;
 use super::car::CarProblem;

@@ -129,7 +129,8 @@ pub(super) fn problem<'a>(
     })
 }
 
-/// Derivatives of every value with respect to each tolerance source, `[cell][source]`. NaN if there is no value.
+/// Derivatives of every cell (an output at a station) with respect to each tolerance source, `[cell][source]`. NaN if
+/// there is no value.
 pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f64>, SetUpError> {
     let wheel_assembler = &problem.wheel_assemblers[0];
     let assembler = &wheel_assembler.assembler;

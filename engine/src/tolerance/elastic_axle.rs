@@ -49,7 +49,8 @@ fn tensions(problem: &Problem, sources: &[&Source]) -> Result<Vec<f64>, SetUpErr
     Ok(by_source.collect())
 }
 
-/// Derivatives of every value with respect to each tolerance source, `[cell][source]`. NaN if there is no value.
+/// Derivatives of every cell (an output at a station) with respect to each tolerance source, `[cell][source]`. NaN if
+/// there is no value.
 pub(super) fn gradients(
     problem: &Problem,
     stations: &AxleStations<'_>,

@@ -1,10 +1,10 @@
 //! Exact first- and second-order results of the tolerance analysis.
 //!
 //! The adjoint of the built design ([`crate::assembly::built_curves`]) gives the gradient g, for values and for gains. Taylor
-//! series give the Hessian H. The parts move along the direction d_j + d_k, by one number. The built design, the poses and
-//! the values in these poses are Taylor series in this number. The second coefficient of a value is (H_jj + 2 H_jk + H_kk)/2.
-//! Quantities that contain velocities (gains, roll centres, anti-features, swing arms, motion ratios) have no second-order
-//! result, because they would also need Taylor series in travel.
+//! series give the Hessian H. The deviations of the parts move along the direction d_j + d_k by a variable distance. The
+//! built design, the poses and the values in these poses are Taylor series in this distance. The second coefficient of a
+//! value is (H_jj + 2 H_jk + H_kk)/2. Quantities that contain velocities (gains, roll centres, anti-features, swing arms,
+//! motion ratios) have no second-order result, because they would also need Taylor series in travel.
 
 use super::{
     Estimate, Problem, Remainder, Spread, axle_expansion, axle_second, elastic, elastic_axle,
@@ -30,11 +30,12 @@ const MOST_SOURCES: usize = 120;
 pub struct Expansion {
     /// Derivatives g, `[cell][tolerance source]`. A cell is the value of an output at a station.
     pub gradient: Vec<f64>,
-    /// First-order variance of each cell.
+    /// First-order variance of each cell (an output at a station).
     pub variance: Vec<f64>,
-    /// First-order mean minus the nominal value, for each cell. It differs from 0 only if distributions are not centred on 0.
+    /// First-order mean minus the nominal value, for each cell (an output at a station). The difference is not 0 only if
+    /// distributions are not centred on 0.
     pub shift: Vec<f64>,
-    /// Second-order terms of the mean and of the variance, for each cell. NaN if unknown.
+    /// Second-order terms of the mean and of the variance, for each cell (an output at a station). NaN if unknown.
     pub second: Vec<[f64; 2]>,
     sources: usize,
 }
@@ -124,8 +125,9 @@ impl Expansion {
     }
 }
 
-/// For one wheel: derivatives of every value with respect to each tolerance source, `[cell][source]`, and second-order terms
-/// of the mean and the variance, `[cell]`.
+/// First- and second-order results for one wheel. The first array holds the derivatives of every cell (an output at a
+/// station) with respect to each tolerance source, `[cell][source]`. The second array holds the second-order terms of the
+/// mean and the variance, `[cell]`.
 fn of_wheel(
     problem: &Problem,
     sources: &[&Source],
@@ -172,7 +174,7 @@ fn plan(problem: &Problem) -> Plan {
     plan
 }
 
-/// Second-order terms of the mean and of the variance for each cell of one wheel.
+/// Second-order terms of the mean and of the variance, for each cell (an output at a station) of one wheel.
 fn second(problem: &Problem, built: &crate::assembly::Built) -> Vec<[f64; 2]> {
     let mechanism = &problem.wheel_assemblers[0].assembler.suspension().mechanism;
     let readable: Vec<bool> = problem
@@ -189,8 +191,9 @@ fn second(problem: &Problem, built: &crate::assembly::Built) -> Vec<[f64; 2]> {
     combined(problem, &readable, second_derivatives)
 }
 
-/// Second-order terms of the mean and variance of each cell. They come from the second derivatives of all cells along sums of
-/// tolerance sources, each scaled by its standard deviation. NaN for cells for which `readable` is false.
+/// Second-order terms of the mean and of the variance, for each cell (an output at a station). The terms come from the second
+/// derivatives of all cells along sums of tolerance sources, each scaled by its standard deviation. NaN for cells for which
+/// `readable` is false.
 pub(super) fn combined(
     problem: &Problem,
     readable: &[bool],
@@ -216,7 +219,7 @@ pub(super) fn combined(
 
 /// Second-order terms of the mean and variance of each cell, for tolerance sources with these distributions.
 /// `second_derivatives` returns the second derivatives of all cells along one source or the sum of two, each scaled by its
-/// standard deviation. NaN for cells that are not readable, and if there are too many sources.
+/// standard deviation. NaN for cells for which `is_readable` is false, and if there are too many sources.
 pub(super) fn of_pairs(
     laws: &[Law],
     cells: usize,
@@ -306,8 +309,8 @@ impl<'p> Poses<'p> {
         })
     }
 
-    /// Second derivative of each cell along the sum of the directions of some tolerance sources, each scaled by its standard
-    /// deviation.
+    /// Second derivative of each cell (an output at a station). The derivative is along the sum of the directions of some
+    /// tolerance sources, each scaled by its standard deviation.
     fn second_derivatives(
         &self,
         problem: &Problem,

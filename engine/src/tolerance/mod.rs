@@ -64,7 +64,8 @@ pub struct Problem<'a> {
     /// Quantities and stations. They come from the study's outputs and motion, then the design position, then the bands. For
     /// an axle, each wheel has separate hardpoints.
     request: Request<'static>,
-    /// Output and station of each value of a band, and the limits of the band. One entry for each band.
+    /// Values that a band limits, each given by its output and its station, and the limits of the band. One entry for
+    /// each band.
     bands: Vec<Banded>,
     /// Assemblers of the wheels: left, then right.
     wheel_assemblers: Vec<WheelAssembler>,
@@ -77,8 +78,8 @@ pub struct Problem<'a> {
 /// Values of a band as [output, station], and the limits of the band, moved outwards by the rounding error.
 type Banded = (Vec<[usize; 2]>, [f64; 2]);
 
-/// Placements of the stations at which a band applies. These are the stations with the band's own drive value, if the band
-/// has one. Otherwise they are all stations of `site`.
+/// Positions of the axle (placements) at which a band applies. These are the stations with the band's own drive value, if
+/// the band has one. Otherwise they are all stations of `site`.
 fn placements_of(band: &Band, site: &AxleSite, axle: &Axle) -> Vec<Placement> {
     let values = band
         .at
@@ -269,7 +270,7 @@ impl<'a> Problem<'a> {
         bands.map(move |(places, _)| places.iter().map(cell).collect())
     }
 
-    /// Placements of all stations of an axle. Empty for a study of one wheel.
+    /// Positions of the axle (placements) at all stations. Empty for a study of one wheel.
     pub fn placements(&self) -> &[Placement] {
         self.request.axle().map_or(&[], |axle| &axle.placements)
     }

@@ -21,7 +21,7 @@ const SIDE_BY_SIDE: usize = 8;
 pub struct MonteCarlo {
     /// Number of builds.
     pub builds: u64,
-    /// Spread of each cell: of each output at each station ([`Problem::cell`]).
+    /// Spread of each cell (an output at a station, see [`Problem::cell`]).
     pub spreads: Vec<Spread>,
     /// Builds that cannot be assembled, grouped by a word for the reason.
     pub rejects: BTreeMap<&'static str, Rejected>,
@@ -96,7 +96,8 @@ impl MonteCarlo {
 
 /// Sums of deviations from the nominal values over a block.
 struct Sums {
-    /// Count, and sums of the first to fourth powers, for each cell.
+    /// Number of values, and sums of the first to fourth powers of the deviations, for each cell (an output at a
+    /// station).
     powers: Vec<[f64; 5]>,
     ranges: Vec<[f64; 2]>,
     sifted: Sifted,
@@ -105,7 +106,7 @@ struct Sums {
 }
 
 impl Sums {
-    /// Sums over the builds of one block. Powers are powers of the deviations from `drawn`.
+    /// Sums over the builds of one block: powers of the deviations from the nominal values `drawn`.
     fn of(problem: &Problem, drawn: &[f64], block: &Block, order: &Order) -> Self {
         let bands = &problem.bands;
         let mut sums = Sums {
@@ -167,7 +168,7 @@ fn powers<'v>(pieces: impl Iterator<Item = &'v [f64]>, about: f64) -> ([f64; 5],
     for values in pieces {
         for values in values.chunks(SIDE_BY_SIDE) {
             for (k, value) in values.iter().enumerate() {
-                // Both comparisons are false for NaN.
+                // The comparisons are false for NaN, so NaN does not change the range.
                 range[0] = if *value < range[0] { *value } else { range[0] };
                 range[1] = if *value > range[1] { *value } else { range[1] };
                 let is = f64::from(u8::from(!value.is_nan()));

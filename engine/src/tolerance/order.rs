@@ -24,7 +24,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 const FIRST: u64 = 4096;
 /// Number of values below which equal values are not merged.
 const FEW: usize = 4096;
-/// Largest number of windows of a value.
+/// Largest number of windows (ranges that can contain percentiles) of a value.
 const MOST: usize = PERCENTILES.len();
 /// An empty window.
 const NONE: [f64; 2] = [f64::INFINITY; 2];
@@ -35,9 +35,10 @@ type Windows = Vec<[[f64; 2]; MOST]>;
 /// Contribution of some builds to the percentiles: counts of values, and stored values.
 pub(super) struct Sifted {
     windows: Arc<Windows>,
-    /// Number of values below the first window, between the first and the second, and so on, for each cell.
+    /// Number of values outside the windows, for each cell (a value at a station). The first number counts the values
+    /// below the first window. The next number counts the values between the first and the second window, and so on.
     between: Vec<[u32; MOST + 1]>,
-    /// Values within windows, cell after cell.
+    /// Values within the windows, for one cell (a value at a station) after another.
     kept: Vec<f64>,
     /// For each cell, the end of the cell's values in `kept`.
     ends: Vec<usize>,
@@ -45,7 +46,7 @@ pub(super) struct Sifted {
 
 /// Shared state of the percentile computation.
 pub(super) struct Order {
-    /// Current windows, for the builds that follow.
+    /// Current windows (ranges that can contain percentiles), for the builds that follow.
     windows: Mutex<Arc<Windows>>,
 }
 
@@ -62,14 +63,15 @@ pub(super) struct Gathered {
 #[derive(Clone, Default)]
 struct Cell {
     between: [u64; MOST + 1],
-    /// Values within windows, each with its number of occurrences.
+    /// Values of the cell within the windows, each with its number of occurrences.
     kept: Vec<(f64, u64)>,
     /// Length of `kept` at which equal values are merged next.
     compact_at: usize,
 }
 
 impl Order {
-    /// Makes the state for this number of cells, without any values. At first, every value is kept.
+    /// Makes the state for this number of cells (values at a station), without any values. At first, every value is
+    /// kept.
     pub(super) fn of(cells: usize) -> (Order, Gathered) {
         let mut all = [NONE; MOST];
         all[0] = [f64::NEG_INFINITY, f64::INFINITY];
@@ -103,7 +105,7 @@ impl Order {
 }
 
 impl Sifted {
-    /// Adds the values of the next cell. NaN counts as missing.
+    /// Adds the values of the next cell (a value at a station, over several builds). NaN counts as missing.
     pub(super) fn cell<'v>(&mut self, values: impl Iterator<Item = &'v [f64]>) {
         let windows = &self.windows[self.between.len()];
         let used = windows.iter().take_while(|w| **w != NONE).count();
@@ -134,7 +136,8 @@ impl Gathered {
         let mut first = 0;
         for (number, cell) in self.cells.iter_mut().enumerate() {
             let (now, then) = (&self.windows[number], &sifted.windows[number]);
-            // The windows may have become narrower since these builds were sorted. Each new window lies within an old window.
+            // The windows may have become narrower since the values of these builds were sorted into windows. Each new window
+            // lies within an old window.
             for (gap, count) in sifted.between[number].iter().enumerate() {
                 cell.between[moved(gap, then, now)] += u64::from(*count);
             }
@@ -163,8 +166,8 @@ impl Gathered {
         self.windows = Arc::new(windows.collect());
     }
 
-    /// Histogram of a cell. The histogram covers all builds, or the first [`FIRST`] builds and the rest of their block.
-    /// `None` if there are no values.
+    /// Histogram of a cell (a value at a station). The histogram covers all builds, or the first [`FIRST`] builds and
+    /// the rest of their block. `None` if there are no values.
     pub(super) fn histogram(&mut self, cell: usize) -> Option<Histogram> {
         match self.histograms.get(cell) {
             Some(histogram) => *histogram,
@@ -172,7 +175,7 @@ impl Gathered {
         }
     }
 
-    /// Percentiles of a cell. NaN if there are no values.
+    /// Percentiles of a cell (a value at a station). NaN if there are no values.
     pub(super) fn percentiles(&mut self, cell: usize) -> [f64; MOST] {
         let windows = &self.windows[cell];
         let cell = &mut self.cells[cell];
@@ -234,8 +237,8 @@ impl Cell {
             let Some(own) = own else {
                 continue;
             };
-            // If there are not enough values, or if the value lies outside all windows, this end of the window does not
-            // change.
+            // If there are not enough values, this end of the window does not change. The same applies if the value lies
+            // outside all windows.
             let reach = 7.0 * (n * p * (1.0 - p)).sqrt() + 24.0;
             let least = (n * p - reach).floor();
             let least = if least < 0.0 {
@@ -267,8 +270,8 @@ impl Cell {
     }
 }
 
-/// Converts a gap between the windows `then` to the gap between the windows `now` that contains the first gap. Each new
-/// window lies within an old window.
+/// Returns the gap between the windows `now` that contains gap number `gap` between the windows `then`. Each new window
+/// lies within an old window.
 fn moved(gap: usize, then: &[[f64; 2]; MOST], now: &[[f64; 2]; MOST]) -> usize {
     match gap {
         0 => 0,

@@ -105,7 +105,8 @@ impl WheelAssembler {
         }
     }
 
-    /// Changes the softness of a link whose stiffness scatters. Only an axle with extra links uses softnesses.
+    /// Changes the softness (compliance) of a link whose stiffness scatters. Only an axle with extra links uses
+    /// softnesses.
     fn soften(&self, source: &Source, z: f64, parts: &mut Parts<f64>) {
         let (Some(rate), false) = (&source.rate, self.tensions.is_empty()) else {
             return;

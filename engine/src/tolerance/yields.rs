@@ -1,8 +1,9 @@
 //! Yield, and effect of each tolerance on the yield.
 //!
 //! The gain from a tighter tolerance comes from the first-order result over a fixed random sample. The code stores the
-//! contribution of each contributor to each value with a band. So the effect of half or twice a tolerance takes one addition
-//! for each value. A predicted yield is the yield of the Monte Carlo analysis plus the change of the linear yield.
+//! contribution of each contributor to each value with a band. So the code finds the effect of half or twice a tolerance
+//! with one addition for each value. A predicted yield is the yield of the Monte Carlo analysis plus the change of the
+//! linear yield.
 
 use super::{Expansion, MonteCarlo, Problem};
 use crate::sorting::sort_by;
@@ -11,8 +12,8 @@ use crate::sorting::sort_by;
 const SAMPLE: u64 = 20_000;
 /// Largest loss of yield, if a tolerance is doubled, for which the tolerance can be relaxed.
 const LITTLE: f64 = 0.001;
-/// Smallest yield for which tolerances can be relaxed. Below it, so few builds are within the bands that a larger tolerance
-/// hardly changes the yield.
+/// Smallest yield for which tolerances can be relaxed. With a smaller yield, so few builds are within the bands that a
+/// larger tolerance hardly changes the yield.
 const LEAST: f64 = 0.05;
 
 /// Yield of a band.

@@ -1,10 +1,10 @@
 //! Gradients with respect to the hardpoints in a pose of the closed form.
 //!
-//! As everywhere (module `sensitivity`), an output with derivative y_x with respect to the pose has dy/dp = y_p - mu
-//! . F_p with J^T mu = y_x. The mu are constraint forces that balance the wrench y_x: a force f at the lower ball
-//! joint and a moment m about it. Here each mu has an explicit formula. v is the velocity of the ball joint and w the
-//! angular velocity, both per unit of travel. Levers start at the ball joint: d to the upper end, t to the tie rod's
-//! outer end, q to the wheel centre. l = t - g is along the tie rod.
+//! As everywhere (module `sensitivity`), an output with derivative y_x with respect to the pose has dy/dp = y_p - mu .
+//! F_p with J^T mu = y_x. The mu are constraint forces that balance the wrench y_x: a force f at the lower ball joint
+//! and a moment m about it. Here each mu has an explicit formula. v is the velocity of the ball joint and w the angular
+//! velocity, both per unit of travel. Levers start at the ball joint: d to the upper end, t to the tie rod's outer end,
+//! q to the wheel centre. The vector l = t - g is along the tie rod.
 //!
 //! ```text
 //! travel      mu6 = f.v + m.w                                   virtual work
@@ -13,9 +13,9 @@
 //! lower arm   b   = f - nu - mu3 l - mu6 z
 //! ```
 //!
-//! d.(t x l) = ga |n|^2. nu is the force at the upper end. Its moment is M, so d x nu = M. It does no work along e,
-//! the free direction of the upper end (along the strut, or the tangent of its circle). The two legs of an arm carry
-//! a force together: b = mu1 (r - p1) + mu2 (r - p2). a is the axis of the arm, s1 the joint's position along it and
+//! d.(t x l) = ga |n|^2. nu is the force at the upper end. Its moment is M, so d x nu = M. It does no work along e, the
+//! free direction of the upper end (along the strut, or the tangent of its circle). The two legs of an arm carry a force
+//! together: b = mu1 (r - p1) + mu2 (r - p2). Here a is the axis of the arm, s1 the joint's position along this axis and
 //! rho the radius:
 //!
 //! ```text
@@ -38,7 +38,7 @@ use crate::number::Vector3;
 pub(crate) struct Members<T> {
     lower_arm: Legs<T>,
     upper: UpperEnd<T>,
-    /// Vector l in the design position.
+    /// Vector l along the tie rod, in the design position.
     tie_rod: Vector3<T>,
 }
 
@@ -50,7 +50,7 @@ pub(crate) struct Adjoint<'a, T> {
     ball_joint_velocity: Vector3<T>,
     turn: Vector3<T>,
     d: Vector3<T>,
-    /// Vector l, and the same vector rotated back to the design position.
+    /// Vector l along the tie rod, and the same vector rotated back to the design position.
     tie_rod: Vector3<T>,
     tie_rod_in_knuckle: Vector3<T>,
     /// Cross product t x l.
@@ -73,7 +73,7 @@ enum UpperEnd<T> {
         lower: PointId,
         upper: PointId,
         /// `inverse_base`: inverse of the distance between the two points. `designed`: position of the mount along the line.
-        /// Both in the design position.
+        /// Both values belong to the design position.
         inverse_base: T,
         designed: T,
     },
@@ -91,7 +91,7 @@ struct Legs<T> {
     inverse_square: T,
     /// Unit vector along the axis, front to rear, divided by the length of the axis.
     axis: Vector3<T>,
-    /// Position s1, divided by the length of the axis.
+    /// Position s1 of the outer joint along the axis, divided by the length of the axis.
     along: T,
 }
 
@@ -235,7 +235,8 @@ impl<'a, T: Real> Adjoint<'a, T> {
         }
     }
 
-    /// Subtracts mu . F_p from a gradient, for the wrench y_x.
+    /// Subtracts mu . F_p from the gradient of an output. `wrench` is y_x, the derivative of the output with respect to
+    /// the pose.
     #[inline(always)]
     pub(crate) fn subtract(&self, wrench: &Wrench<T>, gradient: &mut (impl Gradient<T> + ?Sized)) {
         let sink = &mut HardpointGradient(gradient);

@@ -1,8 +1,10 @@
-//! Products of a knuckle vector. The closed form computes the image of the vector from them.
+//! Scalar products of a vector that is fixed in the knuckle. From these products, the closed form computes the rotated
+//! vector.
 
 use crate::number::{Real, Vector3};
 
-/// Products of a knuckle vector x0 with m, u, t0, m x t0 and u x t0, where v = m + s u. They determine the image of x0.
+/// Scalar products of a knuckle vector x0 with m, u, t0, m x t0 and u x t0, where v = m + s u. They determine the vector
+/// x into which a pose rotates x0.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Carried<T> {
     pub(super) by_m: T,
@@ -23,7 +25,7 @@ pub(crate) struct Carrier<T> {
 }
 
 impl<T: Real> Carrier<T> {
-    /// Returns the products of a knuckle vector, which is given in the design position.
+    /// Returns the products of a knuckle vector. The vector is given in the design position.
     #[inline(always)]
     pub(crate) fn carried(&self, x: Vector3<T>) -> Carried<T> {
         Carried {

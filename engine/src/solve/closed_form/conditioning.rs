@@ -10,9 +10,9 @@
 //! ```
 //!
 //! A unit of travel moves the knuckle by v = |x_q|. This motion must also cancel the travel that the residuals have
-//! caused. So |J^-1| is about X + v (1 + X). With the arm as the drive, |J^-1| is about X. These sums of absolute
-//! values are rather too large. Each row of J is a unit force and its moment. The norms of the rows are somewhat above
-//! one; here they count as one. The product is correct within a factor of ten (`tests/it/hard_cases.rs`).
+//! caused. So |J^-1| is about X + v (1 + X). With the arm as the drive, |J^-1| is about X. These sums of absolute values
+//! tend to overestimate. Each row of J is a unit force and its moment, so its norm is somewhat above one. The estimate
+//! uses one. The product is correct within a factor of ten (`tests/it/hard_cases.rs`).
 
 use super::{ArmState, ClosedForm};
 

@@ -10,9 +10,9 @@
 //! *Upper end.* [`Upper`] gives d and the knuckle vector v, whose image is d. The only remaining freedom is a rotation about
 //! d, the steering axis.
 //!
-//! *Tie rod.* Its outer end t satisfies t.d = t0.v, t.t = t0.t0 and |t - g| = L. So t = al d + be g + ga n, with al, be
-//! from the 2x2 Gram system and ga^2 |n|^2 = t.t - al t.d - be t.g. The sign of ga tells on which side of the plane
-//! through steering axis and rack joint the rod's outer end lies. The sign changes only at ga = 0 (toggle).
+//! *Tie rod.* Its outer end t satisfies t.d = t0.v, t.t = t0.t0 and |t - g| = L. So t = al d + be g + ga n, with al, be from
+//! the 2x2 Gram system and ga^2 |n|^2 = t.t - al t.d - be t.g. The sign of ga gives the side of the plane through steering
+//! axis and rack joint on which the rod's outer end lies. The sign changes only at ga = 0 (toggle).
 //!
 //! *Any knuckle vector* x0. The rotation takes v to d and t0 to t, so the image of x0 is x = a d + b t + k (d x t). a and b
 //! follow from x0.v and x0.t0, and k follows from x0.(v x t0).
@@ -237,7 +237,7 @@ impl<T: Real> ClosedForm<T> {
         self.at(cosine, (tangent + tangent) * inverse, rack)
     }
 
-    /// Returns one of the constants, as the sample from which new constants of the same number type are made.
+    /// Returns one of the constants. The caller uses it to make other constants of the same number type.
     #[inline(always)]
     pub(crate) fn like(&self) -> T {
         self.wheel_height
@@ -253,7 +253,8 @@ impl<T: Real> ClosedForm<T> {
         state.ball_joint.z - self.wheel_height + rise
     }
 
-    /// Pose of the knuckle. Two of its axes are images of knuckle vectors; the third is their cross product.
+    /// Pose of the knuckle. Two columns of the rotation are rotated knuckle vectors. The third column is their cross
+    /// product.
     #[inline(always)]
     pub(crate) fn pose_by_two(&self, state: &ArmState<T>) -> Pose<T> {
         let (x, y) = (state.carry(&self.basis[0]), state.carry(&self.basis[1]));
@@ -282,9 +283,9 @@ impl<T: Real> ClosedForm<T> {
 }
 
 impl<T: Real> ClosedForm<T> {
-    /// Another assembly with the same lengths. `upper_across` puts the upper end on the other side. For a strut, the mount
-    /// is then below the foot; for an upper arm, w changes sign. `tie_rod_across` puts the tie rod's end on the other side
-    /// of its plane.
+    /// Constants of another assembly with the same lengths. `upper_across` mirrors the upper end: the mount of a strut is
+    /// then below the foot, and the root w of an upper arm changes sign. `tie_rod_across` puts the tie rod's outer end on
+    /// the other side of the plane through steering axis and rack joint.
     pub(crate) fn assembled(&self, upper_across: bool, tie_rod_across: bool) -> Self {
         let mut form = *self;
         if let (Upper::Arm { side, .. }, true) = (&mut form.upper, upper_across) {
@@ -303,7 +304,7 @@ impl<T: Real> ClosedForm<T> {
         form
     }
 
-    /// Improves a state with a more accurate value of ga^2 G.
+    /// Replaces ga^2 G in a state by a more accurate value. This number is zero at the toggle of the tie rod.
     pub(crate) fn with_toggle_square(&self, state: ArmState<T>, square: T) -> ArmState<T> {
         ArmState {
             ga: self.side * (square / state.gram).sqrt(),
@@ -375,9 +376,10 @@ impl<const N: usize> ArmState<Jet<f64, N>> {
 }
 
 impl<T: Real> ArmState<T> {
-    /// Squares by which the closed form divides, or of which it takes the root. Each square comes with a factor. Square times
-    /// factor is the squared sine of an angle. The three angles are those between: the steering arm and the plane through
-    /// steering axis and rack joint; the rack joint and the steering axis; the steering arm and the steering axis.
+    /// Squares by which the closed form divides, or of which it takes the root. Each square has a factor, and square times
+    /// factor is the squared sine of an angle. First angle: between the steering arm and the plane through steering axis and
+    /// rack joint. Second angle: between the rack joint and the steering axis. Third angle: between the steering arm and the
+    /// steering axis.
     #[inline(always)]
     pub(crate) fn squares(&self) -> [(T, T); 3] {
         [
@@ -419,7 +421,7 @@ impl<T: Real> ArmState<T> {
             .plus_scaled(self.n, self.ga)
     }
 
-    /// Image of a knuckle vector.
+    /// Rotates a knuckle vector from the design position to this state.
     #[inline(always)]
     pub(crate) fn carry(&self, x: &Carried<T>) -> Vector3<T> {
         let (by_d, by_g, by_n) = self.image(x);
@@ -428,7 +430,7 @@ impl<T: Real> ArmState<T> {
             .plus_scaled(self.n, by_n)
     }
 
-    /// Image of a knuckle vector, as components along d, g and n.
+    /// Rotates a knuckle vector from the design position to this state. Returns components along d, g and n.
     #[inline(always)]
     fn image(&self, x: &Carried<T>) -> (T, T, T) {
         let by_v = x.by_m.plus_product(self.slide, x.by_u);

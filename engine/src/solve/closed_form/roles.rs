@@ -92,7 +92,7 @@ impl Roles {
 }
 
 impl ClosedForm<f64> {
-    /// Refuses a degenerate design, with the cause.
+    /// Refuses a degenerate design. The error names the cause.
     pub(crate) fn check(&self, roles: &Roles, design: &[Vector3<f64>]) -> Result<(), DesignFault> {
         let ball_joint = design[roles.lower_arm.outer.0];
         let to_upper = design[roles.upper_end().0] - ball_joint;

@@ -8,7 +8,8 @@
 //! d_k = (z_k(s) - [sum_(j >= 2) z_j d^j]_k) / z1                                  (1)
 //! ```
 //!
-//! The bracket contains only coefficients below d_k. The pose along the motion is its Taylor series at d(s).
+//! The bracket contains only coefficients of lower order than d_k. The pose along the motion is its Taylor series at
+//! d(s).
 
 use super::{ArmState, ClosedForm};
 use crate::derive::MotionPoint;

@@ -29,7 +29,7 @@ fn assemblies_keep_every_length() {
                     form.pose(&form.at(cosine, sine, 0.0))
                 },
             );
-            // Some of the other assemblies do not exist.
+            // At some arm angles, assemblies other than the first one do not exist. Their poses contain NaN.
             let is_real = |pose: &&Pose<f64>| !pose.rotation.columns[0].x.is_nan();
             assert!(is_real(&&poses[0]));
             let poses: Vec<_> = poses.iter().filter(is_real).collect();

@@ -86,7 +86,7 @@ impl<T: Real> Upper<T> {
         }
     }
 
-    /// Vectors m and u of v = m + s u.
+    /// Vectors m and u, which give the knuckle vector v = m + s u to the upper end.
     #[inline(always)]
     pub(crate) fn knuckle_vector(&self, designed: Vector3<T>) -> (Vector3<T>, Vector3<T>) {
         match *self {
@@ -95,8 +95,9 @@ impl<T: Real> Upper<T> {
         }
     }
 
-    /// Returns d, s and a margin. At margin zero d is at its limit; beyond this limit, all values are NaN. `square`, if given,
-    /// is a more accurate value of [`Upper::square`] than the joint's position gives.
+    /// Returns the vector d to the upper end, the strut length s and the margin of the upper end. At margin zero the upper end
+    /// is at its limit. Beyond this limit, all values are NaN. `square`, if given, is a more accurate value of
+    /// [`Upper::square`] than the joint's position gives.
     #[inline(always)]
     pub(crate) fn at(&self, ball_joint: Vector3<T>, square: Option<T>) -> (Vector3<T>, T, T) {
         let known = |own: T| square.map_or(own, |square| own.intersected_with(square));
@@ -133,8 +134,8 @@ impl<T: Real> Upper<T> {
         }
     }
 
-    /// Product d.d. For an upper arm it is also a constant, a.a + 2 (m.m - a.a)/2; interval numbers are intersected
-    /// with it.
+    /// Product d.d. For an upper arm, d.d also equals the constant a.a + 2 (m.m - a.a)/2. Interval numbers are
+    /// intersected with this constant, which makes the interval narrower.
     #[inline(always)]
     pub(crate) fn length_squared(&self, d: Vector3<T>) -> T {
         match self {

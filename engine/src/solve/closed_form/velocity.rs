@@ -67,7 +67,8 @@ impl<T: Real> ClosedForm<T> {
         let tie_rod_lever = state.ga * state.gram;
         let joint = self.ball_joint.velocity(tangent);
 
-        // These vectors are multiplied by the lever, then also by d.d, and finally by the lever of the tie rod.
+        // To avoid divisions, these vectors are multiplied by three factors. The factors are the lever of the upper end,
+        // then also d.d, and finally the lever of the tie rod.
         let across = free * d.dot(joint) - joint * lever;
         let twofold = state.dd * lever;
         let joint_twofold = joint * twofold;
@@ -114,7 +115,7 @@ impl<T: Real> Circle<T> {
 }
 
 impl<T: Real> Upper<T> {
-    /// Vector f and the product d.f.
+    /// Vector f along which the upper end can move freely, and the product d.f.
     #[inline(always)]
     pub(crate) fn free(&self, state: &ArmState<T>, line: &Carried<T>) -> (Vector3<T>, T) {
         match self {

@@ -15,7 +15,7 @@ use crate::solve::continuation::{Moving, PathEnd};
 /// Largest rotation of an arm in one step (rad). Also the largest displacement in one step, relative to the mechanism's size.
 pub(crate) const LONGEST_TURN: f64 = 0.2;
 /// Shortest step in the drive, as a share of the distance to the next station. If a step would be shorter, the path turns
-/// sharply, and is followed by its arc length.
+/// sharply. The solver then follows the path in steps of arc length.
 const SHORTEST_STEP: f64 = 1.0 / 16.0;
 impl Solver<'_> {
     /// Follows the closure equations from a station to a motion point. It makes steps of the drive, and accepts a step only if
@@ -111,7 +111,7 @@ impl Solver<'_> {
             .all(|r| r.abs() <= 16.0 * ROUNDING * self.coordinate_scale)
     }
 
-    /// Applies Newton's method to a pose that is already close. `None` if it does not settle.
+    /// Applies Newton's method to a pose that is already close to the solution. `None` if the method does not converge.
     pub(crate) fn polished(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<Pose<f64>> {
         let (mut pose, mut last) = (*pose, f64::INFINITY);
         for _ in 0..60 {
@@ -119,7 +119,7 @@ impl Solver<'_> {
             self.work.note(Work::note_newton);
             let (next, correction, _) = self.closure.newton_step(&at, point.driver(), self.size)?;
             if correction >= last || correction.is_nan() {
-                // Corrections that no longer shrink are rounding, amplified by the condition number.
+                // Corrections that no longer shrink are rounding errors, amplified by the condition number.
                 return (last <= 1e-6 * self.size).then_some(pose);
             }
             pose = next;
@@ -130,7 +130,7 @@ impl Solver<'_> {
     }
 
     /// Applies Newton's method to a predicted pose. `None` if the prediction was poor, the determinant changed much (or
-    /// changed sign), or the iteration did not settle.
+    /// changed sign), or the iteration did not converge.
     pub(crate) fn correct(
         &self,
         before: &Pose<f64>,
@@ -153,7 +153,7 @@ impl Solver<'_> {
             if iteration == 0 && correction > GOOD_PREDICTION * moved + rounding {
                 return None;
             }
-            // The corrections no longer shrink, so they are rounding.
+            // The corrections no longer shrink, so they are rounding errors.
             if correction <= rounding
                 || (correction >= 0.5 * last && last <= (1e-9 * self.size).max(100.0 * rounding))
             {
@@ -175,7 +175,7 @@ impl Solver<'_> {
     }
 }
 
-/// Pose at `step`, from its Taylor series.
+/// Pose at the distance `step` of the drive, from the Taylor series of the pose.
 pub(crate) fn predict(series: &Pose<Jet<f64, 3>>, step: f64) -> Pose<f64> {
     let along = |c: Jet<f64, 3>| c[0] + step * (c[1] + step * c[2]);
     let pose = series.map(along);

@@ -2,8 +2,9 @@
 //!
 //! A mechanism has many assemblies. The required assembly is the one that the mechanism reaches by a motion from the design
 //! position. So every pose is found by following a path: first the rack moves at zero travel, then the drive moves outward,
-//! station by station. The tracker goes as far as its checks allow. From the last station that the tracker accepts, the solver
-//! follows the closure equations. Its steps are so small that Newton's method stays on the solution branch.
+//! station by station. The module `tracker` finds the poses up to the last station that its checks accept.
+//! From that station on, the solver follows the closure equations. Its steps are so small that Newton's method stays on the
+//! solution branch.
 
 mod follow;
 mod series;
@@ -89,8 +90,9 @@ impl<'m> Solver<'m> {
         self.size = self.mechanism.size(design);
         self.coordinate_scale = self.mechanism.coordinate_scale(design);
         self.series_is_current = false;
-        // Products of up to eight lengths must neither overflow nor underflow, and coordinates must leave six digits of the
-        // size. With this form of the test, NaN from an overflow is refused.
+        // Products of up to eight lengths must neither overflow nor underflow. Lengths of the mechanism's size must have at
+        // least six digits after the rounding of coordinates. The condition is written so that NaN from an overflow is
+        // refused.
         if !(self.coordinate_scale * DEGENERATE < self.size && SIZES.contains(&self.size)) {
             return Err(DesignFault::OutOfScale);
         }
@@ -297,7 +299,7 @@ impl<'m> Solver<'m> {
     /// Checks that the drive can move the mechanism from its design position.
     ///
     /// # Errors
-    /// If the design position is singular.
+    /// Returns an error if the design position is singular.
     pub fn check_start(&self, drive: Drive) -> Result<(), DesignFault> {
         self.start(drive).map(drop)
     }

@@ -68,7 +68,7 @@ impl Solver<'_> {
             return None;
         }
         let tangent = form.half_tangent(pose);
-        // This test is false for NaN.
+        // The comparison is false for NaN, so NaN is refused.
         let is_near = tangent.abs() < FARTHEST;
         let (series, state) = is_near.then(|| form.pose_series(tangent, motion))??;
         self.work.note(|w| {
@@ -92,14 +92,14 @@ impl Solver<'_> {
             Drive::Travel => {
                 let tangent_rate = 0.5 * (1.0 + tangent * tangent) * velocity.arm_angle;
                 let rise = velocity.rise.abs();
-                // This test is false for NaN.
+                // The comparison is false for NaN, so NaN is refused.
                 let is_steady = tangent_rate.abs() * size <= STEEPEST * rise;
                 let rate = velocity.ball_joint.norm() + velocity.turn.norm() * size;
                 Some(is_steady.then_some(rate / rise)?)
             }
         };
         let condition = form.condition(&state, size, rate);
-        // For every order of the series, the value is exactly the given pose.
+        // The constant term of the result is exactly the given pose, whatever the order of the series.
         let mut with_pose = pose.map(Jet::constant);
         with_pose.origin = with_constant(series.origin, pose.origin);
         for (k, column) in with_pose.rotation.columns.iter_mut().enumerate() {

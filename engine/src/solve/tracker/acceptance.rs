@@ -7,7 +7,7 @@ use crate::number::SimdReal;
 pub enum Rejection {
     /// A rod or an axis is too short to have a direction.
     NoLength,
-    /// Newton's method did not settle.
+    /// Newton's method did not converge.
     NotSettled,
     /// A divisor of the equations is too small.
     IllConditioned,
@@ -79,7 +79,7 @@ impl<B: SimdReal> Acceptance<B> {
         }
     }
 
-    /// Rejects the lanes in which the mask is not set, for this reason.
+    /// Rejects the lanes in which `mask` is false. `otherwise` is the reason for the rejection.
     #[inline(always)]
     pub fn require(&mut self, mask: B::Mask, otherwise: Rejection) {
         let failing = self.accepted & !mask;

@@ -187,7 +187,7 @@ impl ByArm {
     }
 }
 
-/// Numbers that the checks compare between two waypoints.
+/// Numbers of a waypoint. The checks compare these numbers between consecutive waypoints.
 #[derive(Clone, Copy)]
 pub(super) struct BranchGuard<B> {
     tangent: B,
@@ -198,8 +198,8 @@ pub(super) struct BranchGuard<B> {
 }
 
 impl<B: SimdReal> BranchGuard<B> {
-    /// Numbers of a waypoint at zero drive. `rate` is the slope of this design. Near a fold it differs much from the slope of
-    /// the base design.
+    /// Numbers for the checks at a waypoint at zero drive. `rate` is the slope of the half tangent in this design. Near a
+    /// fold, `rate` differs much from the slope of the base design.
     #[inline(always)]
     fn start(state: &ArmState<B>, tangent: B, rate: B) -> Self {
         let [a, b, c] = state.squares();
@@ -210,7 +210,8 @@ impl<B: SimdReal> BranchGuard<B> {
         }
     }
 
-    /// Numbers of the next waypoint on this leg of the route. The slope is the change of the half tangent divided by the step.
+    /// Numbers for the checks at the next waypoint on this leg of the route. The slope is the change of the half tangent
+    /// divided by the step.
     #[inline(always)]
     fn next(&self, state: &ArmState<B>, tangent: B, inverse_step: B) -> Self {
         BranchGuard::start(state, tangent, (tangent - self.tangent) * inverse_step)

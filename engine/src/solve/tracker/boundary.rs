@@ -122,7 +122,7 @@ pub(super) fn boundaries(
         let mut without: Vec<_> = judged.iter().filter(|j| j.slack < NONE).collect();
         without.dedup_by_key(|j| j.guard);
         let guard = match without[..] {
-            // This check counts corrections, so it has no slack.
+            // The check of convergence counts corrections, so it has no slack.
             _ if reason == Rejection::NotSettled => "settles",
             [only] => {
                 assert_eq!(only.reason, reason, "{}", only.guard);

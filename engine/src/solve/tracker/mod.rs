@@ -1,11 +1,11 @@
 //! Tracks many designs at a time, one in each SIMD lane of the processor.
 //!
-//! All ordinary poses come from here. A sweep has a design in each lane. A single design is computed with ordinary numbers
-//! ([`poses`]). A mechanism with a closed form has one unknown ([`arm`]); every other mechanism has six ([`linkage`]). For both
-//! wheels of an axle, the unknowns are those of each wheel and the difference of the travels ([`pair`]). One loop solves the
-//! equations in all cases ([`track`](mod@track)). It visits the waypoints of a route: the stations and the points that divide
-//! long steps. The unknowns at a waypoint are predicted from earlier waypoints. Almost always one correction reaches rounding;
-//! otherwise more steps follow. A converged lane is frozen, so its neighbours do not affect it.
+//! This module computes all ordinary poses. A sweep has a design in each lane. A single design is computed with ordinary
+//! numbers ([`poses`]). A mechanism with a closed form has one unknown ([`arm`]); every other mechanism has six ([`linkage`]).
+//! For both wheels of an axle, the unknowns are those of each wheel and the difference of the travels ([`pair`]). One loop
+//! solves the equations in all cases ([`track`](mod@track)). It visits the waypoints of a route: the stations and the points
+//! that divide long steps. The unknowns at a waypoint are predicted from earlier waypoints. Almost always one correction
+//! reaches rounding; otherwise more steps follow. A converged lane is frozen, so its neighbours do not affect it.
 //!
 //! Checks, called guards in the code, decide at every waypoint which lanes are accepted. A rejected lane gets a reason
 //! ([`Rejection`]) and stays rejected to the end of its leg, up or down. The continuation ([`Solver`](crate::solve::Solver))
@@ -13,14 +13,15 @@
 //!
 //! - a rod has no length, or the iteration does not settle;
 //! - the mechanism is not well conditioned;
-//! - a number that must not vanish, or the slope of the path, changes by more than half (or doubles) from one waypoint to the
-//!   next, because it could vanish in between. If there are several such factors, their product is checked;
+//! - a number that must not vanish changes by more than half (or doubles) from one waypoint to the next, because it could
+//!   vanish in between. If there are several such numbers, their product is checked. The same check applies to the slope of
+//!   the path;
 //! - the mechanism rotates far, in one step or from the design position;
 //! - a fold is near: the slope of an arm is large, or a knuckle in six unknowns rotates fast per unit of travel.
 //!
-//! Code that reads a pose also rejects lanes whose quantity is poorly determined. Examples are the
-//! steering axis if the rack hardly rotates the knuckle, a horizontal steering axis, the angles of a wheel on its side,
-//! and a rocker close to its toggle.
+//! Code that reads a pose also rejects lanes whose quantity is poorly determined. Examples are a horizontal steering axis, the
+//! angles of a wheel on its side, and a rocker close to its toggle. Another example is the steering axis if the rack hardly
+//! rotates the knuckle.
 //!
 //! So a lane is either correct or rejected. The decision depends only on the design in the lane.
 
@@ -60,11 +61,11 @@ pub struct CornerTracker<'a> {
     drive: Drive,
     /// One route for each displacement of the rack.
     routes: Vec<Route>,
-    /// Pairs of points that must have a distance.
+    /// Pairs of points that must not coincide.
     distinct: Vec<(PointId, PointId)>,
-    /// Square of the shortest permitted distance.
+    /// Square of the shortest permitted distance between the points of a pair.
     shortest: f64,
-    /// Largest residual that counts as rounding, as a length.
+    /// Largest residual that counts as a rounding error, as a length.
     tolerance: f64,
 }
 
@@ -138,14 +139,14 @@ pub trait LanePose<B: SimdReal> {
     /// Position of the knuckle's origin.
     fn origin(&self) -> Vector3<B>;
     /// A point of the steering axis, the vector along it, and the lanes in which both are accurate. An instantaneous axis is
-    /// accurate if the rack rotates the knuckle enough, and about an axis that is not horizontal.
+    /// accurate if the rack rotates the knuckle enough and the axis is not near horizontal.
     fn steering_axis(&self) -> (Vector3<B>, Vector3<B>, B::Mask);
     /// Derivatives with respect to the drive.
     fn rates(&self) -> LaneRates<B>;
     /// Velocity of the knuckle's origin and angular velocity, both per unit of rack displacement at constant travel,
     /// from the rates of this pose.
     fn by_rack(&self, rates: &LaneRates<B>) -> Twist<B>;
-    /// Lanes in which velocities are accurate: those in which the knuckle does not rotate fast, as it does near a fold.
+    /// Lanes in which velocities are accurate. Near a fold, the knuckle rotates fast and velocities are not accurate.
     fn velocity_is_reliable(&self, rates: &LaneRates<B>) -> B::Mask;
     /// Derivatives of the steering axis with respect to the drive.
     fn steering_axis_rates(&self, rates: &LaneRates<B>) -> (Vector3<B>, Vector3<B>);
@@ -239,8 +240,8 @@ impl<B: SimdReal> LaneRates<B> {
 
 /// Longest step as a share of the size. Longer steps are divided.
 const LONGEST_STEP: f64 = 0.02;
-/// Largest residual that counts as rounding, as a share of the largest coordinate. The limit allows a few roundings.
-/// Near a fold, rates amplify the remaining residual a thousandfold.
+/// Largest residual that counts as a rounding error, as a share of the largest coordinate. The limit allows the rounding
+/// errors of a few operations. Near a fold, rates amplify the remaining residual a thousandfold.
 const TOLERANCE: f64 = 1e-15;
 /// Shortest rod as a share of the largest coordinate. The continuation solves designs with shorter rods.
 const SHORTEST_LENGTH: f64 = 1e-6;
@@ -289,8 +290,7 @@ impl<'a> CornerTracker<'a> {
         })
     }
 
-    /// Returns true if the tracker visits every station. A route leaves out stations that coincide or are far out of
-    /// reach.
+    /// Returns true if the tracker visits every station. A route leaves out stations that coincide or are too far away.
     pub fn is_complete(&self) -> bool {
         self.routes.iter().all(|route| route.is_complete)
     }
@@ -328,7 +328,7 @@ impl<'a> CornerTracker<'a> {
         }
     }
 
-    /// Makes the constants of designs from their points, each with all lanes.
+    /// Makes the constants of designs from their points. Each number contains one design in each lane.
     #[inline(always)]
     pub fn design<'d, B: SimdReal>(&'d self, design: &'d [Vector3<B>]) -> LaneDesign<'d, B> {
         outlined!(
@@ -410,7 +410,7 @@ impl<'a> CornerTracker<'a> {
     }
 }
 
-/// Stations of one design side by side, one station in each lane.
+/// Solves several stations of one design at a time, one station in each lane.
 impl CornerTracker<'_> {
     /// Indices of the stations in the order in which [`CornerTracker::visit_stations_in_lanes`] assigns them to
     /// lanes.
@@ -418,9 +418,9 @@ impl CornerTracker<'_> {
         self.routes[rack].places.iter().filter_map(|p| p.station)
     }
 
-    /// Visits the stations of one design, which is in all lanes, with one station in each lane. `history` comes from
-    /// [`CornerTracker::track_one`], which must have accepted every station. The visitor receives the index of a group of
-    /// stations instead of a station. Lanes beyond the last station repeat the last station.
+    /// Visits the stations of one design, with one station in each lane. All lanes contain the same design. `history`
+    /// comes from [`CornerTracker::track_one`], which must have accepted every station. The visitor receives the index of
+    /// a group of stations instead of a station. Lanes beyond the last station repeat the last station.
     #[inline(always)]
     pub fn visit_stations_in_lanes<B: SimdReal>(
         &self,

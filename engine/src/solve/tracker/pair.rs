@@ -15,8 +15,8 @@
 //!
 //! Wheels that share one mechanism have their own equations (see `linkage/one_body.rs`).
 //!
-//! In addition to the conditions for each wheel, the tracker rejects a lane if a contact point rises less than half
-//! as fast as its wheel.
+//! The conditions for each wheel also apply. In addition, the tracker rejects a lane if a contact point rises less than
+//! half as fast as its wheel.
 
 mod both_wheels;
 #[cfg(test)]
@@ -133,7 +133,7 @@ pub(super) struct Corrected<B: SimdReal, const N: usize> {
 
 /// One wheel of a pair, with `N` unknowns.
 pub(super) trait Wheel<B: SimdReal, const N: usize> {
-    /// Numbers that the checks compare between two waypoints.
+    /// Numbers of a waypoint. The checks compare these numbers between consecutive waypoints.
     type Guard: Copy;
 
     /// Derivatives of the unknowns with respect to travel and to the rack in the base design.
@@ -219,8 +219,7 @@ impl<'a> AxleTracker<'a> {
         })
     }
 
-    /// Returns true if the tracker visits every station. A route leaves out stations that coincide or are far out of
-    /// reach.
+    /// Returns true if the tracker visits every station. A route leaves out stations that coincide or are too far away.
     pub fn is_complete(&self) -> bool {
         self.routes.iter().all(|route| route.is_complete)
     }

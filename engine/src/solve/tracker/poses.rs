@@ -1,4 +1,5 @@
-//! Tracks a single design, one number at a time. Lanes filled with copies of one design would be no faster.
+//! Tracks a single design with ordinary numbers instead of SIMD lanes. Lanes filled with copies of one design would be
+//! no faster.
 
 use super::{Acceptance, AdjointPose, CornerTracker, Rejection, Visit};
 use crate::mechanism::Pose;
@@ -40,7 +41,7 @@ pub(crate) struct TrackedPoses {
 }
 
 impl TrackedPoses {
-    /// Deletes all poses. Until they are tracked, the stations count as not visited.
+    /// Deletes all poses. All stations then count as not visited.
     pub(crate) fn clear(&mut self, station_order: &StationOrder) {
         self.poses.clear();
         let nowhere = Err(Rejection::NotOnTheWay);
@@ -102,7 +103,7 @@ impl<'m> PoseTracker<'m> {
                 history: &mut self.history,
                 rounds: &mut found.rounds,
             });
-            // Stations that a leg of the route did not reach get the reason why the leg ended.
+            // For stations that a leg of the route did not reach, the reason is the one for which the leg ended.
             for (side, rejection) in station_order.sides().into_iter().zip(legs) {
                 if let Some(reason) = rejection {
                     for station in side {

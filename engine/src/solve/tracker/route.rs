@@ -15,7 +15,8 @@ const NEIGHBOURS: usize = 8;
 /// Number of waypoints from which slopes are predicted. A slope only corrects the error of a prediction, so fewer waypoints
 /// suffice.
 const NEIGHBOURS_OF_SLOPE: usize = 4;
-/// Largest number of steps to a value. Values farther out count as out of reach; the continuation solves them.
+/// Largest number of steps to a value. The route leaves out values that need more steps. The continuation solves these
+/// values.
 const MOST_STEPS: f64 = 1e3;
 /// Visited waypoints with their weights. If there are fewer waypoints, the other entries have weight 0.
 pub(crate) type Stencil<const PLACES: usize> = [(usize, f64); PLACES];
@@ -56,7 +57,8 @@ pub(crate) struct RouteStep {
     pub lead: f64,
     /// Change of the drive since the previous waypoint on this leg.
     pub step: f64,
-    /// Stencil that predicts the unknowns here. The prediction also adds the steps below, which use slopes of the base design.
+    /// Stencil that predicts the unknowns here. The prediction also adds the steps in the fields `along_...`, multiplied by
+    /// slopes of the unknowns.
     pub prediction: Stencil<NEIGHBOURS>,
     /// Step of the drive. The prediction adds it, multiplied by the slope with respect to the drive. Only the first
     /// step uses it.
@@ -76,7 +78,7 @@ pub(crate) struct RouteStep {
 #[derive(Clone, Debug)]
 pub(crate) struct Route {
     pub places: Vec<RouteStep>,
-    /// True if the route visits every station. A route leaves out stations that coincide or are far out of reach.
+    /// True if the route visits every station. A route leaves out stations that coincide or are too far away.
     pub is_complete: bool,
 }
 
@@ -349,7 +351,7 @@ mod tests {
             !Route::through(&order, [rack, 0.0, 0.0], 0.5, 1.0).is_complete
         };
         assert!(incomplete(&[1.0, 1.0], 0.0));
-        // A value takes up to a thousand steps. Values beyond are out of reach.
+        // A value takes up to a thousand steps. The route leaves out values beyond.
         assert!(!incomplete(&[499.9, -499.9], 999.0));
         assert!(incomplete(&[500.1], 0.0));
         assert!(incomplete(&[1.0], 1000.1));

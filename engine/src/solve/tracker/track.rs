@@ -29,13 +29,13 @@ pub(super) trait PlaceEquations<B: SimdReal, const N: usize> {
     /// True if rejected lanes count as converged. This setting is useful if a round makes corrections until all lanes
     /// have converged. If a round makes one correction, the loop is faster without it.
     const LEAVES_REJECTED: bool = false;
-    /// Numbers that the checks compare between two waypoints.
+    /// Numbers of a waypoint. The checks compare these numbers between consecutive waypoints.
     type Guard: Copy;
 
     /// Predicts the unknowns from the previous waypoints.
     fn predict(&mut self, place: &RouteStep, history: &[B]) -> [B; N];
-    /// Makes one correction. The first one of a waypoint is round 1. Returns the lanes whose residuals are at
-    /// rounding level. Settled lanes keep their unknowns.
+    /// Makes one correction. The first correction of a waypoint is round 1. Returns the lanes whose residuals are at
+    /// rounding level. Lanes that have converged (`settled`) keep their unknowns.
     fn correct(
         &mut self,
         place: &RouteStep,
@@ -43,8 +43,8 @@ pub(super) trait PlaceEquations<B: SimdReal, const N: usize> {
         settled: B::Mask,
         round: usize,
     ) -> B::Mask;
-    /// Accepts lanes that are well conditioned and on their solution branch. `before`, the numbers of the previous waypoint if
-    /// there is one, determines the branch. Returns the numbers of this waypoint for the next check.
+    /// Accepts lanes that are well conditioned and on their solution branch. `before` holds the numbers of the previous
+    /// waypoint, if there is one. These numbers determine the branch. Returns the numbers of this waypoint for the next check.
     fn check(
         &mut self,
         place: &RouteStep,
@@ -141,8 +141,8 @@ pub(super) fn predicted<B: SimdReal, const N: usize>(
     unknowns
 }
 
-/// Weighted sum of unknown number `unknown` over the visited waypoints. The nearest waypoint becomes known last and
-/// is added last.
+/// Weighted sum of unknown number `unknown` over the visited waypoints. The nearest waypoint is added last, because its
+/// unknown is computed last.
 #[inline(always)]
 pub(super) fn weighted<const N: usize, const PLACES: usize, B: SimdReal>(
     weights: &Stencil<PLACES>,

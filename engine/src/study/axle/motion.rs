@@ -23,7 +23,7 @@ fn at_load(
         return Some(false);
     };
     let holds = [("mean_travel", false), ("wheel_load", true)];
-    // Studies before 0.2.0 say `load`.
+    // In studies before version 0.2.0, the value is `load`.
     let at_load = match text.get_ref().as_str() {
         "load" => true,
         _ => choose(text, "hold", &holds, problems)?,

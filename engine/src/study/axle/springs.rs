@@ -9,7 +9,7 @@ use crate::axle::{BumpStop, ForceCurve, Law, SpringLaw};
 use crate::model::Suspension;
 use toml::Spanned;
 
-/// Laws of the springs of both wheels. The inner `None` means that the axle has no springs.
+/// Force laws of the springs of both wheels. The inner `None` means that the axle has no springs.
 pub(in crate::study) fn springs(
     file: &File,
     left: &Suspension,
@@ -66,7 +66,7 @@ pub(in crate::study) fn springs(
             let (own_rate, own_force) = (own.rate.as_ref(), own.force.as_ref());
             let given = match &own.force_curve {
                 Some(curve) => (own_rate, own_force, Some(curve)),
-                // A rate or force of this wheel replaces the common rate or force.
+                // If the study gives a rate or force for this wheel, it replaces the common rate or force.
                 None => (own_rate.or(rate), own_force.or(force), None),
             };
             spring(given, newtons, section.span(), problems)
@@ -81,7 +81,7 @@ pub(in crate::study) fn springs(
     Some(Some([law(left?), law(right?)]))
 }
 
-/// Rate, force and curve, as written.
+/// Rate, force and force curve of a spring, as written in the study.
 type GivenSpring<'a> = (
     Option<&'a Number>,
     Option<&'a Number>,
@@ -111,7 +111,7 @@ fn spring(
     }
 }
 
-/// Curve through pairs of length and force. `newtons` is the unit of the forces, in N.
+/// Force curve through pairs of length and force. `newtons` is the unit of the forces, in N.
 pub(in crate::study) fn force_curve(
     written: &Spanned<Vec<Spanned<Vec<Number>>>>,
     newtons: f64,

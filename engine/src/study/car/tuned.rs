@@ -12,7 +12,7 @@ pub struct TunedCar {
     pub fit: Fit,
     /// Study with the tuned car.
     pub study: CarStudy,
-    /// All starts, and the verdict on targets and constraints.
+    /// Results of all starts, and the assessment of targets and constraints.
     pub tuning: CarTuning,
 }
 
@@ -47,7 +47,7 @@ impl CarStudy {
 }
 
 impl CarOptimise {
-    /// Keeps only the variables for which `keeps` returns true, also in the lists of the axles alone.
+    /// Removes the variables for which `keeps` returns false, also from the lists of the single axles.
     pub fn retain(&mut self, keeps: impl Fn(&CarVariable) -> bool) {
         let kept: Vec<bool> = self.variables.iter().map(&keeps).collect();
         self.variables.retain(&keeps);

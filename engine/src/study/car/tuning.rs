@@ -236,7 +236,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Reads the band of a target of a case.
+    /// Reads the tolerance band of a target of a case.
     fn band_of(&mut self, written: &file::Target, place: Span<usize>) -> Option<[f64; 2]> {
         let mut number = |limit: &LimitText, place: Span<usize>| match limit {
             OneOr::One(value) => Some(Number {
@@ -374,8 +374,8 @@ impl Resolver<'_> {
         }))
     }
 
-    /// Refuses a quantity of an axle alone if it depends on a rate that is a variable. The calculation of the axle alone
-    /// uses the rates of the axle's study.
+    /// Refuses a quantity of a single axle if it depends on a rate that is a variable. The calculation of a single axle
+    /// uses the rates of the axle's study, not the variable.
     fn refuse_moved_rates(
         &mut self,
         end: usize,

@@ -27,7 +27,7 @@ pub(super) struct Written<'a> {
     percent: Option<&'a Number>,
 }
 
-/// Reads these keys from an entry that has all of them.
+/// Macro that copies the keys of a part from an entry of a file. The entry must have all of these keys.
 macro_rules! moved_by {
     ($written:expr) => {{
         let own = $written.get_ref();

@@ -209,7 +209,7 @@ fn right_parts(
     sound.then_some(right)
 }
 
-/// Results of the tests. A test with a motion has no window of loads, so it has no secants.
+/// Results of the tests. A test that prescribes a motion has no range of loads (key `window`), so it has no secant.
 fn figures(run: &AxleKcRun<'_>, tests: &[KcTest]) -> Vec<TestFigure> {
     let of_test = |test: &KcTest| {
         let kinds = if test.load.is_motion() {
@@ -241,7 +241,8 @@ fn figures(run: &AxleKcRun<'_>, tests: &[KcTest]) -> Vec<TestFigure> {
     });
     let mut figures: Vec<TestFigure> = Vec::new();
     for figure in named {
-        // If tests differ only in their window of loads, the name belongs to the results of the first test.
+        // If tests differ only in their range of loads (key `window`), the name belongs to the results of the first
+        // test.
         if !figures.iter().any(|known| known.name() == figure.name()) {
             figures.push(figure);
         }

@@ -76,7 +76,7 @@ pub(super) fn bushing(
     Some(part)
 }
 
-/// Laws and axes of a bushing, without its position.
+/// Force laws and axes of a bushing, without its position.
 pub(super) struct Rubber {
     pub(super) shapes: [Shape; 6],
     pub(super) preload: [f64; 6],
@@ -84,7 +84,7 @@ pub(super) struct Rubber {
     pub(super) z_axis: Option<Vector3<f64>>,
 }
 
-/// Reads laws and axes.
+/// Reads the force laws and axes of a bushing.
 pub(super) fn rubber(
     name: &Text,
     written: &Spanned<file::Bushing>,
@@ -149,7 +149,7 @@ fn bushing_point(name: &Text, suspension: &Suspension, problems: &mut Problems) 
     found.copied()
 }
 
-/// Laws of a bushing along and about its axes.
+/// Force laws of a bushing along its axes, and torque laws about them.
 fn shapes(
     name: &Text,
     written: &Spanned<file::Bushing>,
@@ -272,7 +272,7 @@ pub(super) fn check_directions(
     problems.refuse(written.span(), &message)
 }
 
-/// Laws of a bushing from a property file.
+/// Force and torque laws of a bushing from a property file.
 fn shapes_of_file(
     name: &Text,
     path: &Text,
@@ -336,7 +336,7 @@ fn shapes_of_file(
     }
 }
 
-/// Law through the points of a property file. A curve that is 0 everywhere means no stiffness.
+/// Force law through the points of a property file. A curve that is 0 everywhere means no stiffness.
 fn shape_of_points(
     axis: usize,
     points: &[CurvePoint],
@@ -373,7 +373,7 @@ fn shape_of_points(
     Ok(Shape::Curve { curve, scale })
 }
 
-/// Laws of a bushing from a file, in a form that a study's text can contain.
+/// Force and torque laws of a bushing from a file, in a form that a study's text can contain.
 #[derive(Clone, Debug)]
 pub(in super::super) struct BushingText {
     /// Name.
@@ -383,7 +383,7 @@ pub(in super::super) struct BushingText {
 }
 
 impl BushingText {
-    /// Converts the laws of a bushing that came from a file.
+    /// Converts the force and torque laws of a bushing that came from a file.
     pub(in super::super) fn of(name: &str, shapes: &[Shape; 6]) -> Self {
         let curves = CURVES.into_iter().zip(shapes);
         let given = curves.filter_map(|(key, shape)| match shape {

@@ -125,7 +125,7 @@ fn section<'f>(
     Some(Some(section))
 }
 
-/// Parts of one wheel while they are being read.
+/// Elastic parts of one wheel, filled in while the study is read.
 #[derive(Clone)]
 struct WheelParts {
     bushings: Vec<BushingPart>,

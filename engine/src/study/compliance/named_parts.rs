@@ -10,7 +10,7 @@ use crate::study::Study;
 pub struct NamedBushing<'s> {
     /// Name.
     pub name: &'s str,
-    /// Laws along and about the axes of the bushing.
+    /// Force and torque laws along and about the axes of the bushing.
     pub shapes: &'s [Shape; 6],
     /// Constant forces and torques.
     pub preload: [f64; 6],

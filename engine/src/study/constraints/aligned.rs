@@ -38,7 +38,7 @@ impl Reader<'_> {
             }
         }
         let design = &self.suspension().design;
-        // The order of the list has no influence.
+        // The order of the points in the list has no influence.
         let mut sorted = ids;
         sorted.sort_by_key(|id| id.0);
         let parts = if what == "plane" {

@@ -320,8 +320,8 @@ impl Reader<'_> {
     }
 }
 
-/// Returns the change of a printed value that counts as 1 in the rows of a tuning, with its unit in words. The change is one
-/// that a user would notice.
+/// Returns a change of a printed value that a user would notice, and its unit in words. A tuning divides deviations from
+/// limits by this change.
 pub(super) fn visible_change(unit: Unit, length: LengthUnit) -> (f64, String) {
     let millimetre = length.per_metre() / 1000.0;
     let symbol = length.symbol();

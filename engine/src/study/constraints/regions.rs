@@ -247,8 +247,8 @@ impl Reader<'_> {
     }
 
     /// Reads members that must stay inside the rim. The limit applies only to the part of a member within the width of the
-    /// rim. For a straight member inside a round rim, the points closest to the rim are the ends of the member, or one end
-    /// and the point where the member enters the rim.
+    /// rim. A straight member inside a round rim is closest to the rim at its ends. If one end is outside the width of the
+    /// rim, the point where the member enters the rim replaces this end.
     pub(super) fn members_inside(
         &self,
         names: &Spanned<Vec<Text>>,

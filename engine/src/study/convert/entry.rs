@@ -22,7 +22,7 @@ pub(super) enum Subject<'a> {
 }
 
 impl Subject<'_> {
-    /// Trails of the tests of elastic parts.
+    /// Trails of the tests of elastic parts. A trail is the distance from the contact point back to the side force.
     pub(super) fn trails(&self) -> Vec<f64> {
         let Subject::Study(study) = self else {
             return Vec::new();
@@ -248,7 +248,7 @@ impl Facts<'_> {
         }
         if let Some(name) = text(table, "link") {
             let link = self.before.get("links").and_then(|links| links.get(name));
-            // The variable is the modulus times the area.
+            // The variable of a link with a modulus is the modulus times the area.
             let by_area = link.is_some_and(|link| link.get("modulus").is_some());
             let powers = if by_area { Powers::FORCE } else { Powers::RATE };
             return Ok(Measured::plain(powers));
@@ -274,8 +274,8 @@ impl Facts<'_> {
         Ok(length.signed(sign))
     }
 
-    /// Unit and direction of a scatter entry. An entry for all three coordinates has one law, which is valid only if the
-    /// signs of the axes do not matter.
+    /// Unit and direction of a scatter entry. An entry for all three coordinates has one distribution. If only some axes
+    /// change their direction, the limits of this distribution must be symmetric about 0.
     fn scatter(&self, table: &dyn TableLike, conversion: &Conversion) -> Result<Measured, Refused> {
         let own = self.part(table, conversion)?;
         let of_point = table.contains_key("hardpoint") || table.contains_key("hardpoints");

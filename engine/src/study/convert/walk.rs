@@ -19,7 +19,7 @@ pub(super) fn number(value: &Value) -> Option<f64> {
         .or_else(|| value.as_integer().map(|whole| whole as f64))
 }
 
-/// Positions of texts that are names of results.
+/// Keys whose texts are names of results.
 const NAMES: [&str; 6] = [
     "outputs.characteristics[]",
     "optimise.front[]",
@@ -31,7 +31,7 @@ const NAMES: [&str; 6] = [
 
 /// Position in the text.
 struct At {
-    /// Position of the key, with marks for lists and names.
+    /// Position of the key. `[]` marks an element of a list, and `{}` marks a name that the study chooses.
     place: String,
     /// Keys and indices from the root.
     path: Vec<String>,
@@ -75,7 +75,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// The same conversion with other units of mass.
+    /// Returns the same conversion of a text, with these units of mass.
     pub(super) fn with_masses(self, from: MassUnit, to: MassUnit) -> Self {
         let ends = self.ends.map(|end| end.with_masses(from, to));
         Walk { ends, ..self }

@@ -77,7 +77,7 @@ fn put_sheet_inside(root: &mut dyn TableLike, place: usize, targets: &[SheetTarg
     }
 }
 
-/// Returns the text with the laws of bushings in place of the names of their files.
+/// Returns the text with the force laws of bushings in place of the names of their files.
 pub(in crate::study) fn with_bushings_inside(text: String, bushings: &[BushingText]) -> String {
     if bushings.is_empty() {
         return text;

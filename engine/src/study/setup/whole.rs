@@ -32,7 +32,8 @@ pub(super) fn adjustments(
         if only.is_some_and(|only| only != side) {
             continue;
         }
-        // Uses the left wheel's axes, because amounts of the right half refer to its mirror image.
+        // Uses the axes of the left wheel, because adjustments of the right half are given for the mirror image of that
+        // half.
         let of_side = Suspension {
             frame: suspension.frame,
             ..both.axle.suspension(side).clone()

@@ -1,4 +1,4 @@
-//! Rows of a sheet for an axle: their test result and their station.
+//! Rows of a measured sheet for an axle: their test result and their station.
 
 use super::super::AxleStudy;
 use super::super::axle_targets::{self, AxleSite};
@@ -8,8 +8,8 @@ use crate::axle::{Coordinate, Quantity, TestFigure, WheelMotion};
 use crate::model::Side;
 
 impl Reader<'_> {
-    /// Test result of a row. The test result belongs to one wheel or to the axle. If the row names no wheel, the result can
-    /// belong to both wheels.
+    /// Test result that a row of a measured sheet contains. The test result belongs to one wheel or to the axle. If the row
+    /// names no wheel, the result can belong to both wheels.
     pub(super) fn figure_of_axle(
         &self,
         both: &AxleStudy,
@@ -61,7 +61,8 @@ impl Reader<'_> {
         }))
     }
 
-    /// Station of a row in the motion of an axle: the site, the value of the varying coordinate, and the keys of a target.
+    /// Station of a row in the motion of an axle. The station consists of the site (the stations of a target), the value
+    /// of the varying coordinate, and the keys of a target.
     pub(super) fn place_of_axle(
         &self,
         both: &AxleStudy,

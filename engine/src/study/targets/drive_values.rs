@@ -12,7 +12,7 @@ pub(super) struct DriveValues<'a> {
 }
 
 impl<'a> DriveValues<'a> {
-    /// Returns the drive values of the motion that `site` names.
+    /// Returns the drive values of the motion of a target. `site` names this motion.
     pub(super) fn of(motion: &'a Motion, site: &Site, context: &Context) -> Self {
         let file = context.file;
         let section = match &site.motion {

@@ -12,8 +12,8 @@ pub(super) fn rack_displacements(site: &Site, motion: &Motion) -> Vec<f64> {
     }
 }
 
-/// Stations in addition to those of the motion. They are needed if the motion has fewer stations within a curve than the
-/// curve has points within the motion. Otherwise too few stations would represent the curve.
+/// Stations in addition to those of the motion. If the motion has fewer stations within a curve than the curve has
+/// points, the stations do not represent the curve. The points of the curve within the motion are then added.
 pub(super) fn added_stations(wanted: &Wanted, motion: &Motion) -> Vec<f64> {
     let values = &motion.values;
     let rounding = DriveRounding::of(values);

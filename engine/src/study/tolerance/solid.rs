@@ -28,8 +28,8 @@ pub(super) fn is_single(
     Some(first)
 }
 
-/// Removes the tolerance sources of a part from the right wheel. For parts that exist only once per axle: their sources belong
-/// to the left wheel.
+/// Removes the tolerance sources of a part from the right wheel. This applies to parts that exist only once per axle, because
+/// their sources belong to the left wheel.
 pub(super) fn scatter_once(contributor: &mut Contributor, side: Side) {
     if side == Side::Right {
         contributor.sources.clear();

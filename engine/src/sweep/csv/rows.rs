@@ -85,7 +85,7 @@ impl<'r> RowsReader<'r> {
         })
     }
 
-    /// Rows of a block. `None` if the file ends before them.
+    /// Rows of a block. `None` if the file ends before these rows.
     pub fn block(&mut self, block: u64) -> io::Result<Option<Rows>> {
         let range = self.record.designs_of(block);
         let mut rows = Rows {

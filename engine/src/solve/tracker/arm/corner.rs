@@ -43,8 +43,8 @@ impl<B: SimdReal, V: Visit<B>> PlaceEquations<B, 1> for ArmCorner<'_, '_, B, V> 
         predicted(place, history, [self.method.slope * place.along_slope])
     }
 
-    /// Makes two corrections at a time. One correction is always needed, and a branch that the processor mispredicts would take
-    /// longer than the second one. If the arm's angle is the drive, no equation has to be solved.
+    /// Makes two corrections at a time. One correction is always needed. A mispredicted branch of the processor would take
+    /// longer than the second correction. If the arm's angle is the drive, no equation has to be solved.
     #[inline(always)]
     fn correct(
         &mut self,

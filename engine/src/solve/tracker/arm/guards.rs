@@ -122,8 +122,8 @@ fn judge(
 /// two waypoints the search lines contain no such design; `a_step_is_guarded_at_its_thresholds` tests these checks. No design
 /// is rejected for a far rotation in one step of a leg:
 ///
-/// - Travel: a step is at most 0.02 sizes, and the extrapolated slope is below 3 per size. With r the slope before and r'
-///   the slope of the step, 2 r' - r < 3 and r < 3 give r' < 3, so that the tangent changes by less than 0.06 < 0.1.
+/// - Travel: a step is at most 0.02 sizes, and the extrapolated slope is below 3 per size. Let r be the slope before the step
+///   and r' the slope of the step. Then 2 r' - r < 3 and r < 3 give r' < 3. So the tangent changes by less than 0.06 < 0.1.
 /// - Arm's angle: a step of 0.02 rad with a tangent below 0.7 changes it by less than 0.01 (1 + 0.49) < 0.1.
 /// - Rack: a step of the rack alone could rotate the arm that far if the wheel rose 1.7 times as fast as the rack moves.
 #[test]

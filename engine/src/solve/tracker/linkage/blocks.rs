@@ -35,7 +35,7 @@ impl Order {
             order.rows.swap(k, i);
             a.iter_mut().for_each(|row| row.swap(k, j));
             order.columns.swap(k, j);
-            // With this form of the test, NaN is refused.
+            // The condition is written so that NaN is refused.
             (a[k][k].abs() > LEAST_PIVOT).then_some(())?;
             let pivot_row = a[k];
             for row in &mut a[k + 1..] {
@@ -52,7 +52,7 @@ impl Order {
     }
 }
 
-/// Blocks of a Jacobian. They are filled in place, because moving them would take a quarter of the whole time.
+/// Blocks of a Jacobian. They are filled in place, because copying the blocks would take a quarter of the whole time.
 pub(super) struct Blocks<B> {
     pub(super) order: Order,
     inverse_size: B,
@@ -88,7 +88,7 @@ impl<B: Real> Inverse<B> {
     }
 }
 
-/// Three entries of a row, in an order of columns.
+/// Three entries of a row, from place `first` on, in the given order of columns.
 #[inline(always)]
 fn three<B: Copy>(row: &[B; 6], columns: &[usize; 6], first: usize) -> Vector3<B> {
     Vector3::new(
@@ -125,7 +125,8 @@ impl<B: Real> Blocks<B> {
         }
     }
 
-    /// Converts the square of a rotation for a travel of one mechanism size into the square of a rotation per unit of travel.
+    /// Converts the square of a rotation for a travel equal to the mechanism's size. The result is the square of the rotation
+    /// per unit of travel.
     #[inline(always)]
     pub(super) fn per_size(&self, square: f64) -> B {
         self.inverse_size * self.inverse_size * self.inverse_size.constant(square)

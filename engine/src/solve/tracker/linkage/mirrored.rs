@@ -1,8 +1,8 @@
 //! Pose of an axle whose wheels share one mechanism, as seen from the right wheel.
 //!
-//! Let M be the reflection in the middle plane. A body with the rotation R and the angular velocity w has the rotation
-//! M R M and the angular velocity -M w in the right wheel's frame. Points and velocities are multiplied by M. In the
-//! right wheel's frame, the difference of travels has the opposite sign, and the mean travel is the same.
+//! Let M be the reflection in the middle plane. Let a body have the rotation R and the angular velocity w. In the right
+//! wheel's frame its rotation is M R M, and its angular velocity is -M w. Points and velocities are multiplied by M. In
+//! the right wheel's frame, the difference of travels has the opposite sign, and the mean travel is the same.
 
 use super::super::{KnuckleVector, LanePose, LaneRates};
 use super::LinkageDesign;

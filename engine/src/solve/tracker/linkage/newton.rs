@@ -45,8 +45,8 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
         }
     }
 
-    /// Linearises the equations about these unknowns. The determinants of settled lanes do not change. Returns the
-    /// configuration with these unknowns and the Newton step.
+    /// Linearises the equations about these unknowns. The determinants of lanes that have converged do not change.
+    /// Returns the configuration with these unknowns and the Newton step.
     #[inline(always)]
     pub(super) fn linearise(
         &mut self,
@@ -104,8 +104,8 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
         is_less(step.shift * inverse_size, largest) & is_less(step.turn, largest)
     }
 
-    /// Checks the unknowns after a step. Returns the configuration, the lanes whose residuals are rounding, and the unknowns
-    /// after one more correction with the present Jacobian. Rates need this correction.
+    /// Checks the unknowns after a step. Returns the configuration, the lanes whose residuals are at rounding level, and the
+    /// unknowns after one more correction with the present Jacobian. Rates are accurate only with this correction.
     #[inline(always)]
     pub(super) fn check_residual(
         &mut self,
@@ -169,7 +169,7 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
     }
 }
 
-/// Numbers that the checks compare between two waypoints.
+/// Numbers of a waypoint. The checks compare these numbers between consecutive waypoints.
 #[derive(Clone, Copy)]
 pub(in crate::solve::tracker) struct BranchGuard<B> {
     /// Rotation of the knuckle, as tan(angle/2) times the axis.

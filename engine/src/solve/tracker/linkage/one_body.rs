@@ -127,8 +127,8 @@ impl<'w, 'd, B: SimdReal, V> OneBody<'w, 'd, B, V> {
         }
     }
 
-    /// Values of the closure equations at a waypoint: the fixed value and the drive value. `half` is half the difference of the
-    /// travels.
+    /// Input values of the closure equations at a waypoint: the mean travel, which is fixed, and the drive value. `half` is
+    /// half the difference of the travels.
     #[inline(always)]
     fn motion(&self, place: &RouteStep, half: B) -> [B; 2] {
         let [mean, difference] = self.rest;
@@ -248,8 +248,8 @@ impl<B: SimdReal, V: VisitPair<B>> PlaceEquations<B, ALL> for OneBody<'_, '_, B,
         if [along_mean, along_half, place.along_lead] == [0.0; 3] {
             return unknowns;
         }
-        // The first steps use the slopes of the lane's own design at the previous waypoint. The linearisation left
-        // over from that waypoint would depend on the number of corrections that neighbouring lanes needed.
+        // The first steps use the slopes of the lane's own design at the previous waypoint. The last linearisation at
+        // that waypoint is not used, because it depends on the number of corrections that neighbouring lanes needed.
         let (pose, half) = parted(&unknowns);
         let everywhere = half.everywhere();
         (self.steps).linearise(&pose, self.motion(place, half), everywhere);
@@ -302,7 +302,7 @@ impl<B: SimdReal, V: VisitPair<B>> PlaceEquations<B, ALL> for OneBody<'_, '_, B,
         let mut settled = settled;
         let mut chord = 0;
         loop {
-            // A settled lane does not change.
+            // A lane that has converged does not change.
             if let Some(on) = &on_ground {
                 twist = Twist {
                     shift: twist.shift.plus_scaled(on.by_travel.shift, step),
@@ -319,7 +319,7 @@ impl<B: SimdReal, V: VisitPair<B>> PlaceEquations<B, ALL> for OneBody<'_, '_, B,
                 is_settled = is_settled & apart.abs().less(self.level);
                 step = self.levelling(on, apart, &twist);
             }
-            // Rates need the last correction, too.
+            // Rates are accurate only with the last correction.
             let last = is_settled & !settled;
             pose = kept(last, moved(pose, &twist), pose);
             settled = settled | is_settled;

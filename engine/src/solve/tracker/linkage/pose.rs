@@ -21,7 +21,7 @@ const LEAST_UPRIGHT: f64 = 0.04;
 /// Upper bound on the square of the knuckle's rotation for a travel equal to the mechanism's size.
 const FASTEST_TURN: f64 = 100.0;
 
-/// Methods of [`LanePose`] that follow from the configuration `at` of a pose alone.
+/// Macro for those methods of [`LanePose`] that need only the configuration `at` of a pose.
 macro_rules! from_configuration {
     ($number:ident) => {
         #[inline(always)]

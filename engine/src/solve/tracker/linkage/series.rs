@@ -15,7 +15,7 @@ pub(crate) struct SeriesAdjoint<'p, B> {
 }
 
 impl<B: SimdReal> SeriesAdjoint<'_, B> {
-    /// Subtracts like [`LaneAdjoint::subtract`], for series along the travel.
+    /// Subtracts the effect of the closure equations like [`LaneAdjoint::subtract`], for series along the travel.
     #[inline(always)]
     pub(crate) fn subtract(&self, wrench: &Wrench<Jet<B, 2>>, gradient: &mut [Vector3<Jet<B, 2>>]) {
         self.at.rack.0[0].outlined(SubtractingSeries {

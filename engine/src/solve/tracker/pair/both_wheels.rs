@@ -124,7 +124,7 @@ where
         if round == 1 {
             self.is_near = one.is_near & two.is_near;
         }
-        // A settled lane does not change.
+        // A lane that has converged does not change.
         half = B::select(settled, half, half + step);
         left_unknowns = kept(settled, left_unknowns, left.moved(&left_unknowns, step));
         right_unknowns = kept(settled, right_unknowns, right.moved(&right_unknowns, -step));

@@ -39,9 +39,9 @@ impl Rises {
     }
 }
 
-/// Axles of five-link suspensions with wheels so large that tilted ones roll on their sides. Bisection from the template to
-/// random designs ends where a contact point rises half as fast as its wheel. No other check of these equations has this
-/// reason, so only this check rejects the neighbour.
+/// Tests axles of five-link suspensions. Their wheels are so large that a tilted wheel rolls on its side. Bisection from
+/// the template to random designs ends where a contact point rises half as fast as its wheel. No other check of these
+/// equations gives the reason `FoldNear`, so only this check rejects the neighbouring design.
 #[test]
 fn contact_points_rise_half_as_fast_as_their_wheels() {
     let suspension = template("five_link");

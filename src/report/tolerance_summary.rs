@@ -1,4 +1,4 @@
-//! Results of scatter, as tables and files.
+//! Results of a tolerance analysis, as tables and files.
 
 mod values;
 

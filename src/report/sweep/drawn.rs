@@ -1,6 +1,7 @@
 //! `shown_designs.json`: some designs of a sweep with their curves and their mechanism, for the page of the sweep.
 //!
-//! They are solved at the end of the sweep, because a merge of directories does not have the study.
+//! These designs are solved at the end of the sweep. A later merge of directories cannot solve them, because it does not have
+//! the study.
 
 use crate::report::curve_table::CurveTable;
 use crate::report::record::{FORM, Record};

@@ -117,8 +117,8 @@ pub(in crate::studio) struct SaveRequest {
     pub name: Option<String>,
     /// True to write the moved coordinates although the file has changed, or to replace an existing file of that name.
     pub anyway: bool,
-    /// SHA-256 of the file's text that the page knows. `None` for the text from which the design's changes start. After a save
-    /// and an undo, these two texts differ.
+    /// SHA-256 of the file's text that the page last read or wrote. `None` if this is the text to which the design's changes
+    /// refer. The two texts differ after a save and an undo.
     #[serde(default)]
     pub base: Option<String>,
 }

@@ -134,7 +134,7 @@ impl<'s> RigTests<'s> {
 fn stations(both: &AxleStudy) -> Vec<([f64; 2], f64)> {
     let placements = both.plan.motion.placements();
     let along = both.axle.left.frame.sign(Axis::Y);
-    // The reader of elastic axles has already refused motions on an inclined ground plane, so every placement is on level pads.
+    // The reader of elastic axles has already refused motions without level wheel pads, so no placement is left out.
     let on_pads = placements.iter().filter_map(Placement::on_level_pads);
     let in_study = |(travels, rack): ([f64; 2], f64)| (travels, along * rack + 0.0);
     on_pads.map(in_study).collect()

@@ -81,7 +81,7 @@ export class MechanismView {
     return along(this.look.right.map((c) => (c * x) / this.scale), this.look.up, -y / this.scale);
   }
 
-  // Shows all of these points.
+  // Moves and zooms the view so that all of these points are visible.
   fitTo(points) {
     if (!points.length || !this.width) return;
     this.look = this.turned();

@@ -15,7 +15,8 @@ const words = (column) => column.replaceAll('_', ' ');
 const panel = (title, ...children) => html('div', { class: 'panel', id: `panel-${title.toLowerCase().replaceAll(' ', '-')}` }, html('h2', { text: title }), ...children);
 const table = (head, body, isNumber = (k) => k > 0) => html('table', {}, html('thead', {}, html('tr', {}, ...head.map((text, k) => html('th', { text, class: isNumber(k) ? 'number' : null })))), html('tbody', {}, ...body));
 
-// Chips in the header. They become wider, but never narrower, so that the header stays calm. A click on a chip opens its panel.
+// Chips in the header: buttons with a name and a value. A chip can become wider, but never narrower, so that the header does
+// not move. A click on a chip opens its panel.
 let chips = new Map();
 const buildChips = () => {
   const { tunes, builds, has_constraints: hasConstraints } = state.overview;

@@ -157,7 +157,7 @@ fn a_false_root_is_not_proved_to_be_near() {
         let proof = certifier.prove(&wanted, &planted).unwrap();
         assert!(proof.travel_error >= off, "{off}: {proof:?}");
         assert!(proof.travel_error < 1.1 * off, "{off}: {proof:?}");
-        // The certified position errors of the carriers are at least 0.9 times this offset too.
+        // The certified position errors of the carriers are at least 0.9 times `off`.
         assert!(proof.position_errors.into_iter().all(|e| e >= 0.9 * off));
     }
     // If the stated travels are 1e-6 mm away from those of the poses, the certified error is at least this large.

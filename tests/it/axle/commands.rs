@@ -376,8 +376,8 @@ fn an_axle_is_tuned() {
     assert!(said.contains("18 of 18 stations solved"), "{said}");
 }
 
-/// The front of two goals has a design that is at least as good as the tuned design in both goals, up to the distance of two
-/// points.
+/// The Pareto front of two goals has a design that is at least as good as the tuned design in both goals. The tolerance is the
+/// spacing of the front's points.
 #[test]
 fn no_tuned_design_is_better_than_its_front() {
     let path = study("macpherson_axle_front.toml");

@@ -173,8 +173,8 @@ fn points_move_at_their_derivatives() {
     }
 }
 
-/// Coordinates have correct sensitivities to the design. If the sides differ, the right wheel's hardpoint moves only
-/// that wheel. In roll the travels of both wheels follow.
+/// Coordinates have correct sensitivities to the design. If the sides differ, the right wheel's hardpoint moves only that
+/// wheel. In roll, the travels of both wheels depend on the design, too.
 #[test]
 fn points_have_sensitivities() {
     let outputs = "outputs={points=[\"wheel_centre\", \"toe_link_outer\"], sensitivities=[\"toe_link_inner\", \"lower_rear_link_outer\"]}";

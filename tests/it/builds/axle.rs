@@ -166,7 +166,7 @@ fn a_printed_build_has_its_extra_points() {
                     .curves
                     .are_complete()
             );
-            // The program can vary a printed build again.
+            // A printed build can be the nominal design of further builds.
             let again = Problem::of(&printed, printed.tolerance.as_ref().unwrap()).unwrap();
             again.built_wheels(number).unwrap();
         }

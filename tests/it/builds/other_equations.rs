@@ -12,10 +12,10 @@
 //! c^2 + s^2 = 1                                    rocker
 //! ```
 //!
-//! place(p) is the moved position of a point: o + q p q* for the carrier, a point of an arm in the frame of its axis
-//! and outer joint, a point of a rocker about its axis. Newton's method in doubles, with a Jacobian from differences,
-//! follows the parts from the nominal ones in steps. Then residuals of twice the precision refine the solution to about
-//! 28 digits.
+//! place(p) is the moved position of a point: o + q p q* for the carrier, a point of an arm in the frame of its axis and outer
+//! joint, a point of a rocker about its axis. The parts change in steps from the nominal parts to the built parts. In each
+//! step, Newton's method in doubles solves the equations, with a Jacobian from differences. Then residuals of twice the
+//! precision refine the solution to about 28 digits.
 //!
 //! This module reads hardpoints and topology from the study. From `hardpoint` it uses only numbers and vectors.
 

@@ -278,8 +278,8 @@ impl SetUpSummary {
         table
     }
 
-    /// Static values of the nominal design and after each step, with the computed amounts. Each table has only a few steps, so
-    /// that no name needs a line break.
+    /// Tables of the static values: at the nominal design, and after each step with the computed amounts. Each table has only a
+    /// few steps, so that no name needs a line break.
     pub fn values_after_steps(&self) -> Vec<Table> {
         const MOST: usize = 5;
         let drawn = self.statics.iter().map(|s| s.drawn).collect();

@@ -47,7 +47,8 @@ pub struct SolveSummary {
     left_to_continuation: Vec<Left>,
 }
 
-/// Number of stations that the continuation solved instead of the tracker for the same reason.
+/// Number of stations that the solver for difficult stations (continuation) solved instead of the usual solver (tracker), with
+/// the reason.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Left {
     reason: String,

@@ -283,7 +283,7 @@ pub(super) struct TargetMisfit {
     pub worst: f64,
     /// Position of the largest deviation. `None` for a result of a load case.
     pub worst_at: Option<f64>,
-    /// Unit of that position, or the load case.
+    /// Unit of the position of the largest deviation, or name of the load case.
     pub worst_at_unit: String,
     pub gradient: Coordinates,
 }
@@ -321,7 +321,7 @@ pub(super) struct FreeDirection {
     pub name: String,
     /// Displacement of each point.
     pub change: Coordinates,
-    /// Possible amount, downward and upward.
+    /// Possible multiples of `change`: smallest (negative) and largest.
     pub free: [f64; 2],
 }
 

@@ -131,7 +131,7 @@ impl SweepDirectory {
         &self.path
     }
 
-    /// True if the rows of a part exist. The rows are written last.
+    /// True if the rows of a part exist. The program writes the rows last, so such a part is complete.
     pub fn has_rows(&self, part: u64) -> bool {
         self.path.join(self.record.rows_name(part)).is_file()
     }

@@ -21,7 +21,7 @@ pub struct DrawnDesigns {
 }
 
 impl DrawnDesigns {
-    /// True if the format is the present one, and the numbers of designs agree.
+    /// True if the file has the current format, and as many drawings and curves as designs.
     pub(super) fn is_whole(&self) -> bool {
         let count = self.designs.len();
         self.record.form == FORM

@@ -190,7 +190,8 @@ struct ConstraintSummary {
     /// Status. Absent in summaries of older versions, whose units are millimetres and degrees.
     #[serde(default)]
     status: Option<ConstraintStatus>,
-    /// True if the price is not determined, because binding limits depend on each other.
+    /// True if the price (decrease of the misfit per unit of the limit) is not determined, because binding limits depend on
+    /// each other.
     #[serde(default)]
     price_not_determined: bool,
 }

@@ -41,7 +41,7 @@ impl ConstraintStatus {
     }
 }
 
-/// A missed target that the variables hardly change, in multiples of its tolerance.
+/// A missed target that the variables hardly change: its deviation and the possible change, as multiples of its tolerance.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SlightEffectRecord {
     target: String,

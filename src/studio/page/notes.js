@@ -195,8 +195,8 @@ const draw = () => {
   for (const name of Object.keys(PANES)) fill(name);
 };
 
-// Asks for free directions after the point has stopped moving, because they take longer to compute. Limits take longest: the
-// page asks for limits only while it shows limits.
+// Asks for the directions that leave all targets unchanged after the point has stopped moving, because they take longer to
+// compute. Limits take longest: the page asks for limits only while it shows limits.
 let timer = null;
 const rest = () => {
   clearTimeout(timer);

@@ -173,7 +173,7 @@ fn a_printed_build_has_its_extra_points() {
     }
 }
 
-/// Readings of a built axle in one position, with each tolerance source moved by a given amount.
+/// Values of a built axle in one position, with each tolerance source moved by a given amount.
 struct Moved<'s> {
     sources: Vec<&'s Source>,
     assemblers: [Assembler; 2],
@@ -225,8 +225,8 @@ impl<'s> Moved<'s> {
     }
 }
 
-/// Derivatives with respect to all contributors of either side equal the slopes of the built axle's readings, from
-/// differences of fourth order.
+/// Derivatives with respect to all contributors of either side equal the slopes of the built axle's values, from differences of
+/// fourth order.
 #[test]
 fn gradients_are_slopes_of_built_axles() {
     let study = axle("builds=2", &[]);

@@ -232,8 +232,8 @@ mod tests {
         assert!(!path.exists());
     }
 
-    /// A symbolic link with the name of the lock file is reported. Taking the lock neither waits nor follows the link, even if
-    /// the target of the link does not exist.
+    /// If a symbolic link has the name of the lock file, taking the lock fails with an error. The link is not followed, whether
+    /// its target exists or not.
     #[cfg(unix)]
     #[test]
     fn a_link_is_no_lock() {

@@ -164,7 +164,7 @@ pub(super) struct TargetOverview {
     pub tolerance: f64,
     /// Drive value, lowest and highest target value. `None` without a limit.
     pub points: Vec<(f64, Option<f64>, Option<f64>)>,
-    /// Name of the target's motion. `None` for the study's own.
+    /// Name of the target's motion. `None` for the study's own motion.
     pub motion: Option<String>,
     /// Index of the slider of this motion to which the points refer. `None` if the points do not refer to a slider.
     pub over: Option<usize>,

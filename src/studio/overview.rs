@@ -281,7 +281,7 @@ pub(super) fn rack_slider(suspension: &Suspension, home: f64, racks: &[f64]) -> 
 }
 
 impl Slider {
-    /// Makes a slider over some values.
+    /// Makes a slider whose range contains these values and the position `home`.
     pub(super) fn over(
         key: &'static str,
         name: &'static str,

@@ -104,7 +104,8 @@ impl SweepDirectory {
         })
     }
 
-    /// Writes the files that follow from the statistics of the parts: `summary.json`, and `pareto.csv` if there is a front.
+    /// Writes the files that are computed from the statistics of the parts: `summary.json`, and `pareto.csv` if there is a
+    /// front.
     pub fn write_summary(
         directory: &RunDirectory,
         record: &SweepRecord,

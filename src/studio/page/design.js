@@ -369,7 +369,7 @@ export const askMisfit = async (design, digest) => {
   return answer?.misfit?.value ?? null;
 };
 
-// Effect of one coordinate, asked for when the user points at it.
+// Effect of one coordinate, requested when the user points at the coordinate.
 let influences = 0;
 export const askInfluence = async (point, axis) => {
   const number = ++influences;

@@ -168,7 +168,7 @@ const watchFile = async () => {
   const { digest, file } = state.overview;
   const own = ownChanges;
   const now = await post('digest', null).catch(() => null);
-  // While this page saves, the file differs from the text that the page knows.
+  // While this page saves, the file differs from the text that the page has read.
   if (own % 2 || own !== ownChanges) return;
   if (now === null || now === state.overview.base || now === told || digest !== state.overview.digest) return;
   told = now;

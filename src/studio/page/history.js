@@ -60,7 +60,7 @@ const restorePins = () => {
     const design = designOf(places);
     if (LETTERS.includes(letter) && design) state.pins[letter] = { design, answer: null };
   }
-  // This request waits until the other parts of the page have chosen the curves.
+  // The request for the curves of pinned designs waits until the other parts of the page have chosen the curves.
   if (Object.keys(state.pins).length) setTimeout(askPins);
 };
 

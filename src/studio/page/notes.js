@@ -1,4 +1,4 @@
-// Panels beside the curves: targets, constraints, limits, free directions, warnings.
+// Panels beside the curves: targets, constraints, limits, directions that leave the targets unchanged, and warnings.
 import { brief, byId, html, inDegrees, measured, quantity, renew, scroller, set, write } from './draw.js';
 import { of, begin, copy, emit, finish, isInGesture, isSame, on, onRest, snapped, state } from './design.js';
 import { openTab, tellTab } from './layout.js';

@@ -153,7 +153,7 @@ fn points_move_at_their_derivatives() {
             let vector =
                 |name: &str| ["x", "y", "z"].map(|axis| value(&found, 4, &name.replace('#', axis)));
             let omega = vector(&format!("{side}_knuckle_omega_#_by_{by}_rad_per_{unit}"));
-            // Both points belong to the wheel carrier of a strut.
+            // The points strut_lower and wheel_centre belong to the wheel carrier.
             let arm = {
                 let [a, b] =
                     ["strut_lower", "wheel_centre"].map(|p| vector(&format!("{side}_{p}_#_mm")));

@@ -153,8 +153,8 @@ fn tuned(study: &Study, quantity: AxleQuantity, placements: &[Placement]) -> (f6
     (best.after.misfit, values.collect())
 }
 
-/// A constraint on a motion of the left wheel is satisfied along the whole motion of the tuned wheel, also between the
-/// stations of the tuning. The constraint is active.
+/// A constraint on a motion of the left wheel is satisfied along the whole motion of the tuned wheel. This includes positions
+/// between the stations of the tuning. The constraint is active.
 #[test]
 fn constraints_hold_through_a_motion_of_the_wheel() {
     let edits = [

@@ -232,7 +232,7 @@ fn gradients_are_slopes_of_built_axles() {
     let study = axle("builds=2", &[]);
     let problem = problem(&study);
     let expansion = Expansion::of(&problem).unwrap();
-    // This station has roll, heave and steering.
+    // The tested station has roll, heave and steering.
     let station = 9;
     let moved = Moved::of(&study, problem.placements()[station]);
     let mut looked_at = 0;

@@ -1,7 +1,7 @@
 //! Tables for the terminal, also as CSV or JSON.
 //!
 //! A cell has two forms. People see a text with a sensible number of digits; programs get the exact number. A column may be for
-//! only one of them. For example, people see a range in one column, but programs get two numbers.
+//! people only or for programs only. For example, people see a range in one column, but programs get two numbers.
 
 mod cell;
 mod layout;

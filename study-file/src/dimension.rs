@@ -1,9 +1,9 @@
 //! Dimensions of the numbers in a study: how each number changes if the file uses other units or axes.
 //!
-//! The tables of this module have one line for each number that the reader of studies accepts. A test compares the tables
-//! with the reader, so a new key cannot be forgotten. Paths are written as in [`schema`](crate::schema):
-//! `suspension.hardpoints{}` is each value of a table whose keys are names, and `optimise.targets[]` is each element of a
-//! list. A line covers everything below its path.
+//! The tables of this module have one line for each number that the reader of studies accepts. A test compares the tables with
+//! the reader, so a new key cannot be forgotten. Paths are written as in [`schema`](crate::schema): `suspension.hardpoints{}`
+//! is each value of a table whose keys are names, and `optimise.targets[]` is each element of a list. A line applies to all
+//! values below its path, too.
 
 use crate::schema::Root;
 

@@ -160,7 +160,7 @@ export const isOfFile = (overview) => {
   overview.edits = [];
   state.file = overview;
 };
-// Accepts the overview of a study whose values these edits have changed, as one action. Without `design`, the design stays. The
+// Accepts an edited study as one action. `overview` describes the study after `edits`. Without `design`, the design stays. The
 // label is a text, or a function of the former design.
 export const takeOverview = (overview, label, edits, design = null) => {
   const before = state.design;

@@ -1,5 +1,5 @@
-// Labels at the right ends of lines, as in reports: of both wheels, of the lines of a family (one line for each other value of
-// a slider), and of pinned designs.
+// Labels at the right ends of lines, as in reports. Labels name the lines of both wheels, the lines of a family (one line for
+// each other value of a slider), and the lines of pinned designs.
 import { brief, measured } from './draw.js';
 import { state } from './design.js';
 

@@ -13,9 +13,9 @@
 //! ```
 //!
 //! place(p) is the moved position of a point. On the carrier it is o + q p q*. A point of an arm moves with the frame of the
-//! arm's axis and outer joint, and a point of a rocker turns about the rocker's axis. The parts change in steps from the nominal parts to the built parts. In each
-//! step, Newton's method in doubles solves the equations, with a Jacobian from differences. Then residuals of twice the
-//! precision refine the solution to about 28 digits.
+//! arm's axis and outer joint, and a point of a rocker turns about the rocker's axis. The parts change in steps from the
+//! nominal parts to the built parts. In each step, Newton's method in doubles solves the equations, with a Jacobian from
+//! differences. Then residuals of twice the precision refine the solution to about 28 digits.
 //!
 //! This module reads hardpoints and topology from the study. From `hardpoint` it uses only numbers and vectors.
 

@@ -74,7 +74,7 @@ impl TuningSummary {
     }
 
     /// Reason why binding constraints have no price (decrease of the misfit per unit of the limit). `None` if the tuning ended
-    /// at the smallest misfit, or if every binding constraint has a price.
+    /// at the smallest misfit, or if no binding constraint lacks a price for this reason.
     fn without_price_in_words(&self) -> Option<String> {
         let is_good_enough = self.misfit_after? <= self.good_enough * (1.0 + 1e-6);
         let has_none = |c: &ConstraintSummary| {

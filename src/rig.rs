@@ -25,8 +25,8 @@ pub struct RigTests<'s> {
 }
 
 impl<'s> RigTests<'s> {
-    /// Runs the tests of a study with its elastic parts, or with its rigid mechanism. `other` is the program whose names are
-    /// added to ours. An error explains why there are no tests.
+    /// Runs the tests of a study with its elastic parts, or with its rigid mechanism. `other` is a program whose names for the
+    /// results are added to the names of this program. An error explains why there are no tests.
     pub fn of(study: &'s Study, other: Option<OtherProgram>) -> Result<Self, String> {
         if let Some(axle) = study.axle() {
             return RigTests::of_axle(study, axle, other);
@@ -134,7 +134,7 @@ impl<'s> RigTests<'s> {
 fn stations(both: &AxleStudy) -> Vec<([f64; 2], f64)> {
     let placements = both.plan.motion.placements();
     let along = both.axle.left.frame.sign(Axis::Y);
-    // The reader of elastic axles has already refused motions that roll on a plane.
+    // The reader of elastic axles has already refused motions without level wheel pads, so no placement is left out.
     let on_pads = placements.iter().filter_map(Placement::on_level_pads);
     let in_study = |(travels, rack): ([f64; 2], f64)| (travels, along * rack + 0.0);
     on_pads.map(in_study).collect()

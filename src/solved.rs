@@ -70,7 +70,8 @@ impl<'s> Solved<'s> {
         })
     }
 
-    /// Copy with other values, by column and station, in the kernel's units. For an axle, cells without a value stay empty.
+    /// Copy with other values. `value` returns the value of a column at a station, in internal units (radians for angles). For
+    /// an axle, cells without a value stay empty.
     pub fn with_values(&self, value: impl Fn(usize, usize) -> f64) -> Self {
         let mut curves = self.curves.clone();
         let keeps_empty = matches!(self.plan, Planned::Axle(..));
@@ -166,8 +167,8 @@ impl<'s> Solved<'s> {
         Ok(Summary::Solve(Box::new(summary)))
     }
 
-    /// Record of these designs over the motion `name`, which each study has as its own motion. All of them describe one wheel, or
-    /// all of them describe an axle.
+    /// Record of these designs over the named motion `name`. In each study, this motion has replaced the study's own motion.
+    /// All designs describe one wheel, or all describe an axle.
     pub(crate) fn motion_record(name: &str, designs: &[Labelled<'_>]) -> MotionRecord {
         let (.., last) = designs.last().expect("a run has a design");
         let study = designs[0].2.study;

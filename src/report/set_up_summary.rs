@@ -21,7 +21,7 @@ pub enum SetUpSide {
     Both,
     /// The left wheel.
     Left,
-    /// Right wheel. Amounts along y refer to the mirror image of the right wheel on the left.
+    /// Right wheel. Amounts along y are those of its mirror image, which is a left wheel.
     Right,
 }
 
@@ -53,7 +53,8 @@ pub struct SetUpSummary {
     /// Wheels that are set up, if the study describes an axle.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub side: Option<SetUpSide>,
-    /// True if every target is met, both with the computed and with the rounded amounts. Errors up to half a step do not count.
+    /// True if every target is met, both with the computed and with the rounded amounts. An error of at most half an adjustment
+    /// step counts as met.
     pub met: bool,
     /// Static values.
     pub statics: Vec<StaticRecord>,
@@ -73,18 +74,19 @@ pub struct StaticRecord {
     pub set: Option<f64>,
     /// Target value, if there is one.
     pub wanted: Option<f64>,
-    /// True if the study has no target here, so the set-up keeps the nominal value. Then `wanted` is the nominal value.
+    /// True if the study has no target for this value, so the set-up keeps the nominal value. Then `wanted` is the nominal
+    /// value.
     pub kept: bool,
     /// Computed value minus target value.
     pub miss: Option<f64>,
-    /// Possible error from half steps of shims. If `miss` is not larger, the target counts as met.
+    /// Allowed error: effect of half a step of each shim adjustment. If `miss` is not larger, the target counts as met.
     pub allowed: f64,
     /// Value with the rounded amounts.
     pub set_rounded: Option<f64>,
     /// Rounded value minus target value.
     pub miss_rounded: Option<f64>,
-    /// Possible error from half steps of shims and half sixteenths of turns. If `miss_rounded` is not larger, the target counts
-    /// as met.
+    /// Allowed error: effect of half a step of each shim adjustment and of half a sixteenth of a turn of each thread. If
+    /// `miss_rounded` is not larger, the target counts as met.
     pub allowed_rounded: f64,
     /// True if the target counts as met with the computed amounts.
     pub met: bool,
@@ -117,7 +119,7 @@ pub struct AdjustmentRecord {
     pub after: Vec<Option<f64>>,
     /// Change of each static value in this step, with the rounded amount.
     pub effect: Vec<Option<f64>>,
-    /// The changes in words, such as "camber -0.42 deg, toe +0.03 deg". Changes too small for a mechanic are left out.
+    /// The changes in words, such as "camber -0.42 deg, toe +0.03 deg". Changes that a mechanic cannot measure are left out.
     pub effect_in_words: String,
 }
 
@@ -276,8 +278,8 @@ impl SetUpSummary {
         table
     }
 
-    /// Static values of the nominal design and after each step, with the computed amounts. Each table has only a few steps, so
-    /// that no name needs a line break.
+    /// Tables of the static values: at the nominal design, and after each step with the computed amounts. Each table has only a
+    /// few steps, so that no name needs a line break.
     pub fn values_after_steps(&self) -> Vec<Table> {
         const MOST: usize = 5;
         let drawn = self.statics.iter().map(|s| s.drawn).collect();

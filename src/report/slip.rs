@@ -7,16 +7,17 @@ pub(crate) struct Slip {
     pub(crate) point: usize,
     /// Index of the coordinate.
     pub(crate) axis: usize,
-    /// Value that fits to the other points.
+    /// Value that fits the other points.
     pub(crate) likely: f64,
     /// True for a wrong sign, false for a wrong decimal place.
     pub(crate) is_sign: bool,
 }
 
 impl Slip {
-    /// Finds the slip that explains all warnings. `fits` returns true if points cause no warning. The change must bring the point
-    /// much nearer to the others. A wrong sign has priority over a wrong decimal place, because it changes no digit. `None` if such
-    /// changes of different points explain the warnings: then any of them may be wrong.
+    /// Finds the coordinate whose correction removes all warnings. `fits` returns true if points cause no warning. A correction
+    /// changes the sign or the decimal place of one coordinate. It must bring the point much nearer to the other points.
+    /// Corrections of the sign have priority, because they keep all digits. Returns `None` if corrections of different points
+    /// are possible, because then any of these points may be wrong.
     pub(crate) fn of(points: &[[f64; 3]], fits: impl Fn(&[[f64; 3]]) -> bool) -> Option<Slip> {
         const NEARER: f64 = 0.75;
         let mut found: Vec<(f64, Slip)> = Vec::new();
@@ -65,7 +66,7 @@ impl Slip {
     }
 }
 
-/// Number with its decimal point moved. It has the digits of the number, which a product with 10 may not have.
+/// Number with its decimal point moved. It keeps the digits exactly. Multiplication by 10 may change them by rounding.
 fn shifted(number: f64, places: i32) -> f64 {
     let text = format!("{number:e}");
     let (digits, exponent) = text.split_once('e').expect("scientific notation");
@@ -104,7 +105,8 @@ mod tests {
         }
     }
 
-    /// Points of a box. One coordinate outside is found. Two points outside are not a slip.
+    /// For points in a box: one wrong coordinate outside the box is found. Two points outside the box are not one slip, so the
+    /// result is `None`.
     #[test]
     fn one_coordinate_far_outside_is_a_slip() {
         let sound = [

@@ -20,7 +20,8 @@ pub struct SolveSummary {
     version: String,
     study: String,
     topology: String,
-    /// For an axle, the parts in which the right wheel differs: "mirrored" if there are none.
+    /// For an axle: the parts of the right wheel that are not mirror images of the left wheel's parts. "mirrored" if there are
+    /// none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     axle: Option<String>,
     stations: usize,
@@ -46,7 +47,8 @@ pub struct SolveSummary {
     left_to_continuation: Vec<Left>,
 }
 
-/// Number of stations that the continuation solved instead of the tracker for the same reason.
+/// Number of stations that the solver for difficult stations (continuation) solved instead of the usual solver (tracker), with
+/// the reason.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Left {
     reason: String,
@@ -61,7 +63,7 @@ struct FailedStation {
     /// Position in words.
     #[serde(default)]
     at: String,
-    /// Coordinates of the station, for a corner.
+    /// Coordinates of the station, for a study of one wheel.
     #[serde(flatten)]
     place: Option<StationLabel>,
     status: String,
@@ -192,7 +194,7 @@ fn is_design(curves: &Curves, station: &Station) -> bool {
 fn right_wheel(axle: &Axle) -> String {
     let (left, right) = (&axle.left, axle.suspension(Side::Right));
     let springs = axle.setup.springs.as_ref();
-    // A point that exists only once, such as an end of a Panhard rod, is in neither half.
+    // A point that exists only once, such as an end of a Panhard rod, belongs to neither wheel.
     let mut points = left.design.iter().zip(&right.design).enumerate();
     let moved = points
         .any(|(id, (left, right))| left != right && !axle.left.mechanism.is_single(PointId(id)));

@@ -6,11 +6,11 @@ use crate::curves::{Curves, MotionColumn};
 use crate::study::Drive;
 use serde::{Deserialize, Serialize};
 
-/// Position of a station on the motion: numbers for a corner, words for an axle.
+/// Position of a station on the motion: numbers for a study of one wheel, words for an axle.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub(super) enum StationLabel {
-    /// A station of a corner. An angle is `None` unless it is the drive.
+    /// A station in a study of one wheel. An angle is `None` unless that angle drives the motion.
     Corner {
         travel: Option<f64>,
         arm_angle_deg: Option<f64>,
@@ -36,12 +36,12 @@ impl StationLabel {
         }
     }
 
-    /// True if the label belongs to a corner.
+    /// True if the label belongs to a study of one wheel.
     pub(super) fn is_of_corner(&self) -> bool {
         matches!(self, StationLabel::Corner { .. })
     }
 
-    /// Travel, arm angle, theta and rack of a corner, as table cells.
+    /// Travel, arm angle, theta and rack displacement of a station in a study of one wheel, as table cells.
     pub(super) fn cells(&self) -> Option<[Cell; 4]> {
         match *self {
             StationLabel::Corner {

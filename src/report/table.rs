@@ -1,7 +1,7 @@
 //! Tables for the terminal, also as CSV or JSON.
 //!
 //! A cell has two forms. People see a text with a sensible number of digits; programs get the exact number. A column may be for
-//! only one of them. For example, people see a range in one column, but programs get two numbers.
+//! people only or for programs only. For example, people see a range in one column, but programs get two numbers.
 
 mod cell;
 mod layout;
@@ -124,8 +124,8 @@ impl Table {
         self.push_row(row);
     }
 
-    /// Joins tables with equal columns below each other. A first column `name` states the table of each row. If the table has no
-    /// name, there must be only one table, and it stays unchanged.
+    /// Appends the rows of tables with equal columns. If the tables have names, a first column with the title `name` contains
+    /// the name of each row's table. A table without a name must be the only one; it stays unchanged.
     pub fn stacked<'n>(
         name: &str,
         tables: impl IntoIterator<Item = (Option<&'n str>, Table)>,
@@ -269,8 +269,8 @@ impl Tables {
         self.0.push((name, table));
     }
 
-    /// Text of all tables. In CSV, empty lines separate them, and the first column `table` contains their name; empty tables are
-    /// left out if there are others. In JSON, they are lists in one object.
+    /// Text of all tables. In CSV, empty lines separate the tables, and the first column `table` contains their name. Empty
+    /// tables are left out of CSV if another table has rows. In JSON, the tables are lists in one object.
     pub fn render(&self, format: Format, width: usize) -> String {
         let is_nameless = |table: &Table| format == Format::Csv && table.rows.is_empty();
         let has_rows = self.0.iter().any(|(_, table)| !table.rows.is_empty());

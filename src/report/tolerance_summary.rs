@@ -1,4 +1,4 @@
-//! Results of scatter, as tables and files.
+//! Results of a tolerance analysis, as tables and files.
 
 mod values;
 
@@ -70,11 +70,11 @@ pub struct RejectRecord {
 pub struct RankingRecord {
     /// Name of the contributor.
     pub contributor: String,
-    /// Largest share in the variance of a value with a band.
+    /// Largest share of this contributor in the variance of a value that has a band.
     pub share: f64,
-    /// Predicted yield with half of its tolerance.
+    /// Predicted yield if the tolerance of this contributor is halved.
     pub yield_halved: f64,
-    /// Predicted yield with twice its tolerance.
+    /// Predicted yield if the tolerance of this contributor is doubled.
     pub yield_doubled: f64,
     /// True if the tolerance can be relaxed: doubling it reduces the yield very little.
     pub may_be_looser: bool,

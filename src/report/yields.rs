@@ -35,7 +35,8 @@ pub struct Surrogate {
     pub value: f64,
     /// Surrogate minus the yield of builds that the tuning has not used.
     pub error: Option<f64>,
-    /// True if no design has a larger yield than the optimum without scatter. Then that optimum is the result.
+    /// True if the search found no design with a larger yield than the optimum without scatter. Then that optimum is the
+    /// result.
     pub keeps_plain: bool,
 }
 

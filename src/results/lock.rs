@@ -110,8 +110,8 @@ impl Lock {
         take: &impl Fn(&File) -> Result<(), TryLockError>,
     ) -> Result<Self, NotLocked> {
         loop {
-            // The lock must be a plain file. A symbolic link made by another program would lock a different file, which protects
-            // nothing here.
+            // The lock must be a plain file. Another program may have replaced it by a symbolic link. A lock on the target of
+            // this link would not protect the directory.
             if std::fs::symlink_metadata(path).is_ok_and(|there| there.is_symlink()) {
                 return Err(NotLocked::Failed(io::Error::other(
                     "it is a symbolic link, which was not created by a run: remove it",
@@ -127,7 +127,7 @@ impl Lock {
                 .open(path);
             let file = match file {
                 Ok(file) => file,
-                // The directory is being moved aside.
+                // The file cannot be created because another process has just moved the directory aside.
                 Err(e) if e.kind() == io::ErrorKind::NotFound => return Err(NotLocked::Held(None)),
                 Err(e) => return Err(NotLocked::Failed(e)),
             };
@@ -232,8 +232,8 @@ mod tests {
         assert!(!path.exists());
     }
 
-    /// A symbolic link with the name of the lock file is reported. Taking the lock neither waits nor follows the link, even if
-    /// the target of the link does not exist.
+    /// If a symbolic link has the name of the lock file, taking the lock fails with an error. The link is not followed, whether
+    /// its target exists or not.
     #[cfg(unix)]
     #[test]
     fn a_link_is_no_lock() {

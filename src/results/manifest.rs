@@ -80,7 +80,8 @@ impl RunRecord {
         self.command == command && self.digest == digest
     }
 
-    /// True if the run's digest can be compared with digests of this command. Sweeps use a separate digest of their designs.
+    /// True if digests of this run can be compared with digests of runs of `command`. `sweep` and `merge` use a digest of the
+    /// designs; all other commands use a digest of the study.
     pub fn digests_as(&self, command: &str) -> bool {
         let is_of_designs = |command| ["sweep", "merge"].contains(&command);
         is_of_designs(&self.command) == is_of_designs(command)

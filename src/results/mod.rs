@@ -57,7 +57,7 @@ pub fn study_digest(study: &Study) -> String {
     let mut hash = hmac_sha256::Hash::new();
     hash.update(study.text.as_bytes());
     match study.sweep.as_ref().map(|sweep| &sweep.designs) {
-        // An unreadable file is an error of the sweep only, because other commands do not need it.
+        // An unreadable file of designs is an error of the sweep only, because other commands do not need this file.
         Some(Designs::File(path)) => hash.update(std::fs::read(path).unwrap_or_default()),
         Some(Designs::Given(table)) => hash.update(table.digest),
         Some(Designs::Sampled(_)) | None => {}

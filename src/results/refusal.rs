@@ -97,7 +97,7 @@ pub enum Refusal {
 }
 
 impl Refusal {
-    /// Message for a directory from another option than `--out`.
+    /// Message for a directory that is given by an option other than `--out`.
     pub fn with_option(&self, option: &str) -> String {
         let advice = |option| format!("give another directory with {option}");
         self.to_string().replace(&advice("--out"), &advice(option))

@@ -61,7 +61,7 @@ impl RunDirectory {
                 Err(_) => (locked(Lock::shared(&lock_path, &owner))?, false),
             },
         };
-        // This checks write access before the work starts.
+        // A temporary file is created here to check write access before the work starts.
         temporary(path).map_err(failed)?;
         let mut set_aside = None;
         let manifest = match examine(path, claim) {
@@ -478,7 +478,8 @@ fn readable() -> std::fs::Permissions {
 
 #[cfg(not(unix))]
 fn readable() -> std::fs::Permissions {
-    // On other systems, permissions come from the directory. This value has no effect, but the type has no other constructor.
+    // On systems other than Unix, a new file gets its permissions from the directory. The value returned here has no effect,
+    // but `Permissions` has no other constructor.
     std::fs::metadata(".")
         .map(|m| m.permissions())
         .expect("the current directory exists")

@@ -18,7 +18,8 @@ use crate::study::{Drive, Study, Vehicle, WheelStudy};
 use std::borrow::Cow;
 use std::time::Instant;
 
-/// Copy of the study that requests these characteristics, but no certificates: they take too long while a point is dragged.
+/// Copy of the study that requests these characteristics, but no certificates. Certificates take too long while a point is
+/// dragged.
 pub(super) fn asking_for(own: &WheelStudy, names: &[String]) -> Result<WheelStudy, String> {
     let mut asked = own.clone();
     asked.outputs.certify = false;
@@ -61,7 +62,8 @@ pub(super) fn solved(
     }
 }
 
-/// Study with the motion of this name as its own motion.
+/// Copy of the study in which the motion of this name replaces the study's own motion. Without a name, the study stays
+/// unchanged.
 pub(super) fn in_motion<'s>(
     study: &'s Study,
     name: Option<&str>,
@@ -74,8 +76,7 @@ pub(super) fn in_motion<'s>(
     Ok(Cow::Owned(moved))
 }
 
-/// Solves a wheel over its motion. `study` has the study's own motion. Targets without a named motion are compared over this
-/// motion.
+/// Solves one wheel over the motion of `study`. Targets that name no motion are compared over this motion.
 fn solved_wheel(
     opened: &Opened,
     study: &Study,
@@ -95,7 +96,8 @@ fn solved_wheel(
     if let Some(rack) = request.curves_rack {
         plan.racks = vec![rack];
     }
-    // Rack displacements of the motion, if the page needs only the curve of the shown one.
+    // All rack displacements of the motion. They are left out of this solve if the page needs only the curve of the shown
+    // displacement.
     let needs_shown = request.shown_only && request.over == 0 && plan.time.is_none();
     let left_out = (needs_shown && plan.racks.len() > 1).then(|| plan.racks.clone());
     if let Some(racks) = &left_out {
@@ -177,7 +179,7 @@ fn grouped(found: &Curves, plan: &Plan, request: &SolveRequest) -> (Groups, Vec<
     (Groups::of(&places, 1, &request.at), racks.collect())
 }
 
-/// Curves of a design over a named motion or over the study's own, as `hardpoint solve` writes them.
+/// Curves of a design over a named motion or over the study's own motion, as `hardpoint solve` writes them.
 pub(super) fn csv(
     opened: &Opened,
     design: &Coordinates,
@@ -208,7 +210,7 @@ pub(super) fn columns(found: &Curves) -> Vec<ColumnValues> {
     columns.map(column).collect()
 }
 
-/// Converts a printed drive value to the kernel's unit.
+/// Converts a printed drive value to the internal unit.
 fn in_kernel(drive: Drive, printed: f64) -> f64 {
     if drive.is_angle() {
         printed.to_radians()

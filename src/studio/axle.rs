@@ -155,7 +155,8 @@ fn asking_for(plan: &AxlePlan, axle: &Axle, names: &[String]) -> Result<AxlePlan
     })
 }
 
-/// Holds the rack of a motion at a displacement in the kernel's axes. Each row of a table has its own rack displacement.
+/// Holds the rack of a motion at a displacement in the internal frame (x forward, y left, z up). Each row of a table has its
+/// own rack displacement.
 fn hold_rack(motion: &mut AxleMotion, rack: f64) {
     let racks = if motion.has_rows() {
         motion.stations()
@@ -263,8 +264,9 @@ pub(super) fn solved(
     })
 }
 
-/// Stations of a motion in the group nearest to the sliders at `at`: only the coordinate with the index `over` moves. A motion
-/// over time, and a motion given as a table of rows, keep all stations.
+/// Stations of a motion that the page shows as one curve. Only the coordinate with the index `over` moves. The other
+/// coordinates have the values nearest to the slider positions `at`. A motion over time, and a motion given as a table of rows,
+/// keep all stations.
 fn shown_alone(motion: &AxleMotion, (over, at): (usize, &[f64]), axle: &Axle) -> AxleMotion {
     let mut shown = motion.clone();
     if motion.time.is_some() || motion.has_rows() {
@@ -312,7 +314,8 @@ fn frames(axle: &Axle, motion: &AxleMotion, at: &[f64]) -> Option<[Frame; 2]> {
     })
 }
 
-/// Influence of a coordinate of both wheels on each column.
+/// Derivatives of each column with respect to a coordinate of a point, for each station. The point moves on both wheels as
+/// mirror images.
 pub(super) fn influence(
     AxleStudy { axle, plan, .. }: &AxleStudy,
     names: &[String],

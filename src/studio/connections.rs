@@ -1,8 +1,8 @@
-//! Limits for connections: a few for connections without the token, more for those that have shown it.
+//! Limits for connections: a few for connections without the token, more for connections that have shown the token.
 //!
-//! Every program on this machine can connect and then send nothing. Such connections share [`MOST_STRANGERS`] slots. If all slots
-//! are taken, a new connection replaces the oldest one, so idle connections never keep the owner out. A connection that shows the
-//! token moves to a slot of the owner.
+//! Every program on this machine can connect and then send nothing. Such connections share [`MOST_STRANGERS`] slots. If all
+//! slots are taken, a new connection replaces the oldest one. So idle connections never keep the user out. A connection that
+//! shows the token moves to one of [`MOST_ADMITTED`] separate slots.
 
 use std::collections::VecDeque;
 use std::net::{Shutdown, TcpStream};
@@ -64,7 +64,8 @@ impl Connections {
 }
 
 impl Place {
-    /// Moves a connection that has shown the token to a slot of the owner. Returns false if all of these slots are taken.
+    /// Moves a connection that has shown the token to a slot for such connections. Returns false if all of these slots are
+    /// taken.
     pub(super) fn admit(&mut self) -> bool {
         if self.is_admitted {
             return true;

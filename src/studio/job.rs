@@ -33,10 +33,10 @@ fn panicked(panic: &(dyn Any + Send)) -> String {
     )
 }
 
-/// Converts a range that counts from the design in the file to one that counts from the present design. The page has moved the
-/// points of the variable by `moved` units. The result always contains the present position. If the points have moved by
-/// different amounts, the range counts from their present positions. The second value is a note if the tuning may therefore leave
-/// the range in the file.
+/// Converts a range relative to the design in the file to a range relative to the present design. The page has moved the points
+/// of the variable by `moved` units. The result always contains the present position. If the points have moved by different
+/// amounts, the range stays as it is and becomes relative to their present positions. The second value is a note if the tuning
+/// may therefore leave the range in the file.
 pub(super) fn counted_from_file(
     name: &str,
     [low, high]: [f64; 2],
@@ -67,7 +67,8 @@ pub(super) fn counted_from_file(
     (range, remark)
 }
 
-/// Shifts the range of a variable so that it counts from the design in the file, although the page has moved its points since.
+/// Shifts the range of a variable, which is relative to the design in the file, so that it is relative to the design on the
+/// page. Returns a note if the range cannot be kept.
 fn count_from_file(
     variable: &mut Variable,
     file: &Suspension,

@@ -36,7 +36,7 @@ pub(super) struct Overview {
     pub written: serde_json::Value,
     pub topology: String,
     pub unit: String,
-    /// Signs of the study's axes in the kernel's frame.
+    /// Sign of each axis of the study relative to the internal frame (x forward, y left, z up).
     pub axes: [f64; 3],
     pub points: Vec<PointOverview>,
     pub members: Vec<MemberOverview>,
@@ -48,7 +48,7 @@ pub(super) struct Overview {
     pub is_axle: bool,
     /// True if stations are load cases.
     pub is_car: bool,
-    /// A slider for each number that moves.
+    /// One slider for each coordinate of the motion.
     pub sliders: Vec<Slider>,
     /// Index of the slider that is on the horizontal axis of curves at first.
     pub main: usize,
@@ -67,7 +67,7 @@ pub(super) struct Overview {
 #[derive(Serialize)]
 pub(super) struct MotionOverview {
     pub name: String,
-    /// A slider for each number that moves.
+    /// One slider for each coordinate of the motion.
     pub sliders: Vec<Slider>,
     /// Index of the slider that is on the horizontal axis of curves at first.
     pub main: usize,
@@ -164,7 +164,7 @@ pub(super) struct TargetOverview {
     pub tolerance: f64,
     /// Drive value, lowest and highest target value. `None` without a limit.
     pub points: Vec<(f64, Option<f64>, Option<f64>)>,
-    /// Name of the target's motion. `None` for the study's own.
+    /// Name of the target's motion. `None` for the study's own motion.
     pub motion: Option<String>,
     /// Index of the slider of this motion to which the points refer. `None` if the points do not refer to a slider.
     pub over: Option<usize>,
@@ -193,7 +193,7 @@ pub(super) struct SolvedAnswer {
     pub groups: Vec<usize>,
     /// Values of all sliders at the first station of each group.
     pub group_places: Vec<Vec<f64>>,
-    /// Index of the group nearest to the sliders. The next field is the rack displacement of this group.
+    /// Index of the group nearest to the sliders. The field `rack` is the rack displacement of this group.
     pub shown: usize,
     pub rack: f64,
     /// True if the motion is given as a table of rows. Then curves connect the stations in the order of the rows.
@@ -283,7 +283,7 @@ pub(super) struct TargetMisfit {
     pub worst: f64,
     /// Position of the largest deviation. `None` for a result of a load case.
     pub worst_at: Option<f64>,
-    /// Unit of that position, or the load case.
+    /// Unit of the position of the largest deviation, or name of the load case.
     pub worst_at_unit: String,
     pub gradient: Coordinates,
 }
@@ -321,7 +321,7 @@ pub(super) struct FreeDirection {
     pub name: String,
     /// Displacement of each point.
     pub change: Coordinates,
-    /// Possible amount, downward and upward.
+    /// Possible multiples of `change`: smallest (negative) and largest.
     pub free: [f64; 2],
 }
 

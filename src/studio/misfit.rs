@@ -1,12 +1,12 @@
 //! Misfit of a design and its exact gradient with respect to every coordinate.
 //!
-//! With r the residuals, J their Jacobian and m their number, the misfit is M = |r| / sqrt(m), so
+//! r are the residuals, J is their Jacobian, and m is their number. The misfit is M = |r| / sqrt(m), so
 //!
 //! ```text
 //! dM/dx = r . J / (m M)                                                     (1)
 //! ```
 //!
-//! For one target, the n residuals are the deviations (as multiples of the tolerance) times s. The gradient of the rms
+//! For one target, the n residuals are the deviations (as multiples of the tolerance) times a factor s. The gradient of the rms
 //! deviation is
 //!
 //! ```text

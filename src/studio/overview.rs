@@ -184,7 +184,7 @@ fn chosen(document: toml::Table, shown: &[&str]) -> serde_json::Value {
     serde_json::to_value(toml::Table::from_iter(sections)).unwrap_or_default()
 }
 
-/// Coordinates of a design in the study's axes, from the kernel's frame.
+/// Coordinates of a design, converted from the internal frame (x forward, y left, z up) to the study's axes.
 pub(super) fn coordinates(suspension: &Suspension, design: &[Vector3<f64>]) -> Coordinates {
     let outside = |p: &Vector3<f64>| suspension.frame.vector(*p).to_array().map(|c| c + 0.0);
     design.iter().map(outside).collect()
@@ -261,8 +261,8 @@ fn of_corner(study: &Study) -> (Vec<Slider>, usize) {
     (vec![drive, rack], 0)
 }
 
-/// Slider of the rack, or of the drag link that steers a solid axle. The range of the slider is the range of the motion, or of
-/// a usual rack. If nothing steers the wheels, the range is empty.
+/// Slider of the rack, or of the drag link that steers a solid axle. The range of the slider contains the range of the motion,
+/// and at least 60 mm to both sides. If nothing steers the wheels, the range is empty.
 pub(super) fn rack_slider(suspension: &Suspension, home: f64, racks: &[f64]) -> Slider {
     let (unit, mechanism) = (suspension.length_unit, &suspension.mechanism);
     let name = match mechanism.axle_steering() {
@@ -281,7 +281,7 @@ pub(super) fn rack_slider(suspension: &Suspension, home: f64, racks: &[f64]) -> 
 }
 
 impl Slider {
-    /// Makes a slider over some values.
+    /// Makes a slider whose range contains these values and the position `home`.
     pub(super) fn over(
         key: &'static str,
         name: &'static str,

@@ -52,7 +52,7 @@ mod tests {
     const INDEX: &str = include_str!("page/index.html");
     const START: &str = include_str!("page/start.html");
 
-    /// Values of an attribute, in order.
+    /// Values of an HTML attribute in a text, in the order of the text.
     fn values<'a>(text: &'a str, attribute: &str) -> Vec<&'a str> {
         let opening = format!(" {attribute}=\"");
         let found = text.split(opening.as_str()).skip(1);

@@ -32,7 +32,7 @@ pub(super) trait Reading: Send + Sync {
     fn directions(&self, of: &Designed) -> Result<DirectionsAnswer, String>;
     /// Limits of the mechanism.
     fn limits(&self, of: &Designed) -> Result<LimitsAnswer, String>;
-    /// Results of a design over a named motion or over the study's own, as `hardpoint solve` writes them.
+    /// Results of a design over a named motion or over the study's own motion, as `hardpoint solve` writes them.
     fn csv(&self, design: &Coordinates, motion: Option<&str>) -> Result<Vec<u8>, String>;
     /// Hardpoints of a design as a table.
     fn points(&self, of: &Designed) -> Result<Vec<u8>, String>;
@@ -44,7 +44,7 @@ pub(super) trait Reading: Send + Sync {
     fn tuning(self: Arc<Self>, request: &TuneRequest) -> Result<Tuning, String>;
     /// Returns the texts with further changes of their values.
     fn edited(&self, edits: &[ValueEdit]) -> Result<Arc<dyn Reading>, String>;
-    /// Texts of the files as they were opened, and these texts with a design and the edits.
+    /// Changes of the user, file by file: the texts as they were opened, and these texts with a design and the edits.
     fn texts(&self, design: &Coordinates) -> Result<Vec<TextChange>, String>;
     /// Writes a design into the files.
     fn save(&self, design: &Coordinates, over: &Over) -> Result<Written, NotSaved>;

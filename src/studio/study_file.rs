@@ -30,7 +30,7 @@ pub(super) struct Opened {
     pub base: String,
     /// Text of the file to which `edits` apply.
     pub base_text: Arc<str>,
-    /// Changes that are not in the file.
+    /// Changes that are not yet saved in the file.
     pub edits: Vec<ValueEdit>,
     /// Text of the file with `edits` applied.
     pub text: String,
@@ -43,7 +43,8 @@ pub(super) struct Opened {
 
 /// Files that a save may replace.
 pub(super) struct Over<'r> {
-    /// SHA-256 of the files' texts that the page knows. `None` for the texts from which the design's changes start.
+    /// SHA-256 of the files' texts that the page last read or wrote. `None` if these are the texts to which the design's
+    /// changes refer.
     pub known: Option<&'r str>,
     /// True to write the changes into files that another program has changed.
     pub anyway: bool,
@@ -86,7 +87,7 @@ impl Opened {
         Ok(study)
     }
 
-    /// A design from the page, in the kernel's frame.
+    /// A design from the page, in the internal frame (x forward, y left, z up).
     pub(super) fn design(&self, coordinates: &[[f64; 3]]) -> Result<Vec<Vector3<f64>>, String> {
         let suspension = self.study.wheel();
         in_kernel(coordinates, suspension, suspension.frame)
@@ -104,7 +105,7 @@ pub(super) fn check_geometry(study: &Study) -> Result<(), String> {
     Ok(())
 }
 
-/// Coordinates from the page in these axes, as a design in the kernel's frame.
+/// Converts coordinates from the page in these axes to a design in the internal frame (x forward, y left, z up).
 pub(super) fn in_kernel(
     coordinates: &[[f64; 3]],
     suspension: &Suspension,
@@ -181,8 +182,8 @@ impl StudyFile {
         })
     }
 
-    /// Text of the file as it was opened, and the text with a design and the edits. Changes by other programs are not among the
-    /// differences of these two texts.
+    /// Changes of the user: the text of the file as it was opened, and this text with a design and the edits. Changes that
+    /// other programs have made in the file are not included.
     pub(super) fn texts(&self, opened: &Opened, design: &[Vector3<f64>]) -> Vec<TextChange> {
         vec![TextChange {
             file: self.name(),
@@ -191,9 +192,9 @@ impl StudyFile {
         }]
     }
 
-    /// Writes a design into the study. If the file's text is not the known one, the file stays unchanged. With `anyway`, the
-    /// coordinates that differ from the opened text are written into the changed file. Returns the study, and true if the text of
-    /// the file has changed.
+    /// Writes a design into the study. If another program has changed the file since the page read it, the file stays
+    /// unchanged. With `anyway`, only the coordinates that the user has changed are written into the changed file. Returns the
+    /// study, and true if the text of the file has changed.
     pub(super) fn save(
         &self,
         opened: &Opened,
@@ -399,8 +400,8 @@ pub(super) fn edited(study: &Study, text: &str, design: &[Vector3<f64>]) -> Stri
     study.text_with_points_of(text, &study.at_design(design.to_vec()))
 }
 
-/// Returns the design of a changed text, with those coordinates of another design that differ from the opened text. The wheels
-/// are those of the opened and of the changed text.
+/// Returns the design of a changed text, with the user's changes: those coordinates of `design` that differ from the opened
+/// text. `from` is the suspension in the opened text, and `to` the suspension in the changed text.
 pub(super) fn moved_in(
     [from, to]: [&Suspension; 2],
     design: &[Vector3<f64>],

@@ -1,9 +1,9 @@
 //! Dimensions of the numbers in a study: how each number changes if the file uses other units or axes.
 //!
-//! The tables of this module have one line for each number that the reader of studies accepts. A test compares the tables
-//! with the reader, so a new key cannot be forgotten. Paths are written as in [`schema`](crate::schema):
-//! `suspension.hardpoints{}` is each value of a table whose keys are names, and `optimise.targets[]` is each element of a
-//! list. A line covers everything below its path.
+//! The tables of this module have one line for each number that the reader of studies accepts. A test compares the tables with
+//! the reader, so a new key cannot be forgotten. Paths are written as in [`schema`](crate::schema): `suspension.hardpoints{}`
+//! is each value of a table whose keys are names, and `optimise.targets[]` is each element of a list. A line applies to all
+//! values below its path, too.
 
 use crate::schema::Root;
 
@@ -54,8 +54,8 @@ pub enum Dimension {
     AlongY,
     /// Direction `[x, y, z]` of a displacement that is given as a displacement along the study's y axis.
     DirectionForY,
-    /// Six numbers of a bushing: forces along the axes of the bushing, then torques about these axes. Each is divided by this
-    /// power of the deflection.
+    /// Six numbers of a bushing: three along its axes, then three about these axes. The units are force and torque, divided by
+    /// a power of the deflection.
     Bushing {
         /// Power of the deflection in the denominator.
         by_deflection: i32,
@@ -68,7 +68,7 @@ pub enum Dimension {
     OfEntry(Role),
 }
 
-/// Role of a number in an entry that names its quantity.
+/// Role of a number in an entry, such as a target. Another key of the entry names the quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// Position in the motion.
@@ -77,7 +77,7 @@ pub enum Role {
     DrivePolynomial,
     /// Value of the quantity.
     Value,
-    /// Absolute size of a difference of the quantity.
+    /// Size of a difference between two values of the quantity, such as a tolerance. It has no sign.
     Size,
     /// `[lowest, highest]` of the quantity. Each of the two limits may be a curve.
     Between,

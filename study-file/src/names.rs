@@ -61,7 +61,7 @@ fn nearest_of<'a>(name: &str, candidates: &[&'a str]) -> Option<&'a str> {
     if let Some((.., candidate)) = near {
         return Some(candidate);
     }
-    // Otherwise, finds a candidate that shares all or most of the words, in any order.
+    // If no candidate matches in this way, finds a candidate that shares all or most of the words, in any order.
     let words: Vec<&str> = name.split('_').collect();
     let shared = |candidate: &str| {
         let own: Vec<&str> = candidate.split('_').collect();
@@ -158,7 +158,7 @@ mod tests {
             ("wheel_center", Some("wheel_centre")),
             ("kingpin", Some("kingpin_inclination")),
             ("KPI", Some("kingpin_inclination")),
-            // Only names of candidates are suggested.
+            // The function suggests only names among the candidates.
             ("trailing_arm", None),
             ("roll_centre_height", None),
             ("x", None),

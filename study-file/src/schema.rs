@@ -1,10 +1,10 @@
 //! The JSON schema of studies, for editors.
 //!
 //! The schema is derived from the reader itself. The program reads the types of [`file`](mod@crate::file) from an artificial
-//! source without text. The source records the kind of value that each type requests (a text, a list, a table with these
-//! keys), and returns a value of this kind. If a type accepts any kind, the source offers every kind. The source also leaves
-//! out each key once, to find out whether the key is required. So the schema has exactly the reader's keys, and no second
-//! list of them exists. The descriptions of keys come from `keys.md`, which the manual (`docs/study.md`) contains.
+//! source without text. The source records the kind of value that each type requests: a text, a list, or a table with certain
+//! keys. It returns a value of this kind. If a type accepts any kind, the source offers every kind. The source also leaves out
+//! each key once, to find out whether the key is required. So the schema has exactly the reader's keys, and no second list of
+//! them exists. The descriptions of keys come from `keys.md`, which the manual (`docs/study.md`) contains.
 //!
 //! A study of one wheel or an axle and the study of a car are two kinds of file ([`Root`]). The schema covers both.
 //!

@@ -59,7 +59,7 @@ fn errors_are_what_arithmetic_and_method_promise() {
     assert!((1e-7..1e-3).contains(&single), "{single:e}");
     assert!((1e-17..1e-12).contains(&double), "{double:e}");
     assert!(twice < 1e-27, "{twice:e}");
-    // Both formulations have the same result.
+    // The other two formulations give the same poses to rounding: six equations, and point coordinates.
     assert!(rounding("six equations, f64") < 1e-12);
     assert!(rounding("point coordinates (paper)") < 1e-11);
 
@@ -283,8 +283,8 @@ fn cars_and_equilibria_are_timed() {
         let (of_lanes, own): (Vec<&str>, Vec<&str>) =
             names.into_iter().partition(|name| name.contains(" lanes"));
         assert_eq!(own, jobs, "{csv}");
-        // The benchmark measures the times of an elastic wheel in lanes of every width except AVX-512, and of the map of a car
-        // in one lane width.
+        // The benchmark measures the times of an elastic wheel in SIMD lanes of every width except AVX-512. It measures the
+        // times of the map of a car in one lane width.
         let widths = Width::available().filter(|width| *width != Width::Avx512);
         let is_wheel = jobs.contains(&"sheet of one wheel with all derivatives");
         let expected = match kind {

@@ -5,7 +5,7 @@ use crate::assembly::{SetUp, Static};
 use crate::model::LengthUnit;
 use crate::report::{brief, has_digits, to_digits, with_decimals, with_plus};
 
-/// Change of each static value in a step with its rounded amount. Without a set-up nothing changes.
+/// Change of each static value in the step number `place`, with the rounded amounts. All changes are 0 if no set-up was found.
 pub(super) fn effect_of_step(found: &SetUp, place: usize) -> Vec<Option<f64>> {
     let Some(after) = found.rounded_steps.get(place) else {
         return vec![Some(0.0); found.statics.len()];
@@ -63,7 +63,7 @@ fn is_invisible(change: f64, length: LengthUnit) -> bool {
     LengthUnit::Millimetre.convert(change.abs(), length) < VISIBLE_LENGTH
 }
 
-/// Decimals of a length to about a tenth of a millimetre.
+/// Number of decimals that shows a length to about a tenth of a millimetre.
 fn length_decimals(length: LengthUnit) -> usize {
     match length {
         LengthUnit::Millimetre => 1,

@@ -1,4 +1,4 @@
-//! Instruction of a step of a set-up, in the words of a workshop.
+//! Instruction of a step of a set-up, in workshop terms.
 
 use crate::assembly::{BuildParameter, PARTS_OF_A_TURN};
 use crate::model::{Axis, Suspension};
@@ -21,8 +21,8 @@ pub(super) fn instruction(adjustment: &Adjustment, suspension: &Suspension, amou
         BuildParameter::Length(_) if amount > 0.0 => "lengthen".to_owned(),
         BuildParameter::Length(_) => "shorten".to_owned(),
         BuildParameter::Coordinate(id, axis) => {
-            // The adjustment knows the sign of its axis. The amounts of an axle's right wheel belong to its mirror image on the
-            // left. So the sign from the wheel's own frame would be wrong.
+            // `adjustment.change` includes the sign of its axis. For a right wheel, amounts are those of its mirror image,
+            // which is a left wheel. So the sign from the frame of the right wheel would be wrong.
             let (_, per_unit) = adjustment.change;
             let amount = per_unit * amount;
             format!(
@@ -43,8 +43,8 @@ pub(super) fn instruction(adjustment: &Adjustment, suspension: &Suspension, amou
     }
 }
 
-/// Direction of a displacement along an axis of the kernel's frame. A point that exists only once on a solid axle keeps the
-/// actual sign of y.
+/// Direction of a displacement along an axis of the internal frame, in words. For a point that exists only once on a solid axle
+/// (`is_single`), y is a direction of the vehicle: left or right. For other points, y is outboard or inboard.
 fn direction(axis: Axis, amount: f64, is_single: bool) -> &'static str {
     match (axis, amount > 0.0) {
         (Axis::Y, true) if is_single => "to the left",

@@ -17,7 +17,7 @@ pub(super) fn checksum(mut bytes: impl Read) -> io::Result<String> {
 /// File whose checksum is computed while it is written.
 pub(super) type SummedFile = Summing<File>;
 
-/// Writer that sums the bytes that pass through it.
+/// Writer that passes its bytes on and computes their checksum.
 pub(super) struct Summing<W> {
     to: W,
     sum: Hasher,

@@ -104,7 +104,8 @@ impl SweepDirectory {
         })
     }
 
-    /// Writes the files that follow from the statistics of the parts: `summary.json`, and `pareto.csv` if there is a front.
+    /// Writes the files that are computed from the statistics of the parts: `summary.json`, and `pareto.csv` if there is a
+    /// front.
     pub fn write_summary(
         directory: &RunDirectory,
         record: &SweepRecord,
@@ -131,7 +132,7 @@ impl SweepDirectory {
         &self.path
     }
 
-    /// True if the rows of a part exist. The rows are written last.
+    /// True if the rows of a part exist. The program writes the rows last, so such a part is complete.
     pub fn has_rows(&self, part: u64) -> bool {
         self.path.join(self.record.rows_name(part)).is_file()
     }

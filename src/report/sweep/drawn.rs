@@ -1,6 +1,7 @@
 //! `shown_designs.json`: some designs of a sweep with their curves and their mechanism, for the page of the sweep.
 //!
-//! They are solved at the end of the sweep, because a merge of directories does not have the study.
+//! These designs are solved at the end of the sweep. A later merge of directories cannot solve them, because it does not have
+//! the study.
 
 use crate::report::curve_table::CurveTable;
 use crate::report::record::{FORM, Record};
@@ -20,7 +21,7 @@ pub struct DrawnDesigns {
 }
 
 impl DrawnDesigns {
-    /// True if the format is the present one, and the numbers of designs agree.
+    /// True if the file has the current format, and as many drawings and curves as designs.
     pub(super) fn is_whole(&self) -> bool {
         let count = self.designs.len();
         self.record.form == FORM

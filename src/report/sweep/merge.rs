@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// All parts of a sweep, in any directories.
 #[derive(Debug)]
 pub struct Parts {
-    /// Description of the sweep as a single part.
+    /// Description of the sweep in which all blocks form a single part.
     pub record: SweepRecord,
     /// Statistics of all parts.
     pub statistics: SweepStatistics,

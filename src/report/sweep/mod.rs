@@ -1,7 +1,7 @@
 //! Files and results of a sweep.
 //!
-//! A sweep is divided into parts of 1,024 blocks ([`crate::sweep::BLOCKS_OF_PART`]), or of 64 blocks of cars. Its directory has
-//! these files:
+//! A sweep is divided into parts. A part has 1,024 blocks ([`crate::sweep::BLOCKS_OF_PART`]), or 64 blocks in a sweep of cars.
+//! The directory of a sweep has these files:
 //!
 //! | file | content |
 //! |---|---|

@@ -1,5 +1,6 @@
-//! Tables of results as Apache Parquet: the columns and values of the CSV file, in row groups, compressed with Zstandard. Numbers
-//! survive the conversion to text and back exactly. So rows come from the workers as CSV text, and are read back as CSV text.
+//! Tables of results as Apache Parquet: the columns and values of the CSV file, in row groups, compressed with Zstandard.
+//! Numbers survive the conversion to text and back exactly. So the workers pass rows as CSV text, and the reader returns CSV
+//! text.
 
 use super::checksum::SummedFile;
 use crate::sweep::csv::{append_number, append_text, append_whole};
@@ -26,7 +27,7 @@ pub(super) struct ParquetFile {
     rows: usize,
 }
 
-/// A column of the current row group. A level is 1 if there is a value.
+/// A column of the current row group. In `levels`, each row has a 1 if it has a value, or else a 0.
 enum Column {
     Whole(Vec<i64>),
     Number {

@@ -55,8 +55,9 @@ pub enum PartOutcome {
     Busy,
 }
 
-/// Computes a part on the threads of the current rayon pool. Does nothing if the part is complete or another process computes it.
-/// A raised flag stops it within a block. It calls `watch` with the number of designs in every finished block.
+/// Computes a part on the threads of the current rayon pool. Does nothing if the part is complete or another process computes
+/// it. If another thread sets `flag`, the computation stops before the end of the block. Calls `watch` after every finished
+/// block with the number of its designs.
 pub fn write_part(
     swept: Swept<'_>,
     text: &SweepText,

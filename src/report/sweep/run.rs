@@ -28,8 +28,9 @@ pub struct SweepRun {
 }
 
 impl SweepRun {
-    /// Computes the sweep of a plan without files. It solves the designs for their statistics, and once more for the rows on the
-    /// page. `drawn` computes the curves of some designs. `None` if `go_on` ended the sweep early.
+    /// Computes the sweep of a plan without files. It solves all designs for the statistics. Then it solves them once more for
+    /// the rows on the page. `drawn` computes the curves of some designs. Returns `None` if `go_on` returned false, which ends
+    /// the sweep early.
     pub fn of<E>(
         plan: &SweepPlan<'_>,
         go_on: impl Fn() -> bool + Sync,

@@ -5,7 +5,7 @@ use crate::sweep::{Rows, SweepRecord};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// Largest number of values in a page, and largest number of designs.
+/// Limits of the designs in a page: largest number of values, and largest number of designs.
 const MOST_NUMBERS: usize = 45_000;
 const MOST_DESIGNS: usize = 4_000;
 
@@ -47,9 +47,9 @@ impl Choice {
     }
 }
 
-/// Smallest stride from `least` on that has no common period with the order of the designs. It avoids the periods of grid
-/// variables and of groups in Saltelli's samples. It also avoids powers of two, because with these a Sobol sequence stays in a
-/// part of the ranges.
+/// Smallest stride, at least `least`, that has no common divisor with the periods in the order of the designs. These periods
+/// are the step counts of grid variables, the group size of Saltelli's samples, and 2. An even stride would restrict a Sobol
+/// sequence to a part of the ranges.
 fn stride(record: &SweepRecord, least: u64) -> u64 {
     if least <= 1 {
         return 1;

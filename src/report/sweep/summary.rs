@@ -246,8 +246,8 @@ impl SweepSummary {
         table
     }
 
-    /// Numbers of at most `most` representative designs. These are the best designs and some of the Pareto front. Without
-    /// targets, these are the designs with the smallest or largest value of an output.
+    /// Numbers of at most `most` representative designs: the best designs and some designs of the Pareto front. Without
+    /// targets: the designs with the smallest or largest value of an output.
     pub fn representative_designs(&self, most: usize) -> Vec<u64> {
         let mut telling: Vec<u64> = self.best.iter().map(|d| d.design).collect();
         let front = self.pareto.as_deref().unwrap_or_default();
@@ -273,7 +273,8 @@ impl SweepSummary {
     }
 }
 
-/// Notes: outputs that solved designs do not have, by reason; and the meaning of the variance shares if designs fail.
+/// Notes about outputs without a value in some solved designs, with the reason; and about the meaning of the variance shares if
+/// designs fail.
 fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
     let mut notes = Vec::new();
     if !record.not_swept.is_empty() {

@@ -36,7 +36,7 @@ impl SweepText {
         self.curves.as_ref().map(|csv| &csv.header[..])
     }
 
-    /// Curves of a worker's last block as text of the file. Empty without curves.
+    /// Curves of a worker's last block, as text for the curves file. Empty if the sweep writes no curves.
     pub fn curves(&self, worker: &SweptWorker<'_>, first: u64) -> Vec<u8> {
         let mut curves = Vec::new();
         if let (Some(csv), Some(block)) = (&self.curves, worker.block()) {
@@ -81,7 +81,7 @@ impl SweepText {
 pub struct Finished {
     /// Rows as text of the file.
     pub designs: Vec<u8>,
-    /// Curves as text of the file.
+    /// Curves as text for the curves file.
     pub curves: Vec<u8>,
     /// Statistics of the block.
     pub statistics: SweepStatistics,

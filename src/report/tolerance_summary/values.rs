@@ -55,7 +55,7 @@ pub struct ValueRecord {
     pub remainder_error: Option<f64>,
     /// Second-order estimate of the remainder.
     pub remainder_second_order: Option<f64>,
-    /// False if the builds differ only by rounding errors. Earlier versions did not write it.
+    /// False if the builds differ only by rounding errors. Earlier versions did not write this field.
     #[serde(default = "scatters")]
     pub scatters: bool,
     /// True for a value at the design position.

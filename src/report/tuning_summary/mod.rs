@@ -82,7 +82,7 @@ pub struct TuningSummary {
     /// Stations added to those of the motion, because targets need them.
     #[serde(default)]
     added_stations: Vec<AddedStations>,
-    /// Smallest misfit by size of the change, if it was requested.
+    /// Price list, if it was requested: smallest misfit for each size of the change.
     #[serde(default)]
     pub prices: Vec<PriceRecord>,
     /// Changes that no target requests, if they were requested.
@@ -91,8 +91,8 @@ pub struct TuningSummary {
     /// For a robust tuning: share of builds within the bands, before and after.
     #[serde(default)]
     pub yields: Option<YieldRecord>,
-    /// For a robust tuning: number of builds whose mean squared misfit the tuning minimised. All misfits then belong to these
-    /// builds.
+    /// For a robust tuning: number of random builds. The tuning minimised the mean squared misfit of these builds, and all
+    /// misfits here are misfits of these builds.
     #[serde(default)]
     scatter_builds: Option<usize>,
     /// Conditioning of the tuned design along the motion.
@@ -190,7 +190,8 @@ struct ConstraintSummary {
     /// Status. Absent in summaries of older versions, whose units are millimetres and degrees.
     #[serde(default)]
     status: Option<ConstraintStatus>,
-    /// True if the price is not determined, because binding limits depend on each other.
+    /// True if the price (decrease of the misfit per unit of the limit) is not determined, because binding limits depend on
+    /// each other.
     #[serde(default)]
     price_not_determined: bool,
 }
@@ -241,8 +242,8 @@ impl TuningSummary {
         [self.misfit_before, self.misfit_after].map(|m| m.map(misfit_in_words))
     }
 
-    /// Names the builds to which deviations and misfits belong, after the text `before`: ` over 64 builds`. Empty for the nominal
-    /// design.
+    /// Number of builds to which deviations and misfits belong, in words, after the text `before`: ` over 64 builds`. Empty if
+    /// they belong to the nominal design.
     pub fn over_builds(&self, before: &str) -> String {
         self.scatter_builds.map_or(String::new(), |builds| {
             format!("{before} {}", counted(builds, "build"))
@@ -339,7 +340,7 @@ fn with_unit(value: f64, unit: &str) -> String {
     }
 }
 
-/// A misfit for reading: two decimals, or its order of magnitude.
+/// Misfit for people: two decimals, or its order of magnitude if it is small.
 pub fn misfit_in_words(value: f64) -> String {
     if value == 0.0 {
         "0".to_owned()

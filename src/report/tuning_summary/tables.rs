@@ -10,7 +10,7 @@ pub fn misfit_table(before: Option<f64>, after: Option<f64>) -> Table {
 }
 
 impl TuningSummary {
-    /// Table of the smallest misfit by size of the change. `None` if it was not requested.
+    /// Table of the price list: smallest misfit for each size of the change. `None` if it was not requested.
     pub fn prices_table(&self) -> Option<Table> {
         (!self.prices.is_empty()).then(|| PriceRecord::table(&self.prices))
     }
@@ -42,7 +42,7 @@ impl TuningSummary {
         let columns = columns.chain(of_rates).chain(interval);
         let mut table = Table::with_columns(columns).keyed(2);
         for v in &self.variables {
-            // For a fit, values are shown with as many decimals as two digits of the standard error.
+            // For a fit, values have so many decimals that two digits of the standard error are visible.
             let decimals = v.fitted.and_then(|fitted| fitted.decimals(v.offset));
             let known = decimals.filter(|_| v.at_bound.is_none());
             let brief = |value: f64| {
@@ -103,8 +103,8 @@ impl TuningSummary {
         let length = |by: &[f64; 3]| by.iter().map(|c| c * c).sum::<f64>().sqrt();
         moves.retain(|(_, by)| length(by) > 0.0);
         moves.sort_by(|a, b| length(&b.1).total_cmp(&length(&a.1)));
-        // If a point also moves together with other points, the total move of the point differs from the row of the point
-        // alone.
+        // If a point moves alone and also together with other points, the row of the point alone does not contain its total
+        // move.
         let has_distance = !moves.iter().any(|(name, _)| name.contains('+'));
         let distance = has_distance.then(|| Column::from(format!("distance [{unit}]")));
         let names = ["point", "x", "y", "z"].map(Column::from);

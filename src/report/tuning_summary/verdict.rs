@@ -6,7 +6,7 @@ use crate::optimise::VIOLATED;
 use crate::report::brief;
 use serde::{Deserialize, Serialize};
 
-/// Margin below which a constraint counts as binding, in visible units.
+/// Margin in millimetres or degrees below which a constraint counts as binding.
 const BINDING: f64 = 1e-6;
 
 /// Status of a constraint.
@@ -22,7 +22,7 @@ pub enum ConstraintStatus {
 }
 
 impl ConstraintStatus {
-    /// Status for a margin. The margin is in visible units: millimetres or degrees.
+    /// Status for a margin in millimetres or degrees.
     pub(in crate::report) fn of(margin: f64) -> Self {
         match margin {
             margin if margin < -VIOLATED => ConstraintStatus::Violated,
@@ -41,7 +41,7 @@ impl ConstraintStatus {
     }
 }
 
-/// A missed target that the variables hardly change, in multiples of its tolerance.
+/// A missed target that the variables hardly change: its deviation and the possible change, as multiples of its tolerance.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SlightEffectRecord {
     target: String,
@@ -86,13 +86,13 @@ pub(in crate::report) fn unmoved_constraint_in_words(constraint: &str) -> String
     )
 }
 
-/// Sentence about the price of a constraint's limit.
+/// Sentence about the price of a limit: the decrease of the misfit if the limit moves outward by one unit.
 pub(in crate::report) fn price_in_words(constraint: &str, price: f64, unit: &str) -> String {
     format!("{constraint} costs {} tolerances per {unit}", brief(price))
 }
 
-/// Reason why the start `kept` is kept although it violates constraints. `violated` names them with their violations. `None`
-/// without violations.
+/// Reason why the tuning keeps the start `kept` although its design violates constraints. `violated` lists the constraints with
+/// their violations. `None` without violations.
 pub(in crate::report) fn least_violation_in_words(
     kept: Option<usize>,
     violated: &[String],

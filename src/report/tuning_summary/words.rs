@@ -59,8 +59,8 @@ impl TuningSummary {
         remarks
     }
 
-    /// Reason why a start is kept although it violates constraints, with the violations. `None` if no variable affects the
-    /// violated constraints.
+    /// Reason why the tuning keeps a start although its design violates constraints, with the violations. `None` if no variable
+    /// affects the violated constraints.
     fn least_violation_in_words(&self) -> Option<String> {
         let violated = self
             .violated()
@@ -73,8 +73,8 @@ impl TuningSummary {
         least_violation_in_words(self.best_start, &violated)
     }
 
-    /// Reason why binding constraints have no price. `None` if the tuning ended at the smallest misfit, or if every binding
-    /// constraint has a price.
+    /// Reason why binding constraints have no price (decrease of the misfit per unit of the limit). `None` if the tuning ended
+    /// at the smallest misfit, or if no binding constraint lacks a price for this reason.
     fn without_price_in_words(&self) -> Option<String> {
         let is_good_enough = self.misfit_after? <= self.good_enough * (1.0 + 1e-6);
         let has_none = |c: &ConstraintSummary| {
@@ -199,7 +199,7 @@ impl TuningSummary {
         }
     }
 
-    /// Property of the moves in [`TuningSummary::unseen`] that the program guarantees, as the end of a sentence.
+    /// Guaranteed property of the moves in [`TuningSummary::unseen`], as the end of a sentence.
     pub fn unseen_guarantee(&self) -> String {
         let constraints = if self.constraints.is_empty() {
             ""

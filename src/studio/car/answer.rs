@@ -14,7 +14,7 @@ use crate::studio::turns::Stop;
 use crate::study::CarStudy;
 use std::time::Instant;
 
-/// Results that these names denote.
+/// Finds the results with these names. A name can denote several results.
 fn quantities(study: &CarStudy, names: &[String]) -> Result<Vec<CarQuantity>, String> {
     let mut found: Vec<CarQuantity> = Vec::new();
     for name in names {

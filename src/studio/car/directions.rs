@@ -1,13 +1,13 @@
 //! Moves of a car's points that leave its targets unchanged, to first order.
 //!
-//! With d_t the deviations from target t as multiples of the tolerance, n_t their number and w_t the target's weight, the rows
-//! of the residuals are
+//! d_t are the deviations from target t as multiples of the tolerance, n_t is their number, and w_t is the weight of the
+//! target. N is the number of rows of all targets. The residuals are
 //!
 //! ```text
 //! r = d_t sqrt(w_t N / (n_t sum w_t)),    N rows of all targets,                                                  (1)
 //! ```
 //!
-//! so that their root mean square is the misfit of a tuning.
+//! Their root mean square is the misfit of a tuning.
 
 use super::{OpenedCar, overview::variable, solver};
 use crate::car::{CarQuantity, CarVariable, RigGoals};
@@ -16,7 +16,8 @@ use crate::studio::directions::unseen;
 use crate::studio::message::{Designed, DirectionsAnswer, VariableOverview};
 use crate::study::{CarOptimise, CarStudy};
 
-/// A row without the factor that all rows share: deviation and its derivatives with respect to the variables, times sqrt(w / n).
+/// A row of the residuals, without the factor sqrt(N / sum w) of all rows: deviation times sqrt(w / n), and its derivatives
+/// with respect to the variables.
 type Row = (f64, Vec<f64>);
 
 /// Combinations of the study's hardpoint variables that leave the targets unchanged, to first order.

@@ -82,8 +82,8 @@ impl CarFiles {
         Ok([text_of(car)?, text_of(front)?, text_of(rear)?])
     }
 
-    /// Texts of the files as they were opened, and these texts with designs and the edits. Changes by other programs are not
-    /// among the differences of these texts.
+    /// Changes of the user, file by file: the texts as they were opened, and these texts with the designs and edits. Changes
+    /// that other programs have made in the files are not included.
     pub(super) fn changes(&self, opened: &OpenedCar, designs: &Designs) -> Vec<TextChange> {
         let after = with_designs(opened, designs);
         let before = opened.base_texts.as_ref().clone();
@@ -96,9 +96,9 @@ impl CarFiles {
         self.names().into_iter().zip(pairs).map(change).collect()
     }
 
-    /// Writes designs into the files. If the text of one file is not the known one, no file changes. With `anyway`, the values
-    /// and coordinates that differ from the opened texts are written into the present files. Returns the car, and the names of
-    /// the files whose texts have changed.
+    /// Writes designs into the files. If another program has changed a file since the page read it, no file is written. With
+    /// `anyway`, only the user's changes of values and coordinates are written into the present files. Returns the car, and the
+    /// names of the files whose texts have changed.
     pub(super) fn save(
         &self,
         opened: &OpenedCar,
@@ -202,7 +202,7 @@ impl CarFiles {
         Ok(names.join(", "))
     }
 
-    /// Resolves texts before they are saved, so that no text is written that commands could not read.
+    /// Resolves texts before they are saved. An error prevents files that no command could read.
     fn understood(&self, texts: &[String; 3]) -> Result<OpenedCar, NotSaved> {
         OpenedCar::of_texts(self, texts).map_err(|errors| not_understood(&errors))
     }
@@ -215,7 +215,7 @@ fn changed_files(files: &CarFiles, before: &[String; 3], now: &[String; 3]) -> V
     changed.map(|(name, _)| name).collect()
 }
 
-/// Names the files that were written before the writing of another file failed.
+/// Adds to the error `why` the names of the files that were written before it occurred.
 fn half_written(why: NotSaved, done: &[String]) -> NotSaved {
     match why {
         NotSaved::Refused(why) | NotSaved::Changed(why) if !done.is_empty() => {
@@ -225,7 +225,7 @@ fn half_written(why: NotSaved, done: &[String]) -> NotSaved {
     }
 }
 
-/// Texts of a car and its axles with other designs of the axles.
+/// Texts of a car and of its axles, with the coordinates replaced by those of `designs`.
 fn with_designs(opened: &OpenedCar, designs: &Designs) -> [String; 3] {
     let axle = |end: usize| {
         let study = &opened.study.axles[end];

@@ -1,4 +1,4 @@
-//! A car: its two axles in a load case, a table of all cases, and the car's own values.
+//! A car: its two axles in a load case, a table of all cases, and the results of the whole car.
 //!
 //! For the page, a car is like any other study. The stations are the load cases. The points are those of the left wheels of
 //! both axles, in the axes of the front study.
@@ -30,7 +30,7 @@ use crate::study::{CarStudy, Study, StudyErrors, ValueEdit, Variable};
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
-/// Columns of the lift limits that the page shows.
+/// Columns that the page shows in the table of lift limits (accelerations at which a wheel lifts off).
 const LIFT_COLUMNS: [&str; 6] = [
     "case",
     "direction deg",
@@ -48,7 +48,7 @@ pub(in crate::studio) struct OpenedCar {
     base: String,
     /// Texts of the files to which `edits` apply.
     base_texts: Arc<[String; 3]>,
-    /// Changes that are not in the files.
+    /// Changes that are not yet saved in the files.
     edits: Vec<ValueEdit>,
     study: CarStudy,
     /// A variable for every coordinate of each axle.
@@ -98,7 +98,7 @@ impl OpenedCar {
         [front, rear]
     }
 
-    /// Designs of both axles from the page, in the kernel's frame.
+    /// Designs of both axles from the page, in the internal frame (x forward, y left, z up).
     fn designs(&self, coordinates: &Coordinates) -> Result<[Vec<Vector3<f64>>; 2], String> {
         let frame = self.study.frame();
         let own = self.of_axles(coordinates);

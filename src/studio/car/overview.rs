@@ -155,7 +155,8 @@ pub(super) fn points(study: &CarStudy) -> Vec<PointOverview> {
     found
 }
 
-/// Members or joints of both axles. `of` gives those of one axle whose points start at an index.
+/// Members or joints of both axles. `of` returns those of one axle, given its suspension, its name and the index of its first
+/// point.
 fn of_axles<T>(
     study: &CarStudy,
     of: impl Fn(&Suspension, Option<&str>, usize) -> Vec<T>,

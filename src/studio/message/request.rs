@@ -20,7 +20,7 @@ pub(in crate::studio) struct CurvesRequest {
     /// SHA-256 of the study text.
     pub digest: String,
     pub design: Coordinates,
-    /// Name of the motion. `None` for the study's own.
+    /// Name of the motion. `None` for the study's own motion.
     #[serde(default)]
     pub motion: Option<String>,
 }
@@ -64,7 +64,7 @@ pub(in crate::studio) struct SolveRequest {
     pub curves_rack: Option<f64>,
     /// Index of the slider on the horizontal axis of curves.
     pub over: usize,
-    /// Name of the motion. `None` for the study's own.
+    /// Name of the motion. `None` for the study's own motion.
     #[serde(default)]
     pub motion: Option<String>,
     /// True if the page needs only the stations of the shown group, because a point still moves.
@@ -83,7 +83,7 @@ pub(in crate::studio) struct InfluenceRequest {
     pub characteristics: Vec<String>,
     pub point: usize,
     pub axis: usize,
-    /// Name of the motion. `None` for the study's own.
+    /// Name of the motion. `None` for the study's own motion.
     #[serde(default)]
     pub motion: Option<String>,
 }
@@ -117,8 +117,8 @@ pub(in crate::studio) struct SaveRequest {
     pub name: Option<String>,
     /// True to write the moved coordinates although the file has changed, or to replace an existing file of that name.
     pub anyway: bool,
-    /// SHA-256 of the file's text that the page knows. `None` for the text from which the design's changes start. After a save
-    /// and an undo, these two texts differ.
+    /// SHA-256 of the file's text that the page last read or wrote. `None` if this is the text to which the design's changes
+    /// refer. The two texts differ after a save and an undo.
     #[serde(default)]
     pub base: Option<String>,
 }

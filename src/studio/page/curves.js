@@ -224,8 +224,8 @@ class Chart {
       show(one.spot, here !== null && here >= this.ys[0] && here <= this.ys[1]);
       if (here !== null) set(one.spot, { cx: tenth(x(now)), cy: tenth(y(here)) });
     });
-    // All lines for the other values of a slider share one element, because the layout of many elements would take longer than
-    // the rest of the chart.
+    // All lines for the other values of a slider share one element. The layout of many elements would take longer than the rest
+    // of the chart.
     refill(this.parts.others, lines.map(({ side, family: some }) => ['path', { class: side, d: some.map((f) => path(f.pieces)).join('') }]));
     set(this.parts.others, { class: whole === answer ? 'others' : 'others stale' });
     refill(this.parts.pins, lines.flatMap(({ pins }) => pins.map(([letter, some]) => ['path', { class: `pin-${letter}`, d: path(some) }])));

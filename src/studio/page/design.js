@@ -11,7 +11,7 @@ export const state = {
   // Coordinates of the file.
   opened: [],
   locked: [],
-  // Name of the motion whose curves are shown; null for the study's own.
+  // Name of the motion whose curves are shown; null for the study's own motion.
   motion: null,
   // A value for each slider.
   at: [],
@@ -26,7 +26,7 @@ export const state = {
   answer: null,
   // The last answer with all stations. While a point moves, an answer has only the stations of the shown curves.
   whole: null,
-  // Coordinates to which the answer belongs. The flag is true if the answer for later coordinates is late.
+  // Coordinates to which the answer belongs. `isLate` is true while the answer for later coordinates is late.
   answered: null,
   isLate: false,
   ghost: null,
@@ -48,7 +48,7 @@ export const emit = (event, detail) => {
 
 export const copy = (design) => design.map((point) => [...point]);
 export const isSame = (a, b) => a.length === b.length && a.every((p, i) => p.every((c, k) => c === b[i][k]));
-// A coordinate after an offset. Offsets of a study count from the design in the file of the study.
+// A coordinate after an offset. Offsets in a study are relative to the design in the file.
 export const placeAfter = (point, axis, by) => state.opened[point][axis] + by;
 export const isMoved = () => !isSame(state.design, state.opened);
 
@@ -124,7 +124,7 @@ export const finish = () => {
   emit('deed');
 };
 export const isInGesture = () => gesture !== null;
-// Leads to a state of the history.
+// Restores a state of the history.
 export const travel = (to) => {
   const found = timeline[to];
   if (!found || to === present) return;
@@ -153,13 +153,14 @@ export const resume = (deeds, at) => {
   state.overview = timeline[at].overview;
   takeMotion(state.overview);
 };
-// Marks an overview as the text of the file. `edits` lead from the text with the digest `from` to the text of an overview.
+// Records that the file contains the text of this overview. In every overview, `edits` change the text with the digest `from`
+// to the text of the overview.
 export const isOfFile = (overview) => {
   overview.from = overview.digest;
   overview.edits = [];
   state.file = overview;
 };
-// Accepts the overview of a study whose values these edits have changed, as one action. Without `design`, the design stays. The
+// Accepts an edited study as one action. `overview` describes the study after `edits`. Without `design`, the design stays. The
 // label is a text, or a function of the former design.
 export const takeOverview = (overview, label, edits, design = null) => {
   const before = state.design;
@@ -237,9 +238,10 @@ const request = (design, digest) => ({
   motion: state.motion,
 });
 
-// Asks for the latest design, one request at a time. Designs in between are never computed, and an answer to an older text of the
-// study is dropped. If a request takes longer than the patience and there is a later design, the page drops the request. The
-// server then stops its search. The patience is a multiple of the time of the last answer, between these limits in milliseconds.
+// Asks for the latest design, one request at a time. Designs in between are never computed. An answer to an older text of the
+// study is dropped. If a request takes longer than `patience` milliseconds and there is a later design, the page drops the
+// request, and the server stops its search. `patience` is MULTIPLE times the duration of the last answer, within the limits
+// PATIENCE.
 const PATIENCE = [150, 1000];
 const MULTIPLE = 3;
 let patience = PATIENCE[0];
@@ -260,7 +262,8 @@ export const isSettled = () => !running && answered === wanted && !isPartial();
 const askRest = () => setTimeout(() => { if (!running && answered === wanted && isPartial()) ask(); }, PAUSE);
 // Pinned designs and the effect of a coordinate need all stations.
 const isEnough = (own) => own.since !== null && !state.influence && !Object.keys(state.pins).length;
-// Draws after an action. If an answer is expected, the answer will cause the same drawing, so nothing is drawn now.
+// Draws after an action. If an answer is expected, nothing is drawn now, because the arrival of the answer causes the same
+// drawing.
 export const onRest = (draw) => on('deed', () => { if (isSettled()) draw(); });
 const tellLate = (isLate) => {
   if (state.isLate === isLate) return;
@@ -360,13 +363,13 @@ export const askProposal = async (design, digest) => {
   emit('proposed');
 };
 
-// The misfit of a design; null where it has none.
+// The misfit of a design; null if the design has no misfit.
 export const askMisfit = async (design, digest) => {
   const answer = await post('solve', request(design, digest)).catch(() => null);
   return answer?.misfit?.value ?? null;
 };
 
-// Effect of one coordinate, asked for when the user points at it.
+// Effect of one coordinate, requested when the user points at the coordinate.
 let influences = 0;
 export const askInfluence = async (point, axis) => {
   const number = ++influences;

@@ -38,7 +38,7 @@ export const html = (tag, attributes = {}, ...children) => {
   element.append(...children);
   return element;
 };
-// Rounds a position on the screen to a tenth and to a hundredth of a pixel.
+// Two functions that round a position on the screen in pixels: to a tenth, and to a hundredth.
 export const tenth = (value) => Math.round(10 * value) / 10;
 export const hundredth = (value) => Math.round(100 * value) / 100;
 // Makes a finger drag this element instead of scrolling the page.

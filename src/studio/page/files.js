@@ -32,7 +32,7 @@ export const readStudy = async (overview = null) => {
   askGhost();
 };
 
-// Writes into the legend with which state the page compares the design: as opened, or saved.
+// Writes into the legend to which state the page compares the design: "as opened" or "saved".
 const tellCompared = (words) => write(byId('key-ghost'), words);
 const saved = ({ digest, file }, design) => {
   tellCompared('saved');
@@ -61,7 +61,8 @@ let ownChanges = 0;
 const save = async (isSure = false) => {
   if (!isSure && !await settleProposal()) return;
   const design = copy(state.design);
-  // The page shows changed values as text before it writes them, unless the file has changed in the meantime.
+  // If values were edited, the page shows the changed lines and asks for confirmation before it saves. If another program has
+  // changed the file in the meantime, the page asks how to resolve the conflict instead.
   if (isEdited() && !isSure) {
     const { base, file } = state.overview;
     const now = await post('digest', null).catch(() => base);
@@ -167,7 +168,7 @@ const watchFile = async () => {
   const { digest, file } = state.overview;
   const own = ownChanges;
   const now = await post('digest', null).catch(() => null);
-  // While this page saves, the file differs from the text that the page knows.
+  // While this page saves, the file differs from the text that the page has read.
   if (own % 2 || own !== ownChanges) return;
   if (now === null || now === state.overview.base || now === told || digest !== state.overview.digest) return;
   told = now;
@@ -299,9 +300,9 @@ const sheet = (pictures, across, heading, entries) => {
   });
   return new XMLSerializer().serializeToString(page);
 };
-// Name of the study and what else the drawings depend on.
+// Heading of exported drawings: name of the study, and further texts such as slider positions.
 const headingOf = (...more) => [state.overview.name, ...more].join(' · ');
-// Positions of the sliders that move: rack 0 mm.
+// Positions of the sliders that move, as in "rack 0 mm".
 const positions = () => state.overview.sliders.flatMap(({ name, unit, low, high, names }, k) => (names.length ? [names[state.at[k]].replaceAll('_', ' ')] : low === high ? [] : [`${name} ${brief(state.at[k], 4)} ${unit}`]));
 const download = (name, blob) => {
   const link = html('a', { href: URL.createObjectURL(blob), download: name });

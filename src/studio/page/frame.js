@@ -22,7 +22,7 @@ const robust = (values) => {
 };
 
 // At rest, the axis contains all values. During a drag, the axis leaves out outliers. It grows at once and shrinks only after a
-// pause, so that the curves move and the axis stays.
+// pause, so that the curves move but the axis does not.
 export const framed = (chart, still, moving, isInGesture) => {
   const own = isInGesture ? robust(moving) : ends(moving);
   const fixed = ends(still);

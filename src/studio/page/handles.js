@@ -35,7 +35,7 @@ export class EdgeHandles {
     this.held = null;
   }
 
-  // Moves handles to their numbers. A handle that the user drags, or that has the focus, is kept.
+  // Moves each handle to the present value of its number. A handle that the user drags, or that has the focus, is kept.
   draw(targets, { x, y }, xs, unit) {
     const seen = new Set();
     for (const target of targets) {

@@ -27,7 +27,7 @@ const keepHistory = () => {
   timer = setTimeout(() => {
     const { from } = state.overview;
     const { timeline, present } = history();
-    // Actions before a save start from a text that the file no longer has.
+    // Actions before a save are not stored, because they refer to a text that the file no longer has.
     const own = timeline.filter(({ overview }) => overview.from === from);
     const deeds = own.map(({ label, design, overview }) => ({ label, places: byName(design), edits: overview.edits }));
     keep('history', { from, present: own.indexOf(timeline[present]), deeds });
@@ -60,7 +60,7 @@ const restorePins = () => {
     const design = designOf(places);
     if (LETTERS.includes(letter) && design) state.pins[letter] = { design, answer: null };
   }
-  // This request waits until the other parts of the page have chosen the curves.
+  // The request for the curves of pinned designs waits until the other parts of the page have chosen the curves.
   if (Object.keys(state.pins).length) setTimeout(askPins);
 };
 

@@ -10,8 +10,9 @@ export const hueOf = (bodies) => {
   return bodies.map(({ kind }) => own[kind] ?? `hue${number++ % HUES}`);
 };
 
-// Positions of names: each name is at the first free position around its point. A distant name has a line to its point. A name
-// is { text, at, kind }. The result has the left end and the baseline of each name's box, and the ends of the line.
+// Positions of names: each name is at the first free position around its point. A distant name has a line to its point. Each
+// name is given as { text, at, kind }. The result has the left end and the baseline of each name's box, and the ends of the
+// line.
 const LETTER = 6.4;
 const LINE = 12;
 const DISTANCES = [9, 18, 30, 46, 66];
@@ -81,7 +82,7 @@ export class MechanismView {
     return along(this.look.right.map((c) => (c * x) / this.scale), this.look.up, -y / this.scale);
   }
 
-  // Shows all of these points.
+  // Moves and zooms the view so that all of these points are visible.
   fitTo(points) {
     if (!points.length || !this.width) return;
     this.look = this.turned();

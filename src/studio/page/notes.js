@@ -1,4 +1,4 @@
-// Panels beside the curves: targets, constraints, limits, free directions, warnings.
+// Panels beside the curves: targets, constraints, limits, directions that leave the targets unchanged, and warnings.
 import { brief, byId, html, inDegrees, measured, quantity, renew, scroller, set, write } from './draw.js';
 import { of, begin, copy, emit, finish, isInGesture, isSame, on, onRest, snapped, state } from './design.js';
 import { openTab, tellTab } from './layout.js';
@@ -15,7 +15,8 @@ const words = (column) => column.replaceAll('_', ' ');
 const panel = (title, ...children) => html('div', { class: 'panel', id: `panel-${title.toLowerCase().replaceAll(' ', '-')}` }, html('h2', { text: title }), ...children);
 const table = (head, body, isNumber = (k) => k > 0) => html('table', {}, html('thead', {}, html('tr', {}, ...head.map((text, k) => html('th', { text, class: isNumber(k) ? 'number' : null })))), html('tbody', {}, ...body));
 
-// Chips in the header. They become wider, but never narrower, so that the header stays calm. A click on a chip opens its panel.
+// Chips in the header: buttons with a name and a value. A chip can become wider, but never narrower, so that the header does
+// not move. A click on a chip opens its panel.
 let chips = new Map();
 const buildChips = () => {
   const { tunes, builds, has_constraints: hasConstraints } = state.overview;
@@ -194,8 +195,8 @@ const draw = () => {
   for (const name of Object.keys(PANES)) fill(name);
 };
 
-// Asks for free directions after the point has stopped moving, because they take longer to compute. Limits take longest: the
-// page asks for limits only while it shows limits.
+// Asks for the directions that leave all targets unchanged after the point has stopped moving, because they take longer to
+// compute. Limits take longest: the page asks for limits only while it shows limits.
 let timer = null;
 const rest = () => {
   clearTimeout(timer);

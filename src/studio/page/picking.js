@@ -14,7 +14,7 @@ const mark = (members) => {
   marked = new Set(members);
   redraw();
 };
-// Ends the choice. `members` is null if the user gave it up.
+// Ends the choice. `members` is null if the user cancelled the choice.
 const end = (members) => {
   if (!choice) return;
   const { done, shown } = choice;
@@ -39,7 +39,8 @@ const choose = (k) => {
   ask();
 };
 
-// Lets the user choose members in the views. Gives their indices, an empty list if the user prefers a list, or null.
+// Lets the user choose members in the views. Returns their indices. Returns an empty list if the user wants to choose from a
+// list instead, and null if the user cancels.
 export const chooseMembers = (count) => new Promise((done) => {
   end(null);
   choice = { count, members: [], done };
@@ -50,14 +51,14 @@ export const chooseMembers = (count) => new Promise((done) => {
 });
 export const clearMarks = () => mark([]);
 
-// Marks the members of a constraint. `shown` is the displayed name. If the study gives the constraint a name, the keys of the
-// constraint in the study name the members.
+// Marks the members of the constraint with the displayed name `shown`. If the study gives the constraint a name, the members
+// come from the keys of the constraint in the study. Otherwise they come from the displayed name.
 export const markMembersIn = (shown) => {
   const written = (state.overview.written.optimise?.constraints ?? []).find(({ name }) => name && shown.startsWith(name));
   const of = written && Object.entries({ clearance: written.members, length: written.length, plunge: written.plunge }).find(([, members]) => members);
   const text = of ? [of[0], written.axle ?? '', ...[].concat(of[1])].join(' ') : written ? '' : shown;
   const parts = text.split(/[^\w]+/);
-  // Other constraints contain the names of points.
+  // Displayed names of other kinds of constraint contain names of points, not of members.
   const isOfMembers = /^(clearance|length|plunge)$/.test(parts.find((part) => !/^(front|rear)$/.test(part))) || text.includes('rim');
   const { members } = state.overview;
   mark(!isOfMembers ? [] : members.flatMap(({ name, axle }, k) => (parts.includes(name) && (!axle || parts.includes(axle)) ? [k] : [])));

@@ -1,7 +1,7 @@
 // Directions of the views, and circles in space.
 import { along, cross, norm } from './draw.js';
 
-// Number of corners of a drawn circle.
+// Number of corners of the polygon that represents a circle.
 const ROUND = 64;
 
 // Directions of the car in the study's axes. A positive product of the signs means a left wheel, a negative product a right

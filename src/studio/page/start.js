@@ -16,7 +16,7 @@ const picture = ({ scene, design }) => {
   const path = (points) => `M${points.map((p) => place(p).map((c) => c.toFixed(1)).join(' ')).join('L')}`;
   const lines = bodies.map((body, k) => svg('path', { class: `${body.kind} hue${k % 7}`, d: body.lines.map((line) => path(line.map((i) => design[i]))).join('') }));
   const wheel = [-1, 1].map((by) => design[centre].map((c, k) => (k === 2 ? c + by * reach : c)));
-  // Points of a right half have no lines here.
+  // Points of the right half of a solid axle are not drawn, because this picture has no lines to them.
   const joined = new Set(bodies.flatMap(({ lines: own }) => own.flat()));
   const dots = design.filter((_, p) => joined.has(p)).map((p) => { const [x, y] = place(p); return svg('circle', { cx: x.toFixed(1), cy: y.toFixed(1), r: 2.5, fill: 'currentColor' }); });
   return svg('svg', { class: 'view', viewBox: `0 0 ${SIZE.width} ${SIZE.height}`, role: 'img', 'aria-label': 'front view' },

@@ -114,7 +114,7 @@ const build = () => {
   byId('coordinates').replaceChildren(html('thead', {}, head), html('tbody', {}, ...rows.map((r) => r.tr)));
 };
 
-// Range of a coordinate; worked out again if the study or the file has changed.
+// Range of a coordinate; computed again if the study or the file has changed.
 const ends = (cell) => {
   const { overview, opened } = state;
   if (cell.known?.overview !== overview || cell.known.opened !== opened) cell.known = { overview, opened, ends: range(cell.p, cell.axis) };

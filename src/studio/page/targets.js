@@ -199,7 +199,7 @@ export const addConstraint = (constraint, name) => {
   return tried([change], `Added constraint ${name}`);
 };
 
-// A usual length, from millimetres in the study's unit.
+// Converts a length in millimetres to the study's unit, rounded to a usual value (1 mm counts as 0.04 in).
 export const lengthOf = (millimetres) => Number((millimetres * { mm: 1, m: 0.001, in: 0.04 }[state.overview.unit]).toPrecision(3));
 // A field with a list of texts. Its value is the index of the chosen text.
 export const select = (options, chosen = 0) => {
@@ -207,7 +207,7 @@ export const select = (options, chosen = 0) => {
   made.value = String(chosen);
   return made;
 };
-// True if constraints apply to the design position only: of a car, with elastic parts, or of a solid axle.
+// True if constraints apply to the design position only: for a car, for a study with elastic parts, and for a solid axle.
 export const isOfDesign = () => state.overview.is_car || state.overview.written.compliance !== undefined || state.overview.points.some(({ follows }) => follows);
 // The part of the motion to which a new constraint applies: a field, and the keys of its choice. An axle needs a named motion.
 export const placeField = (hasDesign = true) => {

@@ -261,7 +261,8 @@ class View extends MechanismView {
     }
   }
 
-  // Draws an arrow downhill. Its length grows with the square root of the slope, so that gentle slopes are visible, too.
+  // Draws an arrow in the direction in which the misfit or target deviation falls. Its length grows with the square root of the
+  // slope, so that gentle slopes are visible, too.
   drawArrow(p, [x, y], slope, steepest) {
     const { group, line, hit } = this.arrows[p];
     const steep = slope ? norm(slope) : 0;

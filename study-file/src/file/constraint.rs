@@ -23,7 +23,7 @@ pub struct Constraint {
     pub members: Option<Spanned<Vec<Text>>>,
     /// Name of a joint whose angle is limited.
     pub articulation: Option<Text>,
-    /// Length that may change along the motion: of a member, or between two points.
+    /// Member, or pair of points, whose change of length since the design position is limited.
     pub plunge: Option<Spanned<MemberName>>,
     /// Name of a characteristic.
     pub characteristic: Option<Text>,

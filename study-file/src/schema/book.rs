@@ -35,7 +35,7 @@ pub(super) fn manual(root: Root) -> BTreeMap<(String, String), String> {
     descriptions
 }
 
-/// Note in the manual for keys of car studies. The reader of a study of one wheel or an axle knows these keys only to refuse
+/// Note in the manual for keys of car studies. The reader of a study of one wheel or an axle reads these keys only to refuse
 /// them with an explanation.
 const OF_CARS: &str = "only in the [study of a car](car.md)";
 

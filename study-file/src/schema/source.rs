@@ -45,7 +45,7 @@ pub(super) struct Notes {
     pub(super) places: BTreeMap<String, Place>,
     /// Kind offered at each path that accepts any kind. Without an entry, a number is offered.
     pub(super) offers: BTreeMap<String, Kind>,
-    /// Keys of tables whose type did not announce them.
+    /// Keys of tables whose type does not list its keys in advance. The keys come from the type's error about an unknown key.
     keys: BTreeMap<String, Vec<&'static str>>,
     /// Key that is withheld in this run.
     pub(super) withheld: Option<String>,

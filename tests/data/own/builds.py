@@ -167,7 +167,8 @@ class Suspension:
             if self.hinge:
                 first, second = self.hinge
                 rows += add(image(x, drawn[first]), p[first], -1)
-                # The two axes are parallel; theirs is far from upright.
+                # The hinge axis and the axis in the carrier are parallel. The hinge axis has a large y component, so the z and
+                # x components of the cross product suffice.
                 along = add(p[second], p[first], -1)
                 way = turned(x[3:7], add(drawn[second], drawn[first], -1))
                 c = cross(along, way)
@@ -195,7 +196,7 @@ class Suspension:
             e = unit(add(drawn[second], drawn[first], -1))
             lever = add(drawn[inner], drawn[first], -1)
             old = self.rocker_frame(e, lever)
-            # Any frame about the new axis will do: the rod finds the angle.
+            # Any frame about the new axis works, because the rod determines the rocker angle.
             new = self.rocker_frame(unit(add(p[second], p[first], -1)), lever)
 
             def place(point, angle):
@@ -271,7 +272,7 @@ def main():
                 for step in [-2, -1, 1, 2]:
                     moved = dict(changes)
                     moved[key] += step * h
-                    # The wheel centre's travel is from the same height.
+                    # `solve` measures travel from the nominal height of the wheel centre, also for moved parts.
                     values.append(suspension.solve(suspension.parts(moved), 25, x)[2])
                 slope = [
                     (a - 8 * b + 8 * c - d) / (12 * h) for a, b, c, d in zip(*values)

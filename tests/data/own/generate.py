@@ -135,7 +135,7 @@ class Strut:
         sign = self.determinant(x, drive, *start)
         while here < 1:
             there = min(mpf(1), here + step)
-            # Along the tangent, from a difference.
+            # Predictor along the tangent. The derivative with respect to the motion is a difference quotient.
             f, j = self.jacobian(x, drive, *at(here))
             g = self.equations(x, drive, *at(here + TINY))
             v = lu_solve(j, matrix([(a - b) / TINY for a, b in zip(f, g)]))
@@ -337,7 +337,8 @@ def assemblies_2um():
     off = dot(add(p["p8"], p["p5"], -1), n)
     points = with_points(p8=[float(c) for c in add(p["p8"], n, -off - mpf("1e-6"))])
     strut = Strut(exact(points))
-    # Where the tie rod is at toggle, by the signed distance as the drive.
+    # Arm angle at which the tie rod is at toggle: p8 is in the plane of p5, p4 and p3. The drive "w" of this solution is the
+    # signed distance of p8 from this plane.
     zero = strut.equations(strut.start, "w", mpf(0), mpf(0))[7]
     x = strut.solve(strut.start, "w", mpf(0), mpf(0))
     a, b = strut.arm

@@ -243,7 +243,7 @@ for name, (kind, topology, left, changes, radius) in CASES.items():
     x0 = axle.wheels[0].start + axle.wheels[1].start
     states = []
     for roll, heave in STATES:
-        # The double that the study's degrees mean.
+        # Roll angle as a double, as the program converts it from the degrees of the study.
         import math
 
         phi = mpf(math.radians(roll))

@@ -81,8 +81,8 @@ fn the_slope_of_the_roll_moment_is_the_stiffness_at_load() {
     }
 }
 
-/// Derivatives with respect to the hardpoints of either side include the change of the mean travel, also when the level
-/// axle sets the load.
+/// Derivatives with respect to the hardpoints of either side include the change of the mean travel. They also include the
+/// change of the held load. This is the load of the level axle, which depends on the hardpoints.
 #[test]
 fn gradients_follow_the_load() {
     let study = study("five_link_axle", &[]);
@@ -170,7 +170,7 @@ fn a_load_is_held_where_the_motion_says_so() {
         ),
         (motion, "outputs.certify=true", "certify\" does not work"),
         (motion, "outputs.certify=false", ""),
-        // Derivatives would be those at constant mean travel, not at constant load.
+        // The program refuses derivatives, because they would be derivatives at constant mean travel, not at constant load.
         (
             motion,
             "outputs.order=\"velocity\"",

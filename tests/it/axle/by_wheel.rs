@@ -8,8 +8,7 @@ fn json(text: &str) -> Value {
     serde_json::from_str(text).unwrap()
 }
 
-/// The assemblies of the right wheel of a mirrored axle at rack +10 are the mirror images of those of the left wheel at
-/// rack -10.
+/// On a mirrored axle, the assemblies of the right wheel at rack +10 are mirror images of those of the left wheel at rack -10.
 #[test]
 fn assemblies_of_a_mirror_image_are_mirror_images() {
     let path = study("macpherson_axle.toml");

@@ -157,7 +157,7 @@ fn a_false_root_is_not_proved_to_be_near() {
         let proof = certifier.prove(&wanted, &planted).unwrap();
         assert!(proof.travel_error >= off, "{off}: {proof:?}");
         assert!(proof.travel_error < 1.1 * off, "{off}: {proof:?}");
-        // The certified position errors of the carriers are at least 0.9 times this offset too.
+        // The certified position errors of the carriers are at least 0.9 times `off`.
         assert!(proof.position_errors.into_iter().all(|e| e >= 0.9 * off));
     }
     // If the stated travels are 1e-6 mm away from those of the poses, the certified error is at least this large.
@@ -230,7 +230,7 @@ fn poses_over_an_interval_of_travel_are_enclosed() {
     for k in -4..=4 {
         let travel = middle + 0.25 * reach * f64::from(k);
         let (pose, _) = at(travel);
-        // This test takes slopes from differences of fourth order.
+        // This test computes slopes from differences of fourth order.
         let step = 0.05;
         let around = [-2.0, -1.0, 1.0, 2.0].map(|n| at(travel + n * step).0);
         let rate = |number: &dyn Fn(&hardpoint::mechanism::Pose<f64>) -> f64| {

@@ -376,8 +376,8 @@ fn an_axle_is_tuned() {
     assert!(said.contains("18 of 18 stations solved"), "{said}");
 }
 
-/// The front of two goals has a design that is at least as good as the tuned design in both goals, up to the distance of two
-/// points.
+/// The Pareto front of two goals has a design that is at least as good as the tuned design in both goals. The tolerance is the
+/// spacing of the front's points.
 #[test]
 fn no_tuned_design_is_better_than_its_front() {
     let path = study("macpherson_axle_front.toml");
@@ -414,7 +414,7 @@ fn no_tuned_design_is_better_than_its_front() {
         .collect();
     let (first, last) = (points[0], points[points.len() - 1]);
     let apart = [last[0] - first[0], first[1] - last[1]].map(|extent| extent / 25.0);
-    // The ends of a front are minima to 0.01 %.
+    // Each end of a Pareto front is a minimum of one goal, accurate to 0.01 %.
     let is_as_good = |point: &[f64; 2]| (0..2).all(|k| point[k] <= 1.0001 * kept[k] + apart[k]);
     assert!(points.iter().any(is_as_good), "{kept:?} {points:?}");
 }
@@ -481,8 +481,8 @@ fn axles_are_swept() {
              roll_steer_deg_per_deg,ackermann_error_deg,mean_steer_deg,status"
         )
     );
-    // Two roll angles times two steering wheel angles. Each station has the values that `solve` finds for the study of
-    // this design.
+    // The file has 4 stations per design: two roll angles times two steering wheel angles. Each station has the values that
+    // `solve` finds for the study of this design.
     assert_eq!(curves.lines().count(), 1 + 150 * 4);
     let design = place.join("149.toml");
     fs::write(&design, text).unwrap();

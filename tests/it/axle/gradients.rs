@@ -5,8 +5,8 @@ use hardpoint::axle::{AxleQuantity as A, AxleSolver, Placement, Quantity, WheelQ
 use hardpoint::model::Side::{Left, Right};
 use hardpoint::number::Vector3;
 
-/// Gradients equal slopes in roll (where the travels depend on the design), at given travels (where the roll angle
-/// depends on the design), and on pads. The test includes quantities that are made of second derivatives.
+/// Gradients equal slopes in three kinds of motion: in roll, where the travels depend on the design; at given travels, where
+/// the roll angle depends on the design; and on pads. The test includes quantities that are made of second derivatives.
 #[test]
 fn gradients_are_slopes() {
     let case = read("macpherson_front");

@@ -111,7 +111,8 @@ fn lanes_have_the_values_of_designs_one_by_one() {
                             format!("{name} {motion}: {quantity:?} {station} {found} {expected}")
                         };
                         assert_eq!(found.is_nan(), expected.is_nan(), "{}", what());
-                        // The error of a quotient with a small denominator grows with its value.
+                        // The accepted error grows with the value: a quotient with a small denominator has a large value and a
+                        // large error.
                         let scale = expected.abs().max(1.0) * (1.0 + expected.abs() / 500.0);
                         assert!(
                             expected.is_nan() || (found - expected).abs() < 1e-9 * scale,

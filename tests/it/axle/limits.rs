@@ -111,7 +111,8 @@ fn rockers_of_an_axle_have_the_limits_of_their_wheel() {
     let [wheel] = &rows("pushrod")[..] else {
         panic!("one rocker of a wheel");
     };
-    // The study of the wheel has no moving rack, so its row may state another rack position.
+    // The test compares only the numbers of the rows. The study of one wheel has no moving rack, so the text of its row may
+    // state another rack position.
     let figures =
         |row: &str| -> Vec<f64> { row.split(',').filter_map(|c| c.parse().ok()).collect() };
     let of_axle = rows("pushrod,axle");

@@ -1,5 +1,5 @@
-//! Tests of loads on both wheels of an axle: against each corner alone, against mirror images, and against the work of
-//! the spring.
+//! Tests of loads on both wheels of an axle: against each wheel alone, against mirror images, and against the work of the
+//! spring.
 
 use hardpoint::axle::axle_curves;
 use hardpoint::curves::Curves;
@@ -197,7 +197,8 @@ fn what_nothing_carries_has_a_status_and_no_values() {
     let file = directory.join("dead_centre.toml");
     std::fs::write(&file, text).unwrap();
     let overrides = [
-        // This point lies on the line from the lower end through the middle of the hinge in the design position.
+        // In the design position, the upper spring end lies on the line from the lower spring end through the middle of the
+        // hinge. So the spring has no leverage.
         "suspension.hardpoints.spring_lower=[70.0, 580.0, 270.0]",
         "suspension.hardpoints.spring_upper=[205.0, 470.0, 262.5]",
         "outputs={characteristics=[\"camber\"], loads=[{name=\"kerb\", at=\"wheel_centre\", force=[0, 0, 1000], side=\"right\"}]}",

@@ -153,7 +153,7 @@ fn points_move_at_their_derivatives() {
             let vector =
                 |name: &str| ["x", "y", "z"].map(|axis| value(&found, 4, &name.replace('#', axis)));
             let omega = vector(&format!("{side}_knuckle_omega_#_by_{by}_rad_per_{unit}"));
-            // Both points belong to the wheel carrier of a strut.
+            // The points strut_lower and wheel_centre belong to the wheel carrier.
             let arm = {
                 let [a, b] =
                     ["strut_lower", "wheel_centre"].map(|p| vector(&format!("{side}_{p}_#_mm")));
@@ -173,8 +173,8 @@ fn points_move_at_their_derivatives() {
     }
 }
 
-/// Coordinates have correct sensitivities to the design. If the sides differ, the right wheel's hardpoint moves only
-/// that wheel. In roll the travels of both wheels follow.
+/// Coordinates have correct sensitivities to the design. If the sides differ, the right wheel's hardpoint moves only that
+/// wheel. In roll, the travels of both wheels depend on the design, too.
 #[test]
 fn points_have_sensitivities() {
     let outputs = "outputs={points=[\"wheel_centre\", \"toe_link_outer\"], sensitivities=[\"toe_link_inner\", \"lower_rear_link_outer\"]}";

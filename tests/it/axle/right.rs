@@ -102,7 +102,7 @@ fn each_side_is_that_of_the_mirrored_axle_with_its_figures() {
     }
 }
 
-/// Without entries for the right wheel it is the mirror image of the left one.
+/// Without entries for the right wheel, the right wheel is the mirror image of the left one.
 #[test]
 fn without_right_the_axle_is_mirrored() {
     let (axle, _, found) = solved(&text(STEEP, "[axle]\n", SOFT));

@@ -22,8 +22,8 @@ fn longer(folder: &Path) -> String {
     path.to_str().unwrap().to_owned()
 }
 
-/// An axle compared with itself shows no difference at any station of roll, heave and steering. The values equal those
-/// of the run. Travels follow from roll and heave, so they are curves.
+/// An axle compared with itself shows no difference at any station of roll, heave and steering. The values equal those of the
+/// run. The travels are results of roll and heave, so the comparison contains them as curves.
 #[test]
 fn an_axle_does_not_differ_from_itself() {
     let folder = folder("compare_same");

@@ -1,4 +1,4 @@
-//! Tests of an axle without reference: mirror images, the curves of one corner, statics.
+//! Tests of an axle without reference: mirror images, the curves of one wheel, statics.
 
 use super::{axle, reference::read};
 use hardpoint::analyse::{Load, Support};
@@ -81,7 +81,7 @@ fn mirrored_axles_give_mirrored_bits() {
     }
 }
 
-/// An axle in heave on pads has the curves of one corner, bit for bit.
+/// An axle in heave on pads has the curves of one wheel, bit for bit.
 #[test]
 fn an_axle_in_heave_is_two_corners() {
     for name in [

@@ -58,8 +58,9 @@ pub(super) fn own_right(shift: f64) -> String {
     format!("[axle.right.hardpoints]\n{}", points.join("\n"))
 }
 
-/// Residuals equal deviations of the readings of the axle's solver. A wheel quantity without a side has one residual
-/// for each wheel. The derivatives equal the slopes of the residuals, with mirrored and with separate right hardpoints.
+/// Residuals equal the deviations from the targets, computed from results of the axle's solver. A wheel quantity without a side
+/// has one residual for each wheel. The derivatives equal the slopes of the residuals, with mirrored and with separate right
+/// hardpoints.
 #[test]
 fn rows_are_deviations_and_their_derivatives_are_slopes() {
     let mirrored = ("[axle]\nright = \"mirrored\"", own_right(1.5));
@@ -152,8 +153,8 @@ fn tuned(study: &Study, quantity: AxleQuantity, placements: &[Placement]) -> (f6
     (best.after.misfit, values.collect())
 }
 
-/// A constraint on a motion of the left wheel is satisfied along the whole motion of the tuned wheel, also between the
-/// stations of the tuning. The constraint is active.
+/// A constraint on a motion of the left wheel is satisfied along the whole motion of the tuned wheel. This includes positions
+/// between the stations of the tuning. The constraint is active.
 #[test]
 fn constraints_hold_through_a_motion_of_the_wheel() {
     let edits = [

@@ -166,14 +166,14 @@ fn a_printed_build_has_its_extra_points() {
                     .curves
                     .are_complete()
             );
-            // The program can vary a printed build again.
+            // A printed build can be the nominal design of further builds.
             let again = Problem::of(&printed, printed.tolerance.as_ref().unwrap()).unwrap();
             again.built_wheels(number).unwrap();
         }
     }
 }
 
-/// Readings of a built axle in one position, with each tolerance source moved by a given amount.
+/// Values of a built axle in one position, with each tolerance source moved by a given amount.
 struct Moved<'s> {
     sources: Vec<&'s Source>,
     assemblers: [Assembler; 2],
@@ -225,14 +225,14 @@ impl<'s> Moved<'s> {
     }
 }
 
-/// Derivatives with respect to all contributors of either side equal the slopes of the built axle's readings, from
-/// differences of fourth order.
+/// Derivatives with respect to all contributors of either side equal the slopes of the built axle's values, from differences of
+/// fourth order.
 #[test]
 fn gradients_are_slopes_of_built_axles() {
     let study = axle("builds=2", &[]);
     let problem = problem(&study);
     let expansion = Expansion::of(&problem).unwrap();
-    // This station has roll, heave and steering.
+    // The tested station has roll, heave and steering.
     let station = 9;
     let moved = Moved::of(&study, problem.placements()[station]);
     let mut looked_at = 0;

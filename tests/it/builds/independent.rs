@@ -215,9 +215,9 @@ struct Errors {
     position: f64,
     /// Error of camber and toe, in radians.
     angle: f64,
-    /// Relative error of the derivative of a point along the direction.
+    /// Relative error of the derivatives of points. The parts vary along a random direction.
     slope: f64,
-    /// Relative error of the derivatives of camber and toe together.
+    /// Relative error of the derivatives of camber and toe together, along the same direction.
     angle_slope: f64,
 }
 
@@ -235,7 +235,7 @@ impl Errors {
     }
 }
 
-/// Compares a random build, as both solvers find it.
+/// Compares the results of both solvers for a random build.
 fn compared(case: &Case, seed: u64) -> Errors {
     let mut random = Random(seed);
     let count = case.dimensions.len();

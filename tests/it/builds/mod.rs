@@ -1,4 +1,4 @@
-//! Tests of built mechanisms: their properties and their readings.
+//! Tests of built mechanisms: their properties and their values.
 
 mod axle;
 mod independent;
@@ -45,7 +45,7 @@ fn parameter(assembler: &Assembler, of: &str, axis: Option<&str>) -> BuildParame
     }
 }
 
-/// Plan that reads camber, toe and their derivatives.
+/// Plan that computes camber, toe and their derivatives.
 fn plan(study: &Study) -> Plan {
     Plan::of(study.one_wheel().unwrap())
 }

@@ -1,8 +1,8 @@
 //! Independent solver for built mechanisms: other equations than the program's, with twice the precision.
 //!
-//! The unknowns are the position o of the wheel centre, the rotation q of the carrier as a quaternion, the displacement
-//! s of a strut's mount from its nominal position along the strut axis, and cosine and sine of the angle of each
-//! rocker:
+//! The unknowns are the position o of the wheel centre and the rotation q of the carrier as a quaternion. A strut adds the
+//! displacement s of its mount from the nominal position along the strut axis. Each rocker adds the cosine c and the sine s
+//! of its angle. The equations are:
 //!
 //! ```text
 //! q.q = 1,  o.z = nominal + travel                 wheel centre at its height
@@ -12,10 +12,10 @@
 //! c^2 + s^2 = 1                                    rocker
 //! ```
 //!
-//! place(p) is the moved position of a point: o + q p q* for the carrier, a point of an arm in the frame of its axis
-//! and outer joint, a point of a rocker about its axis. Newton's method in doubles, with a Jacobian from differences,
-//! follows the parts from the nominal ones in steps. Then residuals of twice the precision refine the solution to about
-//! 28 digits.
+//! place(p) is the moved position of a point. On the carrier it is o + q p q*. A point of an arm moves with the frame of the
+//! arm's axis and outer joint, and a point of a rocker turns about the rocker's axis. The parts change in steps from the
+//! nominal parts to the built parts. In each step, Newton's method in doubles solves the equations, with a Jacobian from
+//! differences. Then residuals of twice the precision refine the solution to about 28 digits.
 //!
 //! This module reads hardpoints and topology from the study. From `hardpoint` it uses only numbers and vectors.
 

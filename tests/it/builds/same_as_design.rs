@@ -55,11 +55,11 @@ fn keep_links_in_arms(drawn: &Suspension, moved: &mut Suspension) {
     }
 }
 
-/// If points move and the lengths and carriers are remade to match, the built curves equal the curves of the moved
-/// design. The derivatives of both curves agree too, by the chain rule over all parts.
+/// If points move and the lengths and carriers are changed to match, the built curves equal the curves of the moved design. The
+/// derivatives of both curves agree too, by the chain rule over all parts.
 #[test]
 fn with_everything_recut_the_build_is_the_moved_drawing() {
-    // Skips the H-arm: no dimension of its parts could be remade to match the moved second joint.
+    // Skips the H-arm: no change of its parts can reproduce the design with the moved second joint.
     for name in STUDIES.into_iter().filter(|name| *name != "h_arm_solve") {
         let study = study(name, &["outputs.order=\"acceleration\""]);
         let assembler = assembler(&study);

@@ -423,7 +423,7 @@ fn values_of_axles_that_contradict_the_car_are_named() {
     assert!(other.contains("sprung_mass 600 kg (car: 74"), "{other}");
 }
 
-/// If equal shares prevent an equilibrium, the message names the key that a user can change.
+/// If equal longitudinal shares of the wheels prevent an equilibrium, the message names the key that a user can change.
 #[test]
 fn the_key_of_equal_shares_is_named() {
     let directory = tempfile::tempdir().unwrap();

@@ -56,10 +56,10 @@ fn walk(
     states
 }
 
-/// The solver of maps takes its wheel curves from interpolation and uses a tangent for several steps. Every result
-/// equals that of the same case, solved alone from poses, to 1e-9 of the result. Points at 300 mm are accurate to 8
-/// roundings (5e-13 mm), and a roll centre amplifies this a hundred times. So the bound for values below 0.05 is that
-/// of 0.05. A quotient, such as a roll centre at 40 m, amplifies rounding in proportion to its value.
+/// The solver of maps takes its wheel curves from interpolation and uses a tangent for several steps. Every result equals that
+/// of the same case, solved alone from poses, to 1e-9 of the result. Values below 0.05 have the same bound as 0.05. The reason:
+/// points at 300 mm are accurate to 8 roundings (5e-13 mm), and a roll centre amplifies this error a hundred times. A quotient,
+/// such as a roll centre at 40 m, amplifies rounding in proportion to its value.
 #[test]
 fn neighbours_are_the_states_of_their_cases() {
     for car in [car(&reference()), formula_student_car()] {
@@ -89,10 +89,10 @@ fn neighbours_are_the_states_of_their_cases() {
     }
 }
 
-/// Rows of a map that are solved in SIMD lanes have the states of their cases solved alone. They agree to 1e-11 of the
-/// weight, of the length unit in metres, or of a radian. Both searches end at steps of 2e-15 of these sizes, and the
-/// tangent amplifies the rounding of the residuals. Most states come from lanes. If wheels lift or a case has other
-/// settings, the solver for single cases finds the state.
+/// Rows of a map that are solved in SIMD lanes have the same states as their cases solved alone. Both agree to 1e-11 of the
+/// weight, of the length unit in metres, or of a radian. Both searches end at steps of 2e-15 of these sizes, and the tangent
+/// amplifies the rounding of the residuals. Most states come from SIMD lanes. If wheels lift or a case has other settings, the
+/// solver for single cases finds the state.
 #[test]
 fn rows_in_lanes_are_the_states_of_their_cases() {
     for (car, lifting) in [(car(&reference()), 1.4), (formula_student_car(), 2.2)] {

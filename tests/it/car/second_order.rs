@@ -261,7 +261,7 @@ fn builds_confirm_the_second_order() {
             .unwrap();
         let (spread, estimate) = (&builds.spreads[place], expansion[place].estimate);
         let [mean, growth] = estimate.second;
-        // Rounding of a state makes a zero slope about 1e-12.
+        // A slope that is exactly zero is computed as about 1e-12, because of rounding of the state.
         assert!(
             estimate.sigma() < 1e-6 * growth.sqrt(),
             "{name}: {estimate:?}"

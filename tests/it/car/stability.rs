@@ -68,7 +68,8 @@ fn a_high_car_tips_where_its_roll_stiffness_ends() {
     assert!(near > 0.0 && near < 1e-4 * at_design, "{near} {at_design}");
 }
 
-/// Car with rockers whose front axle has only a heave bar: the same load at rest, and no stiffness in roll.
+/// Car with rockers whose front axle has only a heave bar. At rest, the bar carries the load of the springs that it replaces.
+/// The axle has no roll stiffness.
 fn without_front_roll_stiffness() -> Car {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/own/free_bodies.toml");
     let mut car = CarStudy::read(&path, &[]).unwrap().car;

@@ -81,7 +81,8 @@ fn rows_are_those_of_solve() {
                 compared += 1;
             }
         }
-        // Roll and four loads of each case, the distribution in turns, the anti-dive under braking.
+        // Number of compared values: roll and four wheel loads of each case, the load transfer distribution in turns, and the
+        // anti-dive under braking.
         assert_eq!(compared, 5 * 5 + 3 + 2);
         let number = |column: &str| row[column].parse::<f64>().unwrap();
         let share = (number("turn_lateral_load_transfer_distribution_percent") - 48.0) / 0.5;

@@ -350,7 +350,7 @@ fn curves_have_the_names_of_other_tools() {
         ]
     );
     assert_eq!(left_out.len(), 3);
-    // A single wheel has the side of its study.
+    // If the study has a single wheel, the exported names contain the side of this wheel.
     let mut corner = of_text(template("macpherson"));
     corner.wheel_mut().frame = Frame::new(FrameConvention::Iso8855, Side::Right);
     let outgoing = Outgoing::of(&corner, None, None);

@@ -323,7 +323,7 @@ fn assert_gap_is_bounded(topology: &str, rack: f64) {
     let (coarse, dense) = (envelope(3), envelope(9));
     assert!(dense.gap() < 0.3 * coarse.gap());
     let point = |p: [f32; 3]| Vector3::from(p.map(f64::from));
-    // Centre and axis of each solid, from one point on each of its two end faces.
+    // Centre and axis of each solid, from the centres of its two end faces.
     let cylinders = coarse.solids.iter().map(|solid| {
         let [outer, inner] = [point(solid[0][0]), point(solid[1][0])];
         ((outer + inner) * 0.5, (outer - inner) * (1.0 / tyre.width))

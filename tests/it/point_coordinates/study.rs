@@ -169,8 +169,8 @@ fn the_sample_study_is_right_to_the_accuracy_of_its_conditioning() {
     }
 }
 
-/// Fig. 4 over the whole motion: the wheel falls until the arm reverses at theta = pi, t = 1.2985 s (its centre is
-/// lowest 0.02 s before and after that). Both formulations agree along the whole motion.
+/// This is Fig. 4 over the whole motion. The wheel falls until the arm reverses at theta = pi, t = 1.2985 s. The wheel
+/// centre is lowest 0.02 s before and after that time. Both formulations agree along the whole motion.
 ///
 /// The error bound grows with the condition number of the equations. It also has one division by sin(theta) for each
 /// order of the derivative. Angular rates are velocities divided by the shortest lever, 50 mm.

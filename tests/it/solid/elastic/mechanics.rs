@@ -69,8 +69,8 @@ fn energy(made: &Made, study: &AxleStudy, axle: &ElasticAxle, at: &AxleEquilibri
     }
 }
 
-/// The work of the pads under the wheels equals the energy stored in links, springs and bar. The work is integrated with
-/// five nodes in each of eight intervals. Its error is proportional to the tenth power of the interval.
+/// The work of the rig's pads under the wheels equals the energy stored in links, springs and bar. The work is
+/// integrated with five nodes in each of eight intervals. Its error is proportional to the tenth power of the interval.
 #[test]
 fn the_work_of_the_travels_is_the_energy() {
     let mut random = Random(42);
@@ -308,8 +308,8 @@ fn the_drawing_is_the_equilibrium_at_the_design_load() {
         let run = AxleKcRun::new(vehicle, &elastic.parts).unwrap();
         let stations = run.run(&[([10.0, -15.0], 0.0)], &elastic.tests);
         let matrix = stations[0].matrix.as_ref().unwrap();
-        // A wheel load at the contact point makes the stiffness matrix slightly unsymmetric. This part is small compared
-        // with the springs.
+        // A wheel load at the contact point makes the stiffness matrix slightly unsymmetric. The unsymmetric part is
+        // small compared with the stiffness of the springs.
         let size = (0..12).map(|i| matrix[i][i].abs()).fold(0.0, f64::max);
         for i in 0..12 {
             for j in 0..12 {

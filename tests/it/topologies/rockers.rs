@@ -253,8 +253,8 @@ fn rods_keep_their_lengths() {
 }
 
 /// Points of rockers agree with a solution of thirty digits. The test compares values, first and second derivatives,
-/// and the sensitivities of these three to every hardpoint. The inverse of the leverages multiplies an error of the
-/// outer end. The leverages are above 0.2 here. For derivatives, this factor applies once more for each order.
+/// and the sensitivities of these three to every hardpoint. The bound of the error is divided by the leverages, which
+/// are above 0.2 here. For derivatives, it is divided once more for each order.
 #[test]
 fn points_of_rockers_agree_with_thirty_digits() {
     let mut random = Random(23);

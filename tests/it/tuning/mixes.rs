@@ -86,7 +86,8 @@ fn curve(values: impl Iterator<Item = f64>) -> String {
 
 /// Values of a characteristic at the travels.
 fn column(curves: &Curves, name: &str) -> Vec<f64> {
-    // Of the names that begin with the characteristic, the shortest one has only the unit after it.
+    // Several column names can begin with the name of the characteristic. The shortest one has only the unit after this
+    // name.
     let columns = curves.columns.iter().enumerate();
     let own = columns.filter(|(_, c)| c.name.starts_with(name));
     let (index, _) = own.min_by_key(|(_, c)| c.name.len()).unwrap();
@@ -520,7 +521,8 @@ fn a_higher_level_is_no_farther() {
     assert!(labelled * 100 <= 3 * count, "{labelled} of {count}");
 }
 
-/// The same holds for three hundred rising values of `good_enough`, in thirty problems of seed 4.
+/// If `good_enough` rises in three hundred steps, the kept design comes nearer to the nominal design, in thirty
+/// problems of seed 4.
 #[test]
 #[ignore = "takes minutes; .ci/long"]
 fn three_hundred_rising_levels_are_no_farther() {

@@ -31,7 +31,7 @@ const SIX: &str = "optimise.variables=[\
     { hardpoint = \"lower_arm_front\", axis = \"z\", range = [-20.0, 20.0] }, \
     { hardpoint = \"lower_arm_rear\", axis = \"z\", range = [-20.0, 20.0] }]";
 
-/// Study with the strut's camber and kingpin curves as targets, over these six coordinates.
+/// Study with the strut's camber and kingpin curves as targets. The variables are the six coordinates of [`SIX`].
 fn strut() -> Study {
     two_curves(edited("macpherson_front.toml", &[SIX]))
 }

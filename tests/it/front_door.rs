@@ -312,8 +312,9 @@ fn the_builder_refuses_figures_that_are_none() {
     }
 }
 
-/// Every design that the builder accepts has a pose. The builder refuses a tie rod with an end on the steering axis. It
-/// also refuses a tie rod that lies in one plane with this axis. Such a rod does not hold the wheel's heading.
+/// Every design that the builder accepts has a pose (position and orientation of the knuckle). The builder refuses a
+/// tie rod with an end on the steering axis. It also refuses a tie rod that lies in one plane with this axis. Such a
+/// rod does not hold the wheel's heading.
 #[test]
 fn a_design_position_that_cannot_be_solved_is_none() {
     let between = [-10.0, 680.0, 295.0];

@@ -259,7 +259,7 @@ fn rounded(
     OFF * suspension.size() * slopes.sum::<f64>()
 }
 
-/// Returns the swing arm that belongs to the centre whose height this quantity is.
+/// Returns the swing arm in the same view if the quantity is the height of an instant centre. Otherwise returns `None`.
 fn swing_arm(quantity: Quantity) -> Option<Quantity> {
     let arm = match quantity {
         Quantity::Characteristic(Characteristic::FrontViewCentreHeight) => {
@@ -363,7 +363,8 @@ fn a_million_designs_tracked_agree_with_the_continuation() {
 
 /// Double wishbones whose wheel centre is at its lowest or highest point within 0.01 mm of the design position. Their
 /// other points are those of `double_wishbone_solve.toml`. So close to a fold (end of travel), the slopes differ from
-/// those of the base design. At the fold a second solution branch starts, which is just as smooth.
+/// those of the base design. At the fold, a second solution branch starts. Its curves are smooth too, so smoothness
+/// alone does not distinguish the branches.
 const BESIDE_A_FOLD: [([[f64; 3]; 12], &str, &str); 2] = [
     (
         [

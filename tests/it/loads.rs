@@ -1,5 +1,5 @@
-//! Tests of the loads of a study as a user sees them in `curves.csv`. The forces of links, joints and spring balance the
-//! wheel carrier, and their work is that of the load.
+//! Tests of the loads of a study as a user sees them in `curves.csv`. The forces of links, joints and spring balance
+//! the wheel carrier, and the work of the spring equals the work of the load.
 
 use crate::support::Worst;
 use hardpoint::curves::{Curves, Status, curves};

@@ -80,7 +80,7 @@ scatter = [
 
 /// Builds with small scatter, each assembled and solved, have the first-order standard deviations. The relative
 /// standard error of 400 builds is 1/sqrt(800). The bound is four standard errors. At most one value in 40 may exceed
-/// this bound. The scatter includes hardpoints, lengths and rates of both axles.
+/// this bound. The scattered parts are hardpoints, a length and a rate, on both axles.
 #[test]
 fn builds_confirm_the_first_order_of_parts() {
     let directory = tempfile::tempdir().unwrap();

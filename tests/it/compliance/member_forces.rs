@@ -1,5 +1,5 @@
-//! Tests of loads on elastic suspensions: the forces of all members balance the bodies. With stiff parts they approach
-//! those of the rigid mechanism.
+//! Tests of loads on elastic suspensions: the forces of all members and the load keep each body in balance. With stiff
+//! parts, the member forces approach those of the rigid mechanism.
 
 use super::support::{elastic, with};
 use hardpoint::compliance::{ElasticAxle, ElasticWheel, Equilibrium, HeldQuantity, WheelLoads};

@@ -81,7 +81,7 @@ scale = [1.0, 1.5, 1.0, 1.0, 1.0, 1.0]
     }
 }
 
-/// The export refuses a call that selects no bushing or an unknown one. The message lists the available names.
+/// The export refuses a call that selects no bushing or an unknown bushing. The message lists the available names.
 #[test]
 fn a_property_file_holds_one_bushing() {
     let directory = tempfile::tempdir().unwrap();

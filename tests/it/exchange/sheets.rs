@@ -91,7 +91,8 @@ fn a_header_with_spaces_states_its_unit() {
     }
 }
 
-/// A table without a unit is never read as inches if it may be in centimetres. `--unit` accepts both.
+/// If a table has no unit and may be in centimetres, the import does not read inches. It refuses the table, and
+/// `--unit` accepts both units.
 #[test]
 fn inches_and_centimetres_are_not_confused() {
     let table = |per: f64| format!("Point,x,y,z\n{}", rows(per, ","));

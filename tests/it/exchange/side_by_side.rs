@@ -291,7 +291,7 @@ fn studies_follow_the_drive_of_the_first_study() {
         let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(said.contains(reason), "{said}");
     }
-    // A run that contains its study is solved again over the motion of the first one. A run without its study cannot be
+    // A run that contains its study is solved again over the motion of the first run. A run without its study cannot be
     // solved again.
     run(at, &["--quiet", "solve", "angle.toml", "--out", "run"], 0);
     assert_same(at, ["run", "travel.toml"], 5, 10);

@@ -88,9 +88,9 @@ fn read_arm(
 }
 
 /// The test chooses angles of an arm and a rocker, and constructs a rod with equal lengths before and after the motion.
-/// The solver must find these angles, wherever the axes are. Let p on the rocker's axis be the origin, i the inner end,
-/// o and o' the outer end before and after, and R the rocker's rotation. The lengths are equal if 2 i.(R'o' - o) =
-/// o'.o' - o.o, which is the equation of a plane for i.
+/// The solver must find these angles, wherever the axes are. Let p, a point on the rocker's axis, be the origin. Let i
+/// be the inner end, o and o' the outer end before and after, and R the rocker's rotation. The lengths are equal if 2
+/// i.(R'o' - o) = o'.o' - o.o, which is the equation of a plane for i.
 #[test]
 fn planted_angles_come_back() {
     let mut random = Random(21);

@@ -425,10 +425,10 @@ fn check(tally: &Tally, least_share: f64) {
     for line in &tally.failed {
         println!("  {line}");
     }
-    // Ninety-nine of a hundred runs need at most twenty times the median number of evaluations. The others have a smallest change
-    // that is hard to find: the search repeats with other levels until it uses up its budget. With a smaller budget (0.04 instead
-    // of 0.1 of `max_evaluations`), 5 instead of 8 of a thousand runs were that long, but 3 more ended without a known smallest
-    // change.
+    // Ninety-nine of a hundred runs need at most twenty times the median number of evaluations. In the other runs the
+    // smallest change is hard to find: the search repeats with other misfit levels until it uses up its budget. The
+    // budget is 0.1 of `max_evaluations`, and 8 of a thousand runs were so long. With a budget of 0.04 only 5 were so
+    // long, but 3 more runs ended without a known smallest change.
     let many = tally
         .evaluations
         .iter()
@@ -532,8 +532,8 @@ fn three_hundred_rising_levels_are_no_farther() {
 }
 
 /// Compares misfits of this program with those of the crate `slsqp` from the same design. Each case has constraints
-/// that no variable affects, or dependent constraints. This program may end with a higher misfit only if the end of
-/// `slsqp` is another minimum: if this program is started there, it stays there.
+/// that no variable affects, or dependent constraints. This program may end with a higher misfit only if `slsqp` ends
+/// in another minimum. Then this program, started from that minimum, stays there.
 fn against_slsqp(seed: u64, numbers: std::ops::Range<u64>) {
     let (mut compared, mut others) = (0, 0);
     for number in numbers {

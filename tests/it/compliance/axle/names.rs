@@ -300,7 +300,7 @@ fn named(study: &Study, program: OtherProgram) -> Vec<BTreeMap<String, String>> 
     rows.into_iter().filter(has_name).collect()
 }
 
-/// Each value equals the motion in vehicle axes that its definition describes in words. This holds for all axis
+/// The definition of each value describes a motion in vehicle axes. The value equals this motion for all axis
 /// conventions of the study.
 #[test]
 fn values_of_other_programs_are_motions_by_loads_on_both_wheels() {

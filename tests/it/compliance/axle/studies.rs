@@ -773,7 +773,7 @@ fn figures_have_names_of_their_own() {
                 && (row["travel_left_mm"].parse() == Ok(0.0)
                     && row["travel_right_mm"].parse() == Ok(0.0))
         });
-        // For a single load on the other wheel, the table has no result of this wheel.
+        // If a load acts on one wheel only, the table has no results of the other wheel.
         let row = row.unwrap_or_else(|| panic!("{}", figure.name()));
         let expected: f64 = row[key].parse().unwrap();
         let name = figure.name();

@@ -368,7 +368,7 @@ fn parts_that_fit_have_no_tension() {
     assert!(misses > 100.0, "{misses}");
 }
 
-/// The rate of a part that exists once has one random number and no side.
+/// A part that exists only once on the axle has one rate. Its rate scatters with one random number and has no side.
 #[test]
 fn the_rate_of_a_single_link_scatters_once() {
     let text = text(Kind::ThreeLinkPanhard, "free", MOTION);

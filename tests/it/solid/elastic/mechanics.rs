@@ -184,8 +184,8 @@ fn equal_parallel_links_fit_in_heave() {
 }
 
 /// If one of five links is very soft, the axle moves like a rigid axle with one upper link on its left side. Five rigid
-/// links do not fit in roll: the best fit misses the lengths of the links by about 1 mm at 2 degrees, and by 2 to 4 mm at
-/// 4 degrees.
+/// links do not fit in roll. In the best fit, the link lengths are wrong by about 1 mm at 2 degrees, and by 2 to 4 mm
+/// at 4 degrees.
 #[test]
 fn five_rigid_links_miss_by_millimetres() {
     const MOTION: &str = "[motion]\ntravel_left = [26.54, -26.54, 53.14, -53.14]\ntravel_right = [26.54, -26.54, 53.14, -53.14]\n[outputs]\n\
@@ -245,7 +245,7 @@ fn the_links_add_roll_stiffness_by_their_rates() {
     for kind in [Kind::FourLink, Kind::ThreeLinkPanhard] {
         let made = plain(kind, true, STILL);
         for travels in [[0.0, 0.0], [30.0, -25.0]] {
-            // Roll stiffness of the links in N mm/rad; that of the springs is 2e7.
+            // Roll stiffness of the links in N mm/rad. The springs have a roll stiffness of 2e7 N mm/rad.
             let found = roll_figure(&made.text, name, travels);
             assert!(found.abs() < 1.0, "{kind:?}: {found}");
         }

@@ -75,9 +75,9 @@ fn steered<R>(
     Ok(look(&placed, read))
 }
 
-/// If a drag link is parallel to the Panhard rod, equally long and at the same height, heave and roll do not steer the
-/// wheels (to first order). If the drag link is higher by `above`, its end on the knuckle moves sideways by `above` times
-/// the roll angle. With the arm length `ARM` the wheels steer by -above/ARM per roll angle.
+/// Let the drag link be parallel to the Panhard rod and equally long. If it is at the same height, heave and roll do
+/// not steer the wheels to first order. If the drag link is higher by `above`, its end on the knuckle moves sideways by
+/// `above` times the roll angle. With the arm length `ARM` the wheels steer by -above/ARM per roll angle.
 #[test]
 fn a_drag_link_steers_in_roll_by_its_height_over_the_panhard_rod() {
     for above in [0.0, 12.0, -30.0] {

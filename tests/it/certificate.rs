@@ -78,16 +78,17 @@ fn ordinary_poses_are_proved_to_rounding() {
     }
 }
 
-/// Near a fold, the error of a pose grows like one over the determinant of the Jacobian, and a second solution comes
-/// closer. The certificate is correct there, or is refused. Where both solutions are equal in double precision, the
-/// program certifies nothing.
+/// Near a fold, the error of a pose grows in inverse proportion to the determinant of the Jacobian, and a second
+/// solution is close. The program then gives a correct certificate or none. If both solutions are equal in double
+/// precision, it gives none.
 #[test]
 fn beside_folds_and_toggles_the_proof_holds_or_is_refused() {
     let (proved, _) = check("travel-limit", 1e-6);
     assert!(proved > 0);
 }
 
-/// Visits the stations up to both ends. Certifies that each pose is on the same solution branch as the design position.
+/// Requests a certificate for each station: its pose is on the same solution branch as the design position. Returns the
+/// error bounds or the failures.
 fn certified(
     solver: &mut Solver,
     certifier: &Certifier,
@@ -103,7 +104,7 @@ fn certified(
             &StationOrder::through(values),
             rack,
             |_, station, proof| {
-                // The pose belongs to its station: a separate certificate for this station is also valid.
+                // A separate certificate for this station is also valid, so the pose belongs to the station.
                 if let Ok((pose, certificate)) = proof {
                     let point = MotionPoint {
                         drive,

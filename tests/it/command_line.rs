@@ -119,7 +119,7 @@ fn the_front_sample_meets_its_camber_and_kingpin_curves() {
     for target in summary["targets"].as_array().unwrap() {
         assert!(target["after"]["rms"].as_f64().unwrap() < 1.0, "{target}");
     }
-    // The curves in the results differ from every point of the targets by at most two tolerances.
+    // The curves in the results meet every point of the camber target within two tolerances.
     let curves = csv(&directory, "curves.csv");
     let travel = column(&curves, "travel_mm");
     let camber = column(&curves, "camber_deg");
@@ -311,7 +311,7 @@ fn limits_are_sharp_and_have_a_cause() {
             .unwrap()
             .contains(nearest)
     );
-    // The program refuses travels just beyond the limits and accepts travels just before them.
+    // The program refuses travels just outside the limits and accepts travels just inside them.
     for (travel, code) in [
         (to - 1e-6, 0),
         (to + 1e-6, 1),
@@ -592,9 +592,9 @@ fn a_certificate_covers_the_whole_curve() {
     assert!(json(&directory, "summary.json")["certificate"].is_null());
 }
 
-/// The travel has a limit (fold) at 349.66780703583492 mm. Two assemblies merge there. Very close to the limit, both are
-/// equal in double precision. At such a station, the program gives a pose without `certify` and none with it. Just before
-/// the limit the program marks derivatives as inaccurate.
+/// The travel has a limit (fold) at 349.66780703583492 mm. Two assemblies merge there. Very close to the limit, both
+/// are equal in double precision. There, the program gives a pose only without `certify`. Just before the limit the
+/// program marks derivatives as inaccurate.
 #[test]
 fn stations_at_a_fold_are_flagged_or_not_proved() {
     let study = studies().join("macpherson_solve.toml");
@@ -640,7 +640,7 @@ fn stations_at_a_fold_are_flagged_or_not_proved() {
     assert!(said.contains("2 of 3 stations certified"), "{said}");
 }
 
-/// The program reports loads that the mechanism cannot carry. The exit code is that of incomplete results.
+/// The program reports loads that the mechanism cannot carry. It exits with code 1 (incomplete results).
 #[test]
 fn loads_without_support_are_reported() {
     let study = studies().join("semi_trailing_arm_solve.toml");
@@ -649,7 +649,7 @@ fn loads_without_support_are_reported() {
         study.to_str().unwrap(),
         "--out",
         "-",
-        // This point is in line with the lower end of the spring and the hinge.
+        // This value puts `spring_upper` in line with the lower end of the spring and the hinge.
         "--set",
         "suspension.hardpoints.spring_upper=[205.0, 470.0, 262.5]",
         "--set",
@@ -890,7 +890,7 @@ fn a_set_up_is_printed_for_a_mechanic() {
             .count()
     };
     assert_eq!(rows("upper_ball_joint y"), 2, "{said}");
-    // Rows for three adjustments, for their steps, and for the target values.
+    // Five rows: three for the adjustments, one for their steps, and one for the target values.
     assert_eq!(rows("bump_steer_deg_per_mm"), 5, "{said}");
     assert_eq!(rows("ride_height_change_mm"), 5, "{said}");
     assert!(
@@ -934,8 +934,8 @@ fn a_set_up_is_printed_for_a_mechanic() {
     assert_eq!(rows.len(), 6);
 }
 
-/// If no build can be assembled, the program reports nothing about builds. Limits that allow only negative lengths are a
-/// mistake.
+/// If no build can be assembled, the program reports nothing about builds. The program refuses limits that make a
+/// length 0 or negative.
 #[test]
 fn no_builds_have_no_linear_answer() {
     let short = "tolerance.scatter=[{ length = \"tie_rod\", limits = [-300.0, -250.0] }]";

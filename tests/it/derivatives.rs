@@ -185,8 +185,8 @@ fn compare(
 ) {
     let quantities = quantities(mechanism);
     for ((quantity, value), (f, w)) in quantities.iter().zip(values).zip(found.iter().zip(wanted)) {
-        // A swing arm y is the inverse of a rotation rate, so an error of that rate is multiplied by y^2 in y. The same
-        // applies to the position of the end of the swing arm.
+        // The length y of a swing arm is the inverse of a rotation rate. So an error of the rate causes an error y^2
+        // times larger in y. The same factor applies to the position of the end of the swing arm.
         let pole = match quantity {
             Quantity::Characteristic(
                 Characteristic::FrontViewSwingArm

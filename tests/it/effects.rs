@@ -44,8 +44,8 @@ const WISHBONE: &str = "double_wishbone_solve.toml";
 const FIVE_LINK: &str = "five_link_solve.toml";
 const STATIONS: u64 = 41;
 
-/// The closed form needs no linear algebra for a position. The counted work belongs to the design position, which the
-/// program evaluates once.
+/// The closed form needs no linear algebra for a position. The single factorisation belongs to the design position,
+/// which the program evaluates once.
 #[test]
 fn camber_alone_takes_no_velocity_analysis() {
     for name in [STRUT, WISHBONE] {
@@ -249,7 +249,7 @@ fn loads_share_the_factors_of_a_pose() {
     assert_eq!(one.closed_form_evaluations, none.closed_form_evaluations);
 }
 
-/// The plan names the line of the study that makes the program compute an effect.
+/// The plan names the line of the study that requests an effect.
 #[test]
 fn effects_are_on_for_a_reason() {
     let study = study(

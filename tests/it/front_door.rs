@@ -71,7 +71,7 @@ fn designs(study: &Study) -> Result<Vec<Vec<f64>>, Error> {
     Ok(designs)
 }
 
-/// Uses this many MiB of stack.
+/// Uses `mib` MiB of stack.
 fn descend(mib: usize) -> usize {
     let frame = std::hint::black_box([1_u8; 1 << 20]);
     match mib {
@@ -131,8 +131,8 @@ fn a_curve_has_two_points_and_a_value_stands_at_one_travel() {
     assert!(words(at(3.0, f64::INFINITY, 0.02)).starts_with("a target value is inf"));
     assert!(words(at(3.0, 0.0, 0.0)).starts_with("the tolerance is 0"));
 
-    // One variable meets one target value. It is the value of a point 2 mm higher, at a travel where the motion has no
-    // station.
+    // The tuning has one variable and one target value. This value is the toe of a design with the variable point 2 mm
+    // higher, at a travel between two stations of the motion.
     let toe_at = |suspension: &Suspension, travel: f64| {
         let pose = suspension.pose_at(travel, 0.0).unwrap();
         pose.characteristic(Characteristic::Toe).unwrap()
@@ -182,7 +182,7 @@ fn a_grid_has_as_many_values_of_every_variable_or_is_refused() {
     let too_many = words(grid(u64::MAX, &two));
     assert!(too_many.contains("no more than 1e12 designs"), "{too_many}");
 
-    // Different numbers of steps are set on the variables.
+    // The variables get different numbers of steps.
     let mut uneven = study(&suspension).sampling(Sampling::Grid, 6, 1, &two);
     if let hardpoint::Designs::Sampled(sampled) = &mut uneven.sweep.as_mut().unwrap().designs {
         sampled.variables[0].steps = Some(2);
@@ -312,8 +312,9 @@ fn the_builder_refuses_figures_that_are_none() {
     }
 }
 
-/// Every design that the builder accepts has a pose. The builder refuses a tie rod with an end on the steering axis. It
-/// also refuses a tie rod that lies in one plane with this axis. Such a rod does not hold the wheel's heading.
+/// Every design that the builder accepts has a pose (position and orientation of the knuckle). The builder refuses a
+/// tie rod with an end on the steering axis. It also refuses a tie rod that lies in one plane with this axis. Such a
+/// rod does not hold the wheel's heading.
 #[test]
 fn a_design_position_that_cannot_be_solved_is_none() {
     let between = [-10.0, 680.0, 295.0];
@@ -339,7 +340,7 @@ fn a_design_position_that_cannot_be_solved_is_none() {
             other => panic!("{name}: {other:?}"),
         }
     }
-    // The builder accepts a point if it is different enough from a singular one.
+    // The builder accepts a design that is close, but not too close, to a singular one.
     let near = moved("tie_rod_outer", [-12.0, 680.0, 295.0])
         .build()
         .unwrap();

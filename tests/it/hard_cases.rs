@@ -23,8 +23,9 @@ use std::path::Path;
 fn is_connected(case: &Case, state: &Value) -> bool {
     let label = state["label"].as_str().unwrap_or("");
     let other_mode = state["drive"]["kind"] == "arm_delta" && state["drive"]["tierod_mode"] == -1;
-    // At the toggle w = 0, where w is the distance of the tie rod's end from its plane. The toggle comes before the fold
-    // of travel only if w has changed its sign at the fold. This is so downward but not upward.
+    // w is the distance of point p8 from the plane of p5, p4 and p3. At the toggle, w is zero. If w has the same sign
+    // in the design position and at the fold of travel, the toggle is beyond the fold. This is the case upward, but not
+    // downward.
     let toggle_beyond = label.contains("w=0") && {
         let end = if motion(state).1 > 0.0 { "up" } else { "down" };
         let designed = number(&case.json["design"]["p8_distance_from_plane_5_4_3"]);
@@ -409,8 +410,8 @@ fn a_nanometre_beyond_a_fold_is_refused() {
     }
 }
 
-/// The result counts the stations that the fast solver (tracker) leaves to the slower continuation, separately for each
-/// check that rejected them. The continuation solves the reachable ones.
+/// The fast solver (tracker) rejects stations near a fold and leaves them to the slower continuation. The result counts
+/// these stations for each kind of rejection. The continuation solves the reachable ones.
 #[test]
 fn what_is_left_to_the_continuation_has_a_reason() {
     let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");

@@ -116,8 +116,8 @@ struct Found {
     /// size; rates are included.
     worst: f64,
     of: Option<(Quantity, f64)>,
-    /// Number of ill-conditioned values. The result of the continuation itself varies as much, or rounding of the design
-    /// changes the value as much.
+    /// Number of ill-conditioned values. Their deviation is no larger than the error of the continuation, or than the
+    /// effect of rounding the design.
     ill: usize,
     /// Largest error of derivatives with respect to travel in the design position.
     worst_slope: f64,
@@ -235,8 +235,9 @@ fn spread(
     places.map(spread).collect()
 }
 
-/// First-order change of a value if every coordinate of the design has a rounding error. It is the sum of the exact
-/// derivatives times the error of points of poses (`tests/it/builds` finds half of this error).
+/// First-order effect of rounding errors of the coordinates on a value. It is the sum of the norms of the exact
+/// derivatives, times an error of 1e-14 of the suspension size. (`tests/it/builds` finds half of this error in points
+/// of poses.)
 fn rounded(
     study: &Study,
     stations: &Stations,
@@ -258,7 +259,7 @@ fn rounded(
     OFF * suspension.size() * slopes.sum::<f64>()
 }
 
-/// Returns the swing arm that belongs to the centre whose height this quantity is.
+/// Returns the swing arm in the same view if the quantity is the height of an instant centre. Otherwise returns `None`.
 fn swing_arm(quantity: Quantity) -> Option<Quantity> {
     let arm = match quantity {
         Quantity::Characteristic(Characteristic::FrontViewCentreHeight) => {
@@ -335,9 +336,9 @@ fn all(designs: usize) -> Vec<(f64, Found)> {
 /// about its contact point.
 const BOUND: f64 = 1e-12;
 
-/// Bound for designs that are solved one by one. Rates lose twice the digits of the condition number, which is below 1e3
-/// at an ordinary station. So ten of sixteen digits remain. The bound allows a factor of ten for the rounding errors of
-/// both methods.
+/// Bound for designs that are solved one by one. The relative error of rates is the rounding error times the square of
+/// the condition number. The condition number is below 1e3 at an ordinary station, so ten of sixteen digits are
+/// correct. The bound allows a factor of ten for the rounding errors of both methods.
 const BESIDE_FOLDS: f64 = 1e-9;
 
 fn check(all: Vec<(f64, Found)>) {
@@ -362,7 +363,8 @@ fn a_million_designs_tracked_agree_with_the_continuation() {
 
 /// Double wishbones whose wheel centre is at its lowest or highest point within 0.01 mm of the design position. Their
 /// other points are those of `double_wishbone_solve.toml`. So close to a fold (end of travel), the slopes differ from
-/// those of the base design. At the fold a second solution branch starts, which is just as smooth.
+/// those of the base design. At the fold, a second solution branch starts. Its curves are smooth too, so smoothness
+/// alone does not distinguish the branches.
 const BESIDE_A_FOLD: [([[f64; 3]; 12], &str, &str); 2] = [
     (
         [

@@ -1,5 +1,5 @@
-//! Tests of the loads of a study as a user sees them in `curves.csv`. The forces of links, joints and spring balance the
-//! wheel carrier, and their work is that of the load.
+//! Tests of the loads of a study as a user sees them in `curves.csv`. The forces of links, joints and spring balance
+//! the wheel carrier, and the work of the spring equals the work of the load.
 
 use crate::support::Worst;
 use hardpoint::curves::{Curves, Status, curves};
@@ -29,8 +29,8 @@ fn run(study: &Study) -> (Curves, CurveTable) {
     (found, CurveTable::read(&csv).unwrap())
 }
 
-/// Sample study for a wheel of this side in these axes. It has loads, and all outputs that the balance needs. `signs`
-/// convert coordinates from the sample's axes and side.
+/// Sample study for a wheel of the given side in the given axes, with loads and all outputs of the force balance.
+/// `signs` convert coordinates from the sample's axes and side.
 fn loaded(name: &str, side: &str, frame: &str, signs: [f64; 3]) -> Study {
     let (file, body) = match name {
         "pushrod_on_knuckle" => ("double_wishbone_pushrod.toml", Some("knuckle")),
@@ -228,7 +228,8 @@ fn the_legs_of_an_arm_add_up_to_the_force_in_its_joint() {
         let force = row.vector(|axis| format!("braking_upper_ball_joint_{axis}_N"));
         assert!((legs - force).norm() < 1e-12 * force.norm());
     }
-    // The spring bends the lower arm, so forces of its legs do not describe its load. The program omits these forces.
+    // The spring bends the lower arm, so forces along the legs alone cannot describe the load of the arm. The program
+    // omits these forces.
     assert_eq!(table.column("braking_lower_arm_front_N"), None);
 }
 
@@ -261,8 +262,8 @@ fn what_nothing_carries_has_a_status_and_no_values() {
     assert!(spring[0].unwrap() * spring[2].unwrap() < 0.0);
 }
 
-/// Without a spring, the program supports the wheel by a vertical force at the wheel centre. This force does the same
-/// work.
+/// If the study has no spring, the program supports the wheel by a vertical force at the wheel centre. The work of this
+/// force balances the work of the load.
 #[test]
 fn without_a_spring_the_wheel_is_held() {
     let text = std::fs::read_to_string(

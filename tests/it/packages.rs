@@ -13,7 +13,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Asserts that the copy has this text. With `UPDATE_README`, writes it instead.
+/// Asserts that the copy has this text. If the environment has `UPDATE_README`, writes the text to the copy instead.
 fn assert_copied(copy: &Path, text: &str, source: &str) {
     if std::env::var_os("UPDATE_README").is_some() {
         fs::write(copy, text).unwrap();

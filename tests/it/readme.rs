@@ -21,7 +21,8 @@ fn the_table_of_characteristics_is_the_catalogue() {
     renew_or_compare("docs/characteristics.md", "characteristics", &table);
 }
 
-/// The manual's table of the results of a car equals the program's list. The same command renews it.
+/// The manual's table of the results of a car equals the program's list. `UPDATE_README=1 cargo test --test it
+/// readme::` renews the table.
 #[test]
 fn the_table_of_car_results_is_the_catalogue() {
     let wheels = WheelResult::ALL.iter().map(|r| ("front_left_", r.info()));

@@ -115,8 +115,8 @@ fn beyond(change: f64, wanted: f64) -> f64 {
     change - change.clamp(wanted.min(0.0), wanted.max(0.0))
 }
 
-/// If caster has a target in the design position, caster may change by the same amount at every station. Only the rest of
-/// the change is a side effect. A constraint on the inclination has the same effect.
+/// If caster has a target in the design position, caster may change by the same amount at every station. Only the rest
+/// of the change is a side effect. A constraint on the kingpin inclination allows a change in the same way.
 #[test]
 fn a_change_that_a_target_asks_for_at_one_place_is_taken_off_elsewhere() {
     let targets = "optimise.targets=[{ characteristic = \"caster\", at = 0.0, value = 5.0, tolerance = 0.01 }]";
@@ -148,8 +148,8 @@ fn a_change_that_a_target_asks_for_at_one_place_is_taken_off_elsewhere() {
 }
 
 /// A target of bump steer over the whole travel counts as a target of toe. If the target covers only a part of the
-/// travel, toe beyond this part may change as much as at its end, plus the requested change of the slope times the
-/// distance from there. Only a larger change is a side effect.
+/// travel, it allows some change of toe beyond this part. The allowed change is the change of toe at the end of the
+/// part, plus the change of slope there times the distance. Only a larger change is a side effect.
 #[test]
 fn a_target_of_a_gain_is_one_of_the_curve() {
     let of = |ends: &str| {
@@ -237,8 +237,8 @@ fn a_gain_of_an_axle_asks_for_the_slope_of_both_wheels() {
     }
 }
 
-/// A tuned rocker does not affect the wheel: camber, toe and steering axis do not change at all. The spring length has a
-/// target in the design position. At other travels the target of the motion ratio applies to it.
+/// A tuned rocker does not affect the wheel: camber, toe and steering axis do not change at all. The spring length is
+/// not a side effect. It has a target in the design position, and the motion ratio determines it at other travels.
 #[test]
 fn a_rocker_leaves_the_wheel_alone() {
     let (_, _, effects) = tuned("double_wishbone_rocker", &[]);
@@ -368,8 +368,8 @@ fn an_axle_has_one_row_for_both_wheels() {
     ] {
         named(&effects, output);
     }
-    // The target applies at 9 of 27 stations. At another station, only a change larger than at the nearest of these 9
-    // stations is a side effect.
+    // The target applies at 9 of 27 stations. The change at the nearest of these 9 stations is allowed at another
+    // station. Only a larger change is a side effect.
     named(&effects, "ackermann_error");
     // In roll the kinematic roll centre can move without bounds; the force-based roll centre cannot.
     let kinematic = named(&effects, "roll_centre_height");
@@ -567,8 +567,8 @@ fn turning_circles_are_judged_relative_to_their_size() {
     assert!(circle.tolerance.is_none() && !circle.flagged, "{circle:?}");
 }
 
-/// The terminal lists a change that a target demands in a separate line, not as unchanged. Here it is caster in the
-/// design position.
+/// If a target demands a change, the terminal lists this change in a separate line, not as unchanged. In this test it
+/// is the caster in the design position.
 #[test]
 fn changes_as_asked_have_their_own_line() {
     let directory = tempfile::tempdir().unwrap();

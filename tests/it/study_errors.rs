@@ -143,7 +143,7 @@ fn the_good_study_is_good() {
 
 #[test]
 fn values_of_the_wrong_kind() {
-    // Without rustfmt, each mistake of the table stays on one line.
+    // rustfmt is off here, so each mistake of the table stays on one line.
     #[rustfmt::skip]
     assert_all(&[
         ("[   5.0, 705.0", "[   5.0, \"x\"", "\"x\"", "suspension.hardpoints.lower_ball_joint", &["expected a number, found the text \"x\""]),
@@ -167,7 +167,7 @@ fn values_of_the_wrong_kind() {
 
 #[test]
 fn unknown_and_missing_keys() {
-    // Without rustfmt, each mistake of the table stays on one line.
+    // rustfmt is off here, so each mistake of the table stays on one line.
     #[rustfmt::skip]
     assert_all(&[
         ("radius = 300.0", "raduis = 300.0", "raduis", "wheel.raduis", &["unknown key \"raduis\"", "did you mean \"radius\"?"]),
@@ -223,7 +223,7 @@ fn text_that_is_not_toml() {
 
 #[test]
 fn unknown_names() {
-    // Without rustfmt, each mistake of the table stays on one line.
+    // rustfmt is off here, so each mistake of the table stays on one line.
     #[rustfmt::skip]
     assert_all(&[
         ("topology = \"macpherson\"", "topology = \"mcpherson\"", "topology", "suspension.topology", &["unknown topology \"mcpherson\"", "did you mean \"macpherson\"?"]),
@@ -282,7 +282,7 @@ fn loads_that_cannot_be() {
 
 #[test]
 fn geometry_that_cannot_be() {
-    // Without rustfmt, each mistake of the table stays on one line.
+    // rustfmt is off here, so each mistake of the table stays on one line.
     #[rustfmt::skip]
     assert_all(&[
         ("strut_top        = [ -35.0, 575.0, 850.0]\n", "", "[suspension.hardpoints]", "suspension.hardpoints", &["missing for macpherson: strut_top (upper strut mount on the body)"]),
@@ -365,7 +365,7 @@ fn motions_that_go_nowhere() {
 
 #[test]
 fn outputs_that_cannot_be_computed() {
-    // Without rustfmt, each mistake of the table stays on one line.
+    // rustfmt is off here, so each mistake of the table stays on one line.
     #[rustfmt::skip]
     assert_all(&[
         ("radius = 300.0", "", "anti_dive", "outputs.characteristics", &["anti_dive needs radius in [wheel], which this study does not give"]),
@@ -382,7 +382,7 @@ fn outputs_that_cannot_be_computed() {
 
 #[test]
 fn optimisations_that_make_no_sense() {
-    // Without rustfmt, each mistake of the table stays on one line.
+    // rustfmt is off here, so each mistake of the table stays on one line.
     #[rustfmt::skip]
     assert_all(&[
         ("starts = 8", "starts = 0", "starts", "optimise.starts", &["expected from 1 to 1000000, found 0"]),

@@ -1,8 +1,8 @@
 //! Tests of faulty study files: the program solves a file, or refuses it with a reason that names file and line.
 //!
 //! `corpus/` contains difficult studies, each with the expected result. In addition, a generator damages the sample
-//! studies: it deletes, duplicates and swaps lines, replaces numbers by unusual ones, truncates files and inserts foreign
-//! characters. `CASES=5000 cargo test --test it study_files::` tries more cases.
+//! studies: it deletes, duplicates and swaps lines, replaces numbers by unusual ones, truncates files and inserts
+//! unusual characters. `CASES=5000 cargo test --test it study_files::` tries more cases.
 
 use crate::support::mutants::mutilated;
 use crate::support::random::Random;

@@ -201,13 +201,13 @@ adjust = []
 scatter = []
 "#;
 
-/// Keys that the reader accepts in that table of `text` that contains the key `bogus`.
+/// Keys of a study that the reader accepts in the table of `text` with the key `bogus`.
 fn known_keys(text: &str) -> BTreeSet<String> {
     let refused = Study::from_text("keys.toml", text, Path::new("")).unwrap_err();
     keys_in(&refused.render(false), text)
 }
 
-/// Keys that the reader of cars accepts in that table of `text` that contains the key `bogus`.
+/// Keys of the study of a car that the reader accepts in the table of `text` with the key `bogus`.
 fn known_keys_of_car(text: &str) -> BTreeSet<String> {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("car.toml");

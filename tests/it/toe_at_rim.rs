@@ -82,7 +82,8 @@ fn it_is_the_difference_of_two_rim_edges() {
     }
 }
 
-/// In the design position the toe at the rim is D sin(static_toe), in the length unit of the study, whatever the camber.
+/// In the design position the toe at the rim is D sin(static_toe), in the length unit of the study, for any camber. D
+/// is the rim diameter.
 #[test]
 fn static_toe_gives_its_sine() {
     let given = |more: &[&str]| {
@@ -108,7 +109,8 @@ fn static_toe_gives_its_sine() {
     }
 }
 
-/// The derivative of the toe at the rim with respect to travel is D cos(toe) times the derivative of toe.
+/// The derivative of the toe at the rim with respect to travel is D cos(toe) times the derivative of toe. D is the rim
+/// diameter.
 #[test]
 fn its_slope_is_that_of_the_angle() {
     let study = study(

@@ -268,8 +268,8 @@ pub fn rows_by_column(csv: &[u8]) -> Vec<BTreeMap<String, String>> {
         .collect()
 }
 
-/// Asserts that two pictures are equal to a pixel. This tolerance allows for other last digits on another platform, or
-/// for a slightly better optimum.
+/// Asserts that all numbers in two SVG pictures differ by at most one pixel, and that the other text is equal. The
+/// tolerance allows for rounding on another platform, or for a slightly better optimum.
 pub fn assert_same_picture(kept: &str, made: &str, name: &str) {
     let pieces = |svg: &str| -> Vec<String> {
         let parts = svg.split_inclusive(|c: char| !(c.is_ascii_digit() || ".-".contains(c)));

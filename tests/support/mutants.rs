@@ -1,5 +1,5 @@
-//! Generator of damaged studies (mutants). It deletes, duplicates and swaps lines, replaces numbers by awkward numbers,
-//! truncates files and inserts foreign characters. A number identifies each mutant.
+//! Generator of damaged studies (mutants). It deletes, duplicates and swaps lines, replaces numbers by unusual ones,
+//! truncates files and inserts unusual characters. A number identifies each mutant.
 
 use super::random::Random;
 

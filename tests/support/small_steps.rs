@@ -79,9 +79,9 @@ impl SmallSteps {
         let arm = &mechanism.arms[0];
         let (front, rear) = (at(arm.front), at(arm.rear));
         let axis = (front - rear).normalised();
-        // Position of the outer joint (the origin) relative to the axis, from the axis end that is nearer. The arm may
-        // be short, so the code makes this vector perpendicular to the axis to the last digit. A positive rotation
-        // raises the joint.
+        // Vector from the arm's axis to the outer joint (the origin), computed from the nearer end of the axis. The
+        // projection is repeated, so that the vector is perpendicular to the axis to the last digit even for a short
+        // arm. A positive rotation raises the joint.
         let near = if front.norm() < rear.norm() {
             front
         } else {

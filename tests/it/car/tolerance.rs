@@ -1,4 +1,5 @@
-//! Tests of scatter of a car against differences of complete solutions, and against statistical laws.
+//! Tests of the scatter of car results against difference quotients of complete solutions, and against statistical
+//! laws.
 
 use super::commands::{hardpoint, studies, text};
 use hardpoint::car::moved;
@@ -8,7 +9,7 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// Road car with scatter of these parts.
+/// Sample road car with this `[tolerance]` section.
 fn car(directory: &Path, tolerance: &str) -> CarStudy {
     hardpoint(directory, &["new", "car"]);
     let path = directory.join("car.toml");
@@ -24,8 +25,8 @@ fn problem(study: &CarStudy) -> CarProblem<'_> {
         .unwrap_or_else(|(axle, _)| panic!("axle {axle}"))
 }
 
-/// Derivatives with respect to rates and car values equal differences of complete solutions. The shares of the variance
-/// add up to one.
+/// Rates and values of the car scatter. The first-order standard deviations equal those from difference quotients of
+/// complete solutions. The shares of the variance add up to one.
 #[test]
 fn first_order_of_figures_is_that_of_differences() {
     let directory = tempfile::tempdir().unwrap();
@@ -78,8 +79,8 @@ scatter = [
 }
 
 /// Builds with small scatter, each assembled and solved, have the first-order standard deviations. The relative
-/// standard error of 400 builds is 1/sqrt(800). The bound is four standard errors. One value in a few hundred may
-/// exceed this bound. The scatter includes parts of both axles, lengths and both sides.
+/// standard error of 400 builds is 1/sqrt(800). The bound is four standard errors. At most one value in 40 may exceed
+/// this bound. The scattered parts are hardpoints, a length and a rate, on both axles.
 #[test]
 fn builds_confirm_the_first_order_of_parts() {
     let directory = tempfile::tempdir().unwrap();
@@ -128,7 +129,7 @@ scatter = [
     assert!(count > 40 && far <= count / 40, "{far} of {count}");
 }
 
-/// Scattered tie rods change the toe of their own axle only, and both front toes scatter alike.
+/// Scatter of the front tie rod length changes the toe of the front axle only. Both front toe angles scatter alike.
 #[test]
 fn both_wheels_scatter_independently_and_alike() {
     let directory = tempfile::tempdir().unwrap();
@@ -195,8 +196,8 @@ fn the_command_is_deterministic() {
     );
 }
 
-/// A symmetric car does not roll under braking, whatever its mass. The roll in braking has no shares of variance, and
-/// the ranking of tolerances omits the mass.
+/// A symmetric car does not roll under braking, whatever its mass. So the variance of this roll angle is zero, and the
+/// ranking of tolerances does not list the mass.
 #[test]
 fn a_result_that_does_not_scatter_ranks_nothing() {
     let directory = tempfile::tempdir().unwrap();

@@ -5,13 +5,13 @@ use hardpoint::study::CarStudy;
 use hardpoint::tolerance::CarProblem;
 use std::path::Path;
 
-/// N mm/rad: `torsional_rate` of the beam and the rate of the front bar.
+/// Torsional rates of the beam (`BEAM`) and of the front anti-roll bar (`BAR`), N mm/rad.
 const BEAM: f64 = 5.0e5;
 const BAR: f64 = 6.0e5;
 
-/// The torque of the beam has its own name. The energy of the car is the sum of the energies of springs, front bar and
-/// beam. The energy of the beam is T^2/(2 k), which confirms the magnitude of the torque. The torque has the sign of
-/// the roll angle.
+/// The torque of a twist beam is a separate result from the torque of an anti-roll bar. The energy of the car is the
+/// sum of the energies of springs, front bar and beam. The energy of the beam is T^2/(2 k), which confirms the
+/// magnitude of the torque. The torque has the sign of the roll angle.
 #[test]
 fn the_beam_has_a_torque_and_no_bar() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/own/twist_beam_car.toml");
@@ -48,8 +48,8 @@ fn the_beam_has_a_torque_and_no_bar() {
     }
 }
 
-/// Parts of a twist beam cause first-order scatter of a car. This scatter equals the slopes of the results of built
-/// cars, from central differences.
+/// Scatter of the parts of a twist beam causes scatter of car results. The first-order standard deviations equal the
+/// slopes of the results by central differences between built cars.
 #[test]
 fn parts_of_a_beam_scatter_in_a_car() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/own/twist_beam_car.toml");

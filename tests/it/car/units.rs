@@ -64,7 +64,8 @@ fn sample(name: &str) -> Table {
         .unwrap()
 }
 
-/// Texts of `studies/car.toml` without aerodynamics and of its axles, with rates of both axles as tuning variables.
+/// Texts of three studies: `studies/car.toml` without aerodynamics, and its two axles. Rates of both axles are the
+/// tuning variables.
 fn texts(is_imperial: bool) -> [String; 3] {
     let mut car = sample("car.toml");
     for section in ["gg_map", "sweep", "tolerance"] {
@@ -144,7 +145,7 @@ fn inches_and_pounds_give_the_same_car() {
             let names = studies
                 .each_ref()
                 .map(|study| quantity.column(study.car.length_unit));
-            // Natural frequencies and shares have the same unit in both systems.
+            // Natural frequencies and shares have the same units in the metric and in the imperial study.
             let (name, factor) = in_inches_and_pounds(&names[0]);
             assert_eq!(names[1], name);
             let values = [0, 1].map(|k| quantity.printed(&solved[k], [case, own][k]));
@@ -254,7 +255,8 @@ fn masses_without_a_unit_are_doubted_beside_pounds() {
     assert!(!said(&named).contains("mass_unit"));
 }
 
-/// A refusal names unit conflicts of both axles by the keys of the study. It names each missing input of a result once.
+/// If the axles have different units, the error message names the unit keys of both axle studies. A message names each
+/// missing input of a result once.
 #[test]
 fn refusals_name_keys_once() {
     let refused = |name: &str, set: &str| {

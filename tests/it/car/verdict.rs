@@ -26,7 +26,7 @@ fn tuned(targets: &str, constraints: &str) -> TunedCar {
     study.tuned(wanted, Default::default()).unwrap()
 }
 
-/// Runs the tuning with this exit code. Returns the printed text, with single blanks, and `summary.json`.
+/// Runs the tuning, asserts its exit code, and returns the printed text on one line and `summary.json`.
 fn said(targets: &str, constraints: &str, code: i32) -> (String, Value) {
     let directory = tempfile::tempdir().unwrap();
     let path = studies().join("car.toml");
@@ -42,8 +42,8 @@ fn said(targets: &str, constraints: &str, code: i32) -> (String, Value) {
     (words.join(" "), serde_json::from_slice(&summary).unwrap())
 }
 
-/// The bars do not affect the drag. A target for the drag is reported and gives exit code 1, and it does not change the result
-/// for the other target.
+/// The bars do not affect the drag. The program reports a target for the drag and exits with code 1. This target does
+/// not change the result for the other target.
 #[test]
 fn a_target_that_no_variable_affects_is_named() {
     let drag = "{case=\"fast\",characteristic=\"drag\",value=500.0,tolerance=1.0}";
@@ -64,8 +64,8 @@ fn a_target_that_no_variable_affects_is_named() {
     assert_eq!(summary["unmoved"][0], "drag_N in fast");
 }
 
-/// The bars change the weight distribution at rest only by less than its tolerance. The program says so, because the target
-/// drives both bars to the ends of their ranges.
+/// The bars change the weight distribution at rest by less than its tolerance. The program reports this, because the
+/// target moves both bars to the ends of their ranges.
 #[test]
 fn a_target_that_variables_hardly_affect_is_named() {
     let weight =
@@ -77,7 +77,7 @@ fn a_target_that_variables_hardly_affect_is_named() {
     assert!(words.contains("at lower bound"), "{words}");
     let record = &summary["hardly_moved"][0];
     assert_eq!(record["target"], name);
-    // The weight distribution really changes by less than a hundredth of its tolerance.
+    // The weight distribution changes by less than a hundredth of its tolerance, but not by zero.
     let moved: f64 = record["change"].as_f64().unwrap();
     assert!(moved > 0.0 && moved < 0.01, "{moved}");
     assert!(words.contains(" -> "), "{words}");
@@ -96,7 +96,7 @@ fn a_constraint_that_no_variable_affects_is_named() {
     assert_eq!(summary["constraints"][0]["status"], "violated");
 }
 
-/// The price of a binding constraint is the fall of the misfit when its limit moves.
+/// The price of a binding constraint is the decrease of the misfit when its limit is relaxed by one unit.
 #[test]
 fn a_price_is_the_slope_of_the_misfit() {
     let roll = "{case=\"turn\",characteristic=\"roll_gradient\",value=3.5,tolerance=0.1}";
@@ -116,8 +116,8 @@ fn a_price_is_the_slope_of_the_misfit() {
     );
 }
 
-/// In a conflict, the largest violation is as small as possible in visible units: 1 degree counts as much as 10 N, like the
-/// forces in a study of a wheel.
+/// If constraints conflict, the tuning minimises the largest violation. In this comparison, 1 degree counts as much as
+/// 10 N, as in a study of one wheel.
 #[test]
 fn conflicting_violations_are_balanced_in_visible_units() {
     let constraints = "{case=\"turn\",characteristic=\"roll\",at_most=2.0}, \
@@ -139,7 +139,8 @@ fn conflicting_violations_are_balanced_in_visible_units() {
     );
 }
 
-/// Goals of a single axle appear with their own values: the values of the target curve, and both limits of a length.
+/// Targets and constraints of a single axle show their own values: the range of the target curve, and both limits of a
+/// length.
 #[test]
 fn goals_of_an_axle_have_their_values() {
     let directory = tempfile::tempdir().unwrap();

@@ -237,7 +237,7 @@ fn a_load_that_is_not_held_is_said() {
     );
 }
 
-/// Writes the study with more text at its end into a file of the directory.
+/// Appends text to the sample study and writes the result to a file in the directory. Returns the path of the file.
 fn extended(directory: &Path, more: &str) -> String {
     let text = std::fs::read_to_string(study("double_wishbone_compliance.toml")).unwrap();
     let path = directory.join("study.toml");
@@ -252,8 +252,8 @@ fn figure(path: &Path, quantity: &str) -> f64 {
     figures.iter().find(is_wanted).unwrap()[10].parse().unwrap()
 }
 
-/// For a hardpoint and a rate, the file of sensitivities contains the differences of test results between two runs, per
-/// change.
+/// For a hardpoint and a rate, `sensitivities.csv` contains derivatives of test results. They equal the differences
+/// between two runs of `kc`, divided by the change of the input.
 #[test]
 fn sensitivities_are_changes_of_figures() {
     let directory = tempfile::tempdir().unwrap();
@@ -535,8 +535,9 @@ fn a_missing_sheet_is_named() {
     );
 }
 
-/// `kc` names a spring without force: it cannot carry the wheel, although it has leverage. The study runs with a small
-/// force. It also runs without force if the parts are free of force in the design position.
+/// If the spring has no force, `kc` refuses the study and names the spring, because the spring cannot carry the wheel.
+/// `kc` accepts a small spring force. It also accepts a spring without force if the parts are free of force in the
+/// design position.
 #[test]
 fn a_spring_without_force_is_named() {
     let directory = tempfile::tempdir().unwrap();

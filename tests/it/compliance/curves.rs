@@ -225,7 +225,7 @@ fn sensitivities_are_changes_of_the_curves() {
     assert_eq!(curves.sensitivities.len(), 5 * 3 * 6);
 }
 
-/// A station beyond the capacity of the wheel has a status and no values. The other stations keep their values.
+/// A station without equilibrium has a status and no values. The other stations keep their values.
 #[test]
 fn a_station_without_equilibrium_is_said() {
     let mut study = elastic(&with(

@@ -44,8 +44,8 @@ fn parameter(name: &str, suspension: &Suspension, parts: &Compliance) -> Paramet
     Parameter::Point(mechanism.point(point).unwrap(), axis)
 }
 
-/// Returns the kind of an input. Derivatives with respect to inputs of one kind have the same unit, and the test compares
-/// them with the largest of them.
+/// Returns the kind of an input. Derivatives with respect to inputs of one kind have the same unit. The test divides
+/// each error by the largest derivative of the same kind.
 fn kind(name: &str) -> &str {
     match name.split_once(' ') {
         None => "hardpoint",
@@ -187,15 +187,15 @@ fn derivatives_are_those_of_the_reference() {
                         continue;
                     }
                     // The scale is the largest derivative for inputs of this kind. If no input of this kind has an
-                    // effect, the other inputs set the scale. If no input has an effect, as for angles in a held design
-                    // position, the scale is 1 mm at a distance of 1 m.
+                    // effect, the other inputs set the scale. Angles in a held design position depend on no input. For
+                    // them the scale is 1e-3 (1 mm at a distance of 1 m).
                     let largest = match largest_of(&|other| kind(other) == kind(input)) {
                         0.0 => largest_of(&|_| true).max(1e-3),
                         largest => largest,
                     };
                     compared += 1;
-                    // The bound is relative to the largest derivative of the output. Where terms cancel, the error may be
-                    // larger relative to the largest derivative for the same kind of input.
+                    // The strict bound is relative to the largest derivative of the output. If terms cancel, the error
+                    // can be large relative to derivatives of the same kind. So the bound for one kind is wider.
                     let whole = largest_of(&|_| true).max(largest);
                     let error = (slope - expected).abs() / whole;
                     let of_kind = (slope - expected).abs() / largest;

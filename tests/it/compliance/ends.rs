@@ -1,5 +1,5 @@
-//! Tests of the ends of equilibrium (the largest load or travel with an equilibrium). They are compared with closed
-//! forms, the rigid limit, the square-root law near a fold, and continuations in small steps. Also tests the command.
+//! Tests of the ends of equilibrium (the largest load or travel with an equilibrium), and of the command `limits`. The
+//! references are closed forms, the rigid limit, the square-root law near a fold, and continuations in small steps.
 
 use super::command::{hardpoint, study};
 use super::random::varied;
@@ -123,7 +123,8 @@ fn rates_at_the_end_follow_the_law_of_a_fold() {
             let by = wheel.figures_along(&tangent, &Change::Load(loads(1.0)));
             rates.push(by.unwrap().camber);
         }
-        // The next term of the law is smaller by a factor: the square root of the remaining load.
+        // The next term of the law has an additional factor: the square root of the remaining load. So the error falls
+        // with the remaining load.
         let off = |k: usize| (rates[k + 1] / rates[k] - 10.0_f64.sqrt()).abs();
         assert!(off(6) < 0.03 && off(6) < 0.4 * off(5), "{rates:?} {end:?}");
         let beyond = loads(end.value * (1.0 + 1e-8));
@@ -353,7 +354,7 @@ fn samples_have_limits() {
 }
 
 /// For builds with scatter, `limits` gives the limit that all builds reach. It equals the nearest limit of the single
-/// builds that `tolerance` prints. This holds for a wheel and for an axle whose rates scatter.
+/// builds that `tolerance` prints. The test uses a wheel and an axle. Hardpoints and a bushing stiffness scatter.
 #[test]
 fn limits_of_elastic_builds_are_the_nearest_of_each() {
     let directory = tempfile::tempdir().unwrap();

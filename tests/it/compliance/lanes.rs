@@ -116,7 +116,7 @@ fn lanes_have_the_values_of_designs_one_by_one() {
     }
 }
 
-/// The solver for SIMD lanes also reaches travels of more than 60 mm, the largest first correction, by several
+/// The first correction of the solver for SIMD lanes is limited to 60 mm. The solver reaches longer travels in several
 /// increments.
 #[test]
 fn long_travels_stay_in_lanes() {
@@ -139,8 +139,8 @@ fn long_travels_stay_in_lanes() {
     }
 }
 
-/// If only some designs reach a travel, the other designs fail in lanes with the same status as alone. The values of a
-/// design do not depend on the other designs in the lanes.
+/// If only some designs reach a travel, the others fail in the SIMD lanes with the same status as in a single solution.
+/// The values of a design do not depend on the other designs in the lanes.
 #[test]
 fn a_design_without_equilibrium_does_not_disturb_its_neighbours() {
     let far = MOTION.replace("[-40.0, 0.0, 25.0]", "[-40.0, 0.0, 260.0]");

@@ -58,8 +58,8 @@ fn a_trail_is_a_lateral_force_and_an_aligning_moment() {
     }
 }
 
-/// Elastic parts under a vertical force have an energy, so forces and displacements of the wheel centre are reciprocal
-/// (symmetric compliance matrix).
+/// Elastic parts and a vertical force have a potential energy, so forces and displacements of the wheel centre are
+/// reciprocal (symmetric compliance matrix).
 #[test]
 fn the_compliance_of_the_wheel_centre_is_symmetric() {
     for name in [
@@ -183,9 +183,9 @@ fn uniform(rate: f64, torsion: f64) -> [Shape; 6] {
     [k.clone(), k.clone(), k, t, none.clone(), none]
 }
 
-/// A link between bushings with equal stiffness in all directions acts as an elastic two-force member. This member has
-/// half the stiffness of the bushings. With a single bushing it has the stiffness of this bushing. So every kind of link
-/// has a second description for the comparison.
+/// A link between two bushings with equal stiffness in all directions acts as an elastic two-force member with half the
+/// stiffness of a bushing. A link with one bushing and one ball joint has the stiffness of this bushing. The test
+/// compares each such link with an equivalent two-force member.
 #[test]
 fn links_on_uniform_bushings_are_stretching_links() {
     let suspension = five_link();
@@ -369,8 +369,8 @@ fn a_loose_link_is_refused() {
     assert_eq!(part, "toe_link");
 }
 
-/// Constant forces of bushings are added to those that hold the design position. With linear laws, the result equals that
-/// of a suspension without design load whose constant forces are the sum of both.
+/// Constant forces of bushings are added to the forces that hold the design position. A second suspension has no design
+/// load, and its constant forces are the sums of both. With linear laws, both suspensions have the same results.
 #[test]
 fn constant_forces_and_those_at_the_design_load_add() {
     let case = case("double_wishbone");

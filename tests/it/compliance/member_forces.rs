@@ -1,5 +1,5 @@
-//! Tests of loads on elastic suspensions: the forces of all members balance the bodies. With stiff parts they approach
-//! those of the rigid mechanism.
+//! Tests of loads on elastic suspensions: the forces of all members and the load keep each body in balance. With stiff
+//! parts, the member forces approach those of the rigid mechanism.
 
 use super::support::{elastic, with};
 use hardpoint::compliance::{ElasticAxle, ElasticWheel, Equilibrium, HeldQuantity, WheelLoads};
@@ -315,7 +315,8 @@ fn stiff_bushings_carry_the_forces_of_the_rigid_mechanism() {
     let off = |rate: f64| {
         let curves = stiff(rate);
         let up = value(&curves, 0, "both_vertical_force_N");
-        // A rigid wheel is at its given travel whatever its spring, so its study needs no spring rate.
+        // The height of a rigid wheel does not depend on its spring, so the study of the rigid mechanism needs no
+        // spring rate.
         let (points, motion) = rigid.split_once("[spring]").unwrap();
         let (_, motion) = motion.split_once("[motion]").unwrap();
         let text = format!(

@@ -144,7 +144,7 @@ pub fn compliance(case: &Value, suspension: &Suspension) -> Compliance {
     }
 }
 
-/// Loads of a state, including the vertical force that adds to the design load.
+/// Loads of a state of the reference. The vertical force can include a multiple of the design load.
 pub fn loads(load: &Value, design_load: f64) -> WheelLoads {
     let mut contact = vector(&load["contact"]);
     contact.z += load["on_design_load"].as_f64().unwrap_or(0.0) * design_load;

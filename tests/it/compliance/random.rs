@@ -23,15 +23,15 @@ const BISECTIONS: usize = 12;
 struct Seen {
     loads: usize,
     ok: usize,
-    /// Number of loads below half of the load at which a continuation in fine steps ends, and number of solved loads
-    /// among them.
+    /// A continuation in fine steps ends at some load. Number of tried loads at half of this load, and number of solved
+    /// loads among them.
     below_half: [usize; 2],
-    /// Number of loads below 0.9 of the load at which a continuation in fine steps ends, and number of solved loads among
-    /// them.
+    /// A continuation in fine steps ends at some load. Number of tried loads at 0.9 of this load, and number of solved
+    /// loads among them.
     below_end: [usize; 2],
     worst_balance: f64,
     worst_difference: f64,
-    /// Largest change by a second solution that starts from the first one.
+    /// Largest difference between a solution and a second solution that starts from the first one.
     worst_correction: f64,
 }
 
@@ -97,8 +97,8 @@ fn difference(a: &WheelFigures, b: &WheelFigures) -> f64 {
         .fold(centre, |m, d| m.max(d.abs()))
 }
 
-/// Follows the equilibrium in fine steps of the load, with bisection at the end. Returns the fraction of the load that it
-/// reaches, and the equilibrium if this is the whole load.
+/// Follows the equilibrium in fine steps of the load, with bisection at the end. Returns the largest fraction of the
+/// load with an equilibrium. Also returns the equilibrium if this fraction is 1.
 fn fine(
     wheel: &ElasticWheel,
     station: &Equilibrium,
@@ -203,7 +203,8 @@ fn check(seed: u64, designs: usize, loads_of_each: usize) -> Seen {
                     counts[1] += usize::from(found.is_ok());
                 }
             } else if is_ok {
-                // Counts loads up to half of the largest load with an equilibrium, and up to 0.9 of it.
+                // The whole load has an equilibrium. So the loads at half of it and at 0.9 of it count as tried and
+                // solved.
                 for counts in [&mut seen.below_half, &mut seen.below_end] {
                     counts[0] += 1;
                     counts[1] += 1;

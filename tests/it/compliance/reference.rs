@@ -89,8 +89,9 @@ fn values(case: &Value, wheel: &ElasticWheel, at: &Equilibrium) -> BTreeMap<Stri
     values
 }
 
-/// Bound of the error of a value. For lengths it is 1e-11 mm, because positions are sums of several hundred millimetres.
-/// For angles it is 1e-13 rad. Bounds of forces and torques are those of deflections and rotations times the rates.
+/// Bound of the error of a value. For lengths it is 1e-11 mm, because positions are sums of several hundred
+/// millimetres. For angles it is 1e-13 rad. For a force or a torque, the bound is a deflection or a rotation error
+/// times a stiffness.
 fn bound(name: &str) -> f64 {
     const LENGTHS: [&str; 5] = [
         "wheel_centre",
@@ -189,7 +190,8 @@ fn metrics_are_those_of_the_reference() {
                     let change = Change::Load(unit(load));
                     let by = wheel.figures_by(&at, &change, held).unwrap();
                     let found = figures(&by, by.vertical);
-                    // The test compares the results of one kind in one test with the largest of them.
+                    // Scale of the error: the largest result of the same kind (angles, lengths or forces) in the same
+                    // test.
                     let scale = |value: &str| {
                         let is_angle = |n: &str| {
                             !n.contains("wheel_centre")

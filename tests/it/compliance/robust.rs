@@ -131,8 +131,9 @@ bands = [
 ]
 "#;
 
-/// After a robust tuning, more builds meet the bands. The test counts this with builds of `tolerance` that the tuning did
-/// not use. Their share agrees with the expected share within five standard errors of both samples.
+/// More builds meet the bands after a robust tuning than after a plain tuning. The test counts builds of `tolerance`
+/// that the tuning did not use. Their share agrees with the expected share within five standard errors of the
+/// difference.
 #[test]
 fn the_robust_design_has_the_larger_yield() {
     let study = elastic(&with(NAME, YIELD));

@@ -238,8 +238,8 @@ fn at_the_design_load_the_set_up_is_that_of_the_rigid_mechanism() {
     }
 }
 
-/// A pushrod sets the height: the spring keeps its length in the nominal equilibrium, and so it keeps the force that
-/// carries the car.
+/// A pushrod sets the ride height. The spring then keeps its length in the nominal equilibrium. So it also keeps the
+/// force that carries the car.
 #[test]
 fn the_spring_keeps_the_length_of_the_nominal_equilibrium() {
     let setup = "adjust = [{ length = \"pushrod\", per_turn = 2.0 }, { length = \"tie_rod\" }]\nwant = { toe = 0.2 }\nride_height_change = -7.0";
@@ -392,8 +392,8 @@ fn stiff_parts_have_the_amounts_of_the_rigid_mechanism() {
     }
 }
 
-/// Returns a text in which the numbers of each list are multiplied by factors. `factors` returns the factors of a line,
-/// or `None`.
+/// Multiplies the numbers of each list in a text by factors. `factors` returns the factors of a line, or `None` if the
+/// line stays unchanged.
 fn rescaled(text: &str, factors: impl Fn(&str) -> Option<Vec<f64>>) -> String {
     let line = |line: &str| -> String {
         let Some((name, list)) = line.split_once(" = ") else {

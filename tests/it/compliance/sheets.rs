@@ -17,8 +17,8 @@ fn variables(names: &[(&str, &str)]) -> String {
     list.collect::<Vec<_>>().join(",\n")
 }
 
-/// Makes a measured sheet of the study: its rates are multiplied by these factors, and results have random noise and a
-/// column of tolerances.
+/// Makes a measured sheet from test results of the study with random noise and a column of tolerances. `factors`
+/// multiplies the rates of the study.
 fn sheet(study: &Study, factors: &[f64], seed: u64) -> String {
     let variables = &study.optimise.as_ref().unwrap().variables;
     let mut planted = study.clone();
@@ -122,8 +122,8 @@ fn rates_that_a_sheet_cannot_separate_are_named() {
     );
 }
 
-/// A fit of a sheet without noise ends at zero misfit from every start. There, residuals and slopes are rounding errors
-/// of equilibria.
+/// A fit of a sheet without noise ends at zero misfit from every start. At this solution, residuals and slopes contain
+/// only rounding errors.
 #[test]
 fn a_fit_of_an_exact_sheet_converges() {
     let names = [("lower_arm_rear", "y"), ("lower_arm_front", "x")];
@@ -191,7 +191,7 @@ fn mistakes_in_a_sheet_are_named_with_their_line() {
             2,
             "a number in the column tolerance",
         ),
-        // Two tests have this result: with trail 0 and with trail 30 mm.
+        // The sheet contains this result twice: with trail 0 and with trail 30 mm.
         ("trail_mm", "reason", 2, "several tests"),
         (
             "lateral,0.0",
@@ -211,7 +211,7 @@ fn mistakes_in_a_sheet_are_named_with_their_line() {
             1,
             "several columns have the name value",
         ),
-        // A row with an empty travel does not mean travel 0.
+        // An empty cell for the travel does not mean travel 0.
         (
             "tolerance\nlateral,0.0,camber_by_lateral_force,0.02,deg_per_kN,0.001\n",
             "tolerance,travel_mm\nlateral,0.0,camber_by_lateral_force,0.02,deg_per_kN,0.001,\n",
@@ -280,7 +280,7 @@ fn a_property_file_with_straight_curves_is_a_linear_bushing() {
     // The text of the study needs no separate file.
     assert!(!study.text.contains("rear.bus"));
     assert_eq!(elastic(&study.text).compliance(), study.compliance());
-    // Mistakes: a falling law, a missing block, a law in addition to the file, a missing file.
+    // Mistakes: a law whose force decreases, a missing block, a law in addition to the file, a missing file.
     for (fy, more, phrase) in [
         ("-5.0 100.0\n5.0 -100.0", "", "must rise"),
         (
@@ -311,12 +311,13 @@ fn a_property_file_with_straight_curves_is_a_linear_bushing() {
     assert!(matches!(law, Shape::Curve { .. }) && (law.initial_rate() - 8.0e4).abs() < 1e-6);
 }
 
-/// Values under the definitions of other programs equal rotations and displacements of the wheel under given loads. These
-/// loads act straight below the wheel centre, on either side.
+/// Results with the definitions of other programs equal rotations and displacements of the wheel under test loads.
+/// These loads act on the ground straight below the wheel centre. The test covers a left and a right wheel.
 #[test]
 fn values_of_other_programs_follow_their_definitions() {
     for side in ["left", "right"] {
-        // The compliance matrices of other programs leave the springs free.
+        // In the compliance matrices of other programs, the wheel load is held and the springs can move. So the tests
+        // hold the wheel load.
         let tests = "relaxed = \"at_design_load\"\ntests = [{ load = \"lateral\", hold = \"wheel_load\" }, { load = \"aligning\", hold = \"wheel_load\" }, { load = \"vertical\" }]";
         let mut text = with(NAME, "").replace("relaxed = \"at_design_load\"", tests);
         if side == "right" {

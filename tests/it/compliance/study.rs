@@ -1,5 +1,5 @@
-//! Tests of studies with elastic parts: messages name the line and key of a mistake, and commands that would ignore the
-//! elastic parts refuse them.
+//! Tests of studies with elastic parts. A message names the line and key of a mistake. A command that does not support
+//! elastic parts refuses the study.
 
 use crate::support::mutants::mutilated;
 use crate::support::random::Random;

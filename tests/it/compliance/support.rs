@@ -63,7 +63,7 @@ pub fn sheet(csv: &[u8], share: f64, seed: u64) -> String {
         };
         // A measured sheet contains no secants.
         cells[place("secant")].clear();
-        // A sum of twelve uniform numbers approximates a normal distribution with the same variance.
+        // The sum of twelve uniform numbers with this range approximates a standard normal distribution.
         let normal: f64 = (0..12).map(|_| 0.5 * random.signed()).sum();
         let sigma = NOISE * value.abs().max(1e-3);
         cells[place("value")] = format!("{:?}", value + share * sigma * normal);

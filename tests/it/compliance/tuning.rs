@@ -156,7 +156,7 @@ fn slopes_along_variables_are_those_of_differences() {
         for (row, slope) in slopes.iter().enumerate() {
             let found = here.jacobian[(row, column)];
             let size = here.jacobian.row(row).amax() * 15.0;
-            // The error applies to a change by the full range of the variable.
+            // The bound applies to the error of the derivative times the full range of the variable.
             let range = variable.range[1] - variable.range[0];
             let error = (found - slope).abs() * range / size;
             assert!(
@@ -215,8 +215,8 @@ fn what_is_of_the_rigid_mechanism_is_refused() {
     }
 }
 
-/// A link given by modulus and area: the varied number is their product, a force. The label and the unit of the variable say
-/// so, in a tuning and in a sweep.
+/// If modulus and area define the stiffness of a link, the variable is their product, a force. The label and the unit
+/// of the variable state this.
 #[test]
 fn modulus_times_area_is_a_force() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/five_link_compliance.toml");

@@ -38,7 +38,7 @@ fn split_unit(column: &str) -> (String, f64) {
     (words[..stem].join("_"), factor)
 }
 
-/// Sign of a column relative to ISO 8855, in axes with the signs `signs`.
+/// Sign that converts a column to ISO 8855. `signs` are the signs of the study's axes relative to ISO 8855.
 fn sign(stem: &str, signs: [f64; 3]) -> f64 {
     if ["rack", "steer_by_rack", "caster_by_rack", "rack_force"].contains(&stem) {
         return signs[1];
@@ -93,7 +93,7 @@ fn table(file: &Path, signs: [f64; 3]) -> (Vec<String>, Rows) {
         });
         rows.push(cells.collect());
     }
-    // A range of rack displacements is in reverse order if the y axis is reversed.
+    // If the y axis is reversed, rack displacements are in reverse order. So the function sorts the rows by station.
     let stations = [
         "case",
         "travel",
@@ -120,7 +120,8 @@ fn compare(label: &str, one: &Path, other: &Path, signs: [f64; 3], bound: f64) {
     let (others, found) = table(other, signs);
     assert_eq!(names, others, "{label}");
     assert_eq!(expected.len(), found.len(), "{label}");
-    // The window of a test has the unit of its load. The heading does not contain this unit.
+    // The column `window` (load range of a test) has the unit of the load, which its heading does not contain. So the
+    // comparison omits this column.
     let columns = names.iter().enumerate();
     for (column, name) in columns.filter(|(_, name)| *name != "window") {
         // Rows of different test results have no common scale.

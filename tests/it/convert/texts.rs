@@ -205,7 +205,7 @@ fn entries_are_converted_by_their_quantity() {
     assert_eq!(number("links.tie_rod.area"), 1.2e-4);
     // The y axis is reversed, so the ends of the range are exchanged.
     assert_eq!(list("optimise.variables.0.range"), [-0.008, 0.005]);
-    // A direction turns with the axes, so the range along this direction stays.
+    // A conversion rotates a direction with the axes, so the range along the direction does not change.
     assert_eq!(list("optimise.variables.1.direction"), [0.0, -0.6, 0.8]);
     assert_eq!(list("optimise.variables.1.range"), [-0.004, 0.006]);
     assert_eq!(list("optimise.variables.2.range"), [500.0, 2000.0]);
@@ -319,8 +319,8 @@ fn a_converted_file_never_replaces_its_study() {
     }
 }
 
-/// A conversion keeps the number of stations at which a target, a band and a curve of limits apply, for every travel of
-/// their ends.
+/// A conversion keeps the number of stations of a target curve and of a limit curve. The test varies the travel at the
+/// ends of the curves.
 #[test]
 fn targets_keep_their_stations_in_other_units() {
     let studies = Path::new(ROOT).join("studies");

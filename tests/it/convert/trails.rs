@@ -1,4 +1,5 @@
-//! Tests of names of test results in other units. These names contain the trail of the load.
+//! Tests of names of test results in other units. A name contains the trail: the distance of the lateral force behind
+//! the contact point.
 
 use super::{METRES, converted, done};
 use hardpoint::study::Study;
@@ -16,7 +17,7 @@ const TEMPLATES: [&str; 5] = [
     "trailing_arm_two_links",
 ];
 
-/// Writes a template with these parts.
+/// Writes a template of `hardpoint new` with the options `--with parts` to a file.
 fn template(directory: &Path, name: &str, parts: &str) -> PathBuf {
     let mut command = assert_cmd::Command::cargo_bin("hardpoint").unwrap();
     let made = command
@@ -40,8 +41,8 @@ fn figures(path: &Path) -> Vec<String> {
     of_axle.chain(of_wheel).collect()
 }
 
-/// The template has a default test with a trail of 30 mm: its force acts 30 mm behind the contact point. This test has
-/// the same results in every unit. A converted study uses the same names, also after conversion back.
+/// The template has a default test with a trail of 30 mm: its force acts 30 mm behind the contact point. A conversion
+/// of the study to other units converts the trail in the names of the results. A conversion back restores the names.
 #[test]
 fn a_converted_study_names_the_trail_of_its_default_test() {
     let directory = tempfile::tempdir().unwrap();
@@ -92,8 +93,8 @@ fn a_converted_study_names_the_trail_of_its_default_test() {
     }
 }
 
-/// A result of a test has the explicit trail of this test in its name. Conversions to other units and back keep this
-/// name and the trail, even if the trail is not a round number in any unit.
+/// The name of a test result contains the trail that the study gives for this test. Conversions to other units and back
+/// keep the name and the trail, even if the trail is not a round number in any unit.
 #[test]
 fn an_explicit_trail_keeps_its_figure() {
     let directory = tempfile::tempdir().unwrap();
@@ -117,8 +118,8 @@ fn an_explicit_trail_keeps_its_figure() {
     assert!(text.contains("17.123456789"), "{text}");
 }
 
-/// A measured sheet in the layout of `kc.csv` contains targets. `convert` converts these rows to targets in the other
-/// units.
+/// A measured sheet in the layout of `kc.csv` contains targets. If a study refers to such a sheet, `convert` writes its
+/// targets in the new units.
 #[test]
 fn targets_of_a_sheet_are_converted() {
     let directory = tempfile::tempdir().unwrap();

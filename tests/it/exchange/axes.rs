@@ -260,7 +260,7 @@ fn geometry(topology: &str, c: &mut Chance, has_spring: bool) -> Points {
             c.point([-50.0, 80.0], [480.0, 560.0], [180.0, 300.0]),
         ));
     }
-    // Offset along the car, as for rear axles and other origins.
+    // Random offset along the car, because a file can contain a rear axle or have another origin.
     let along = c.between(-2800.0, 1200.0);
     for (_, [x, ..]) in &mut points {
         *x += along;
@@ -268,7 +268,8 @@ fn geometry(topology: &str, c: &mut Chance, has_spring: bool) -> Points {
     points
 }
 
-/// The 48 orders and signs, each with the names of its columns' directions, and whether it is right-handed.
+/// The 48 combinations of column order and signs. Each has the directions of its columns in words, and true if it is
+/// right-handed.
 fn orders() -> Vec<([usize; 3], [f64; 3], String, bool)> {
     let names = [["forward", "rearward"], ["left", "right"], ["up", "down"]];
     let mut all = Vec::new();
@@ -391,9 +392,9 @@ fn import_in_all_orders(scale: usize) {
         counts.insert(topology, (right, refused));
     }
     println!("imported and refused of the right-handed orders: {counts:?}");
-    // A quarter of the trailing arms have no spring: their points do not show which direction is up. Some trailing arms
-    // with a spring are ambiguous. The program imports 39 of 60 trailing arms. Links of a solid axle do not show which
-    // direction is forward. All other topologies are clear.
+    // The points of a trailing arm without spring do not show which direction is up. A quarter of the arms have no
+    // spring. Some arms with a spring are ambiguous, too, so the program imports 39 of 60 trailing arms. The links of a
+    // solid axle do not show which direction is forward. All other topologies are unambiguous.
     for (topology, (right, refused)) in &counts {
         let least = match *topology {
             "semi_trailing_arm" => 0.5,
@@ -405,7 +406,8 @@ fn import_in_all_orders(scale: usize) {
     }
 }
 
-/// If the names of the points contain the side, the program imports all right-handed orders of a left or right wheel.
+/// If the names of the points contain the side, the program imports all right-handed axis orders of a left or right
+/// wheel.
 #[test]
 fn orders_of_either_wheel_are_told_by_its_side() {
     let directory = tempfile::tempdir().unwrap();
@@ -481,8 +483,8 @@ fn headers_are_read_by_letter_and_words() {
         let text = table(&wheel, order, [1.0; 3], header, " L");
         let path = file(&directory, "points.csv", text.as_bytes());
         let read = imported(&path, "double_wishbone", &Said::default());
-        // This header does not say which way its columns point. With y to the left, x forward and z up, this order of
-        // columns is left-handed.
+        // The last header does not state the positive direction of its columns. The columns are y, x, z. With left,
+        // forward and up as positive directions they are left-handed, so the import refuses them.
         if header[0] == "Lateral" {
             assert!(read.unwrap_err().contains("--axes left,forward,up"));
         } else {

@@ -10,8 +10,8 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::path::Path;
 
-/// Each solid in the envelope of a tyre is closed and has outward faces. Its volume is that of its prism, and it
-/// contains the wheel in its pose.
+/// Each solid in the envelope of a tyre is closed and has outward faces. Its volume is that of its prism. It contains
+/// the cylinder of the tyre at the pose of the solid.
 #[test]
 fn tyre_envelopes_are_closed_solids_about_the_wheel() {
     let text = template("double_wishbone");
@@ -298,8 +298,8 @@ fn drawings_join_hardpoints() {
     }
 }
 
-/// At intermediate poses, no corner of the tyre is farther outside all solids than the stated bound. The bound is
-/// smaller if the envelope has more poses.
+/// Between the poses of the envelope, corners of the tyre can be outside the solids. Their distance is at most the
+/// stated bound. More poses give a smaller bound.
 #[test]
 fn the_gap_between_poses_is_bounded() {
     assert_gap_is_bounded("double_wishbone", 20.0);
@@ -323,7 +323,7 @@ fn assert_gap_is_bounded(topology: &str, rack: f64) {
     let (coarse, dense) = (envelope(3), envelope(9));
     assert!(dense.gap() < 0.3 * coarse.gap());
     let point = |p: [f32; 3]| Vector3::from(p.map(f64::from));
-    // Centre and axis of each solid, from the means of its rings.
+    // Centre and axis of each solid, from the centres of its two end faces.
     let cylinders = coarse.solids.iter().map(|solid| {
         let [outer, inner] = [point(solid[0][0]), point(solid[1][0])];
         ((outer + inner) * 0.5, (outer - inner) * (1.0 / tyre.width))

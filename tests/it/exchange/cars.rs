@@ -171,7 +171,8 @@ fn a_vehicle_of_chrono_is_a_car_that_is_solved() {
         .unwrap();
     let written: f64 = line.split_whitespace().nth(2).unwrap().parse().unwrap();
     assert!((written - force).abs() < 1e-9 * force, "{line}");
-    // The import subtracts a hole: 1000 kg at 0.5 m minus 200 kg at 1 m.
+    // The import subtracts the mass of a hole. Height of the centre of gravity: 1000 kg at 0.5 m minus 200 kg at 1 m,
+    // divided by 800 kg.
     assert_eq!(study.car.mass, 800.0);
     assert!((study.car.cg - Vector3::new(0.25, 0.0, 0.375)).norm() < 1e-15);
     assert_eq!(study.car.rear_offset, Vector3::new(0.0, 0.0, 0.0));
@@ -487,8 +488,8 @@ fn other_links_of_assetto_corsa_are_named() {
     assert!(refused.contains("LINK_COUNT is 5"), "{refused}");
 }
 
-/// Rate at the left wheel in N/m: the slope of the wheel load over heave. With camber, the heights of pad and wheel
-/// centre change differently, by less than 1 %.
+/// Rate at the left wheel in N/m: increase of the wheel load per heave of the wheel centre. With camber, the heave of
+/// the contact point differs from this heave by less than 1 %.
 fn springs_alone(study: &Study) -> f64 {
     let start = study.text.find("[motion]").unwrap();
     let text = study.text[..start].to_owned()
@@ -754,7 +755,8 @@ fn bushings_of_adams_are_taken_where_their_directions_are_known() {
     let text = read.study("s", "there").unwrap();
     let study = study(&text);
     assert!(study.wheel().mechanism.point("lower_arm_front").is_some());
-    // Adams' z axis is the x axis here, with its own factor. 50 N mm at 1 deg are 50 x 180/pi N mm/rad.
+    // The z axis in the Adams file is the bushing's x axis in the study. The file has a separate scale factor for this
+    // axis. 50 N mm at 1 deg are 50 x 180/pi N mm/rad.
     let about = 50.0 * 180.0 / std::f64::consts::PI;
     let line = text
         .lines()

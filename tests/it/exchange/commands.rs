@@ -69,7 +69,7 @@ fn rounding_says_what_it_costs() {
         said.contains("27 of 27 coordinates rounded to 10 mm: misfit"),
         "{said}"
     );
-    // The table of outputs omits the coordinate of the motion.
+    // The table of changed outputs omits the travel, because it is the given motion.
     assert!(!said.contains("\n  travel_mm"), "{said}");
     // The table prints numbers in the same style as other tables.
     let of_camber = said.lines().find(|line| line.starts_with("  camber_deg"));
@@ -203,7 +203,8 @@ fn a_run_keeps_its_study() {
     let said = text(&compare.get_output().stdout);
     assert!(said.contains("tie_rod_inner"), "moved: {said}");
 
-    // If the output directory contains the study under the name of the run's copy, the study stays unchanged.
+    // The user's study is in the output directory, and has the name that the run uses for its copy. The run does not
+    // change this file.
     let own = directory.path().join("study.toml");
     std::fs::copy(&study, &own).unwrap();
     let own = own.to_str().unwrap();

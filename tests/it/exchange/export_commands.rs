@@ -36,7 +36,8 @@ fn points(path: &Path) -> BTreeMap<String, [f64; 3]> {
     rows.collect()
 }
 
-/// In every unit, a rounded workbook contains rounded points. Its curves are those of these rounded points.
+/// An export with rounding writes rounded points to the workbook, in every unit. The curves in the workbook are the
+/// curves of the rounded points.
 #[test]
 fn a_rounded_workbook_has_the_curves_of_its_points() {
     let directory = tempfile::tempdir().unwrap();

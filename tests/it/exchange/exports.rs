@@ -11,7 +11,8 @@ use hardpoint::model::{Axis, Frame, FrameConvention, LengthUnit, Side};
 use hardpoint::solved::Solved;
 use hardpoint::study::Study;
 
-/// Lengths of 508 mm, 0.508 m and 20 in are equal in each of the files, whatever the unit of the study.
+/// A length of 508 mm is exported as 508 mm, 0.508 m or 20 in. This holds for every file format and every unit of the
+/// study.
 #[test]
 fn planted_lengths_are_right_in_every_file_and_unit() {
     let study = of_text(template("double_wishbone"));
@@ -350,7 +351,7 @@ fn curves_have_the_names_of_other_tools() {
         ]
     );
     assert_eq!(left_out.len(), 3);
-    // A single wheel has the side of its study.
+    // If the study has a single wheel, the exported names contain the side of this wheel.
     let mut corner = of_text(template("macpherson"));
     corner.wheel_mut().frame = Frame::new(FrameConvention::Iso8855, Side::Right);
     let outgoing = Outgoing::of(&corner, None, None);

@@ -103,7 +103,8 @@ fn other_units_and_axes_are_recognised_and_contradictions_refused() {
         "{refused}"
     );
     assert!(refused.contains("--side right"), "{refused}");
-    // The file is rotated about y, which is no frame of studies, so the points change their signs.
+    // In this file, x and z have opposite signs (half a turn about y). No axis convention of studies has these axes, so
+    // the import changes the signs of the points.
     let turned = of_text(&scaled(-1.0, 1.0, -1.0), &Said::default()).unwrap();
     assert_eq!(
         (turned.frame, turned.side),
@@ -204,7 +205,8 @@ fn sheets_are_chosen_by_name_or_by_their_points() {
     let mixed = workbook(&[page("it's front", cells()), page("old", broken)]);
     let mixed = file(&directory, "mixed.xlsx", &mixed);
     let read = imported(&mixed, "macpherson", &Said::default());
-    // Only the import of a sheet finds an invalid coordinate, so both sheets remain candidates.
+    // The import first selects a sheet, and then reads its coordinates. So both sheets remain candidates, although one
+    // has an invalid coordinate.
     let refused = read.unwrap_err();
     assert!(
         refused.contains("give --sheet 'it'\\''s front' or --sheet old"),
@@ -271,8 +273,8 @@ fn causes_are_named_and_not_their_consequences() {
     assert!(ini.contains("no table of points"), "{ini}");
 }
 
-/// The import reads names of OptimumKinematics below the keys of a script. It also reads abbreviations of wishbones and
-/// track rods.
+/// The import reads point names of OptimumKinematics that are nested in other keys of a script. It also reads
+/// abbreviations of wishbones and track rods.
 #[test]
 fn keys_of_scripts_hide_no_names() {
     let directory = tempfile::tempdir().unwrap();

@@ -104,8 +104,8 @@ fn links_of_two_axles_are_not_mixed() {
     assert_eq!(code, 0, "{said}");
 }
 
-/// Both wheels of a solid axle rise together. The exported rate per wheel is half of the increase of the sum of both
-/// loads, divided by the heave.
+/// Both wheels of a solid axle rise together. The exported rate per wheel is half of the increase of both wheel loads
+/// together, divided by the heave.
 #[test]
 fn the_rate_is_that_of_the_axle_in_heave() {
     let directory = tempfile::tempdir().unwrap();

@@ -221,8 +221,9 @@ fn heights_of_suspensions_ini_are_from_the_centre_of_gravity() {
     assert_eq!(value("WHEELBASE="), "2.6");
 }
 
-/// Double wishbones come back from OptimumKinematics with the same points in the file's unit. The wheel centre, which
-/// the file gives by its contact point, is equal to rounding. The angles have the signs of the study.
+/// After an export to OptimumKinematics and an import, double wishbones have the same points in the file's unit. The
+/// file gives the contact point instead of the wheel centre, so the wheel centre is equal only to rounding. The angles
+/// have the signs of the study.
 #[test]
 fn double_wishbones_come_back_from_optimum_k() {
     let directory = tempfile::tempdir().unwrap();

@@ -27,8 +27,8 @@ fn force(shape: &Shape, at: f64) -> f64 {
     }
 }
 
-/// Linear, cubic and tabulated laws, and an axis without stiffness, are exported in every unit. The files read back
-/// give the same laws.
+/// Export and import of property files give the same laws. The test covers linear, cubic and tabulated laws, an axis
+/// without stiffness, and every unit.
 #[test]
 fn laws_come_back_from_property_files() {
     let directory = tempfile::tempdir().unwrap();
@@ -81,7 +81,7 @@ scale = [1.0, 1.5, 1.0, 1.0, 1.0, 1.0]
     }
 }
 
-/// The export refuses a call that selects no bushing or an unknown one. The message lists the available names.
+/// The export refuses a call that selects no bushing or an unknown bushing. The message lists the available names.
 #[test]
 fn a_property_file_holds_one_bushing() {
     let directory = tempfile::tempdir().unwrap();

@@ -1,5 +1,5 @@
-//! Tests of two axles, wheels at the origin, ends of rods and static angles. The import reads the correct number, or
-//! its refusal names the option that helps.
+//! Tests of imports that can go wrong: files with two axles, wheels at the origin, rod ends and static angles. The
+//! import reads the correct number. Otherwise it refuses the file and names the option that helps.
 
 use super::{Said, file, imported};
 use hardpoint::exchange::Imported;
@@ -268,7 +268,7 @@ fn ends_of_rods_sit_where_rows_put_them() {
         assert!(said.contains(expected), "{expected}: {said}");
     }
     assert!(!said.contains("pullrod"), "{said}");
-    // The file does not say which end of the spring this row is. The import leaves out this spring with the rocker.
+    // This row does not state its end of the spring. The import leaves out this spring with the rocker.
     let nameless = without.replace("Damper o/b (rocker)", "Damper lower");
     let read = of(
         "points.csv",
@@ -602,7 +602,8 @@ fn another_right_wheel_is_named() {
     );
 }
 
-/// A sheet of the right wheel without a stated side gives the left wheel, as the mirror image.
+/// A sheet contains the right wheel and states no side. If the user requests the left wheel, the import gives the
+/// mirror image.
 #[test]
 fn the_other_wheel_is_the_mirror_image() {
     let down = FRONT.map(|(name, [x, y, z])| (name, [x, y, -z]));

@@ -6,8 +6,8 @@ use hardpoint::model::{Axis, Frame, FrameConvention, LengthUnit, Side, Topology}
 use hardpoint::study::Study;
 use std::path::Path;
 
-/// Templates, and samples with rockers and bars. They are in every frame, on both sides and in every unit, with all
-/// digits of the coordinates.
+/// Templates, and samples with rockers and bars. Each study is present in every axis convention, on both sides and in
+/// every unit, with all digits of the coordinates.
 pub(super) fn studies() -> Vec<Study> {
     let mut texts: Vec<String> = Topology::ALL
         .iter()
@@ -233,7 +233,7 @@ fn subsystems_give_the_same_study() {
         let new = subsystem(&Outgoing::of(&study, None, None)).bytes;
         let frame = Frame::new(FrameConvention::XRear, side);
         check(&study, &file(&directory, "new.sub", &new), &said, frame);
-        // Inserts the points into a copy of the study with other coordinates. All of these coordinates are replaced.
+        // Inserts the points into the subsystem file of another design. This replaces all coordinates of that file.
         let moved = study.at_design(suspension.design.iter().map(|p| *p * 1.25).collect());
         let other = subsystem(&Outgoing::of(&moved, None, None)).bytes;
         let into = into_subsystem(&Outgoing::of(&study, None, None), &other).unwrap();

@@ -24,7 +24,8 @@ const POINTS: [(&str, [f64; 3]); 15] = [
     ("Damper to chassis", [0.0, 50.0, 410.0]),
 ];
 
-/// Rows of the points, in a unit of which one millimetre has `per`, with `between` between the cells.
+/// Rows of the points. `per` is the length of one millimetre in the unit of the rows. `between` is the text between two
+/// cells.
 fn rows(per: f64, between: &str) -> String {
     let row = |(name, at): &(&str, [f64; 3])| {
         let cells = at.map(|x| format!("{between}{:.4}", x * per));
@@ -90,7 +91,8 @@ fn a_header_with_spaces_states_its_unit() {
     }
 }
 
-/// A table without a unit is never read as inches if it may be in centimetres. `--unit` accepts both.
+/// If a table has no unit and may be in centimetres, the import does not read inches. It refuses the table, and
+/// `--unit` accepts both units.
 #[test]
 fn inches_and_centimetres_are_not_confused() {
     let table = |per: f64| format!("Point,x,y,z\n{}", rows(per, ","));
@@ -104,7 +106,7 @@ fn inches_and_centimetres_are_not_confused() {
     };
     let found = read_as(&table(0.1), &said).unwrap();
     assert_eq!(place(&found, "lower_ball_joint"), [6.0, 560.0, 128.0]);
-    // This suspension would be 0.2 m in size if it were in centimetres.
+    // In centimetres, this suspension would have a size of only 0.2 m. So the import reads inches.
     let inches = read(&table(1.0 / 25.4)).unwrap();
     assert_eq!(inches.unit, LengthUnit::Inch);
     let note = inches.notes.iter().find(|note| note.starts_with("unit:"));
@@ -155,7 +157,7 @@ fn ends_of_a_drop_link_are_read_from_the_body_of_one_end() {
     );
 }
 
-/// Values for which a study has a key are in the study.
+/// The import writes values of the wheel to the study if the study has a key for them.
 #[test]
 fn values_of_the_wheel_are_in_the_study() {
     let base = changed("", "", [0.0; 3]);

@@ -203,7 +203,7 @@ fn a_fixed_rack_is_part_of_the_station() {
     }
     for (sources, rows) in [
         (["fixed.toml", "other.toml"], 3),
-        // The run has no curves at two of the rack displacements, so its study is solved again.
+        // The second run has no curves at two of the rack displacements, so `compare` solves its study again.
         (["all", "other"], 9),
         (["other", "all"], 3),
     ] {
@@ -291,7 +291,7 @@ fn studies_follow_the_drive_of_the_first_study() {
         let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(said.contains(reason), "{said}");
     }
-    // A run that contains its study is solved again over the motion of the first one. A run without its study cannot be
+    // A run that contains its study is solved again over the motion of the first run. A run without its study cannot be
     // solved again.
     run(at, &["--quiet", "solve", "angle.toml", "--out", "run"], 0);
     assert_same(at, ["run", "travel.toml"], 5, 10);
@@ -451,7 +451,7 @@ fn exported_curves_are_those_of_the_converted_study() {
             let is_force = |name: &&String| name.ends_with("_y_N");
             assert!(names.iter().filter(is_force).count() >= forces, "{names:?}");
             for name in names {
-                // A range of rack displacements is in reverse order in the other axes.
+                // If the y axis is reversed, the rack displacements are in reverse order. So the test sorts the cells.
                 let sorted = |cells: Option<Vec<String>>| {
                     let mut cells: Vec<_> = cells.unwrap().iter().map(|c| rounded(c)).collect();
                     cells.sort();
@@ -547,7 +547,7 @@ fn runs_with_other_stations_are_compared_at_all_stations_of_the_first() {
     );
 }
 
-/// The default directory keeps an earlier comparison of other designs.
+/// In the default output directory, a comparison does not overwrite an earlier comparison of other designs.
 #[test]
 fn another_comparison_replaces_no_earlier_one() {
     let directory = tempfile::tempdir().unwrap();
@@ -565,7 +565,7 @@ fn another_comparison_replaces_no_earlier_one() {
     let first = directory.join("out/compare/comparison.csv");
     run(directory, &["compare", "a.toml", "b.toml"], 0);
     let of_b = fs::read(&first).unwrap();
-    // The same comparison replaces itself.
+    // A repeated comparison of the same designs replaces the earlier one.
     run(directory, &["compare", "a.toml", "b.toml"], 0);
     let [_, said] = run(directory, &["compare", "a.toml", "c.toml"], 0);
     assert!(said.contains("are now in out/compare.1"), "{said}");

@@ -58,7 +58,7 @@ fn a_rounded_design_can_be_written_as_a_study() {
         lines.map(|(_, comment)| comment.to_owned()).collect()
     };
     assert_eq!(comments(&old), comments(&new));
-    // Other units are the task of `convert`.
+    // `export --to toml` refuses another unit and names the command `convert`.
     let (code, _, said) = run(&["export", path, "--to", "toml", "--unit", "in"], here, "");
     assert_eq!(code, 2);
     assert!(said.contains("convert"), "{said}");

@@ -1,8 +1,8 @@
 //! Tests in which the program must find toggles that the test has constructed.
 //!
-//! The test constructs a design in a singular position of one part. Then it moves the carrier along the motion that does
-//! not change the drive, by Newton's method on lengths alone. The motion of the moved design must end at the singular
-//! position, and the program must name that part.
+//! The test constructs a design in a singular position of one part. Then it moves the carrier away from this position
+//! while the drive stays constant, by Newton's method on lengths alone. The motion of the moved design must end at the
+//! singular position, and the program must name that part.
 
 use super::sample;
 use crate::support::random::Random;

@@ -90,7 +90,7 @@ fn both_formulations_find_the_same_poses_of_ten_thousand_struts() {
     agreement_of(10_000);
 }
 
-/// Asserts that both formulations find the same poses of this many random struts over +-80 mm, to 1e-11 of the strut's
+/// Asserts that both formulations find the same poses of `struts` random struts over +-80 mm, to 1e-11 of the strut's
 /// size.
 ///
 /// The test moves each hardpoint of a road car by up to 20 mm along every axis. It skips struts for which the paper's

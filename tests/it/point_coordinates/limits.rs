@@ -81,7 +81,7 @@ fn where_the_arm_is_shorter_than_d51_stations_near_pi_are_refused() {
 #[test]
 fn what_rounding_alone_solves_is_refused() {
     for distance in [0.0, 1.0, 128.0, 8192.0] {
-        // The coordinates, and so the limits, are accurate to this amount.
+        // Rounding error of the coordinates, and so of the limits.
         let rounding = 4.0 * f64::EPSILON * (1.0 + distance);
         let far =
             |strut: Strut| with_points(&strut, |p| p + Vector3::new(distance, -distance, distance));
@@ -206,7 +206,7 @@ fn singular_designs_are_named() {
         }),
         Refusal::Singular(Singular::TieRodToggle)
     );
-    // A distance of one micrometre between points 6 and 7 leaves fewer than half of the digits.
+    // If points 6 and 7 are only one micrometre apart, fewer than half of the digits are correct.
     assert_eq!(
         refusal(
             &|s| s.strut_upper = Some(s.strut_lower + s.axis() * 1e-6),

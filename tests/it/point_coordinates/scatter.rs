@@ -1,4 +1,4 @@
-//! Tests of many struts, and of one in another unit.
+//! Tests of many random struts, and of a strut in another unit of length.
 
 use super::{at, bound, nominal, size, with_points};
 use hardpoint::attia::Drive;

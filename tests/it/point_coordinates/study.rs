@@ -150,7 +150,7 @@ fn the_sample_study_is_right_to_the_accuracy_of_its_conditioning() {
             }
             for (k, key) in ["omega", "alpha"].into_iter().enumerate() {
                 let error = (table.knuckle(row)[k] - vector(&state["time"][key])).norm();
-                // Divides by the shortest lever, as in the reference tests.
+                // The error of an angular rate is the error of a velocity divided by the shortest lever, 50 mm.
                 assert!(error < bounds[k + 1] / 0.05, "{key}, {time} s: {error:e}");
             }
             for (column, key) in [
@@ -169,11 +169,11 @@ fn the_sample_study_is_right_to_the_accuracy_of_its_conditioning() {
     }
 }
 
-/// Fig. 4 over the whole motion: the wheel falls until the arm reverses at theta = pi, t = 1.2985 s (its centre is
-/// lowest 0.02 s before and after that). Both formulations agree along the whole motion.
+/// This is Fig. 4 over the whole motion. The wheel falls until the arm reverses at theta = pi, t = 1.2985 s. The wheel
+/// centre is lowest 0.02 s before and after that time. Both formulations agree along the whole motion.
 ///
-/// Every derivative with respect to theta divides once more by its sine, in addition to the condition number of the
-/// equations. Angular rates are velocities divided by the shortest lever, 50 mm.
+/// The error bound grows with the condition number of the equations. It also has one division by sin(theta) for each
+/// order of the derivative. Angular rates are velocities divided by the shortest lever, 50 mm.
 #[test]
 fn the_formulations_agree_through_the_bounce() {
     let strut = strut(&reference("attia-example"));

@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// Text of a page without references within the page. Also without the SVG namespace, which looks like a web address
-/// but is none.
+/// Text of a page without references within the page. The SVG namespace is removed too, because it looks like a web
+/// address.
 pub fn own_text(page: &str) -> String {
     page.replace("http://www.w3.org/2000/svg", "")
         .replace("url(#", "")
@@ -158,7 +158,7 @@ fn every_topology_is_drawn() {
         let mut different = names.clone();
         different.sort();
         different.dedup();
-        // A solid axle and a twist beam are drawn from both sides.
+        // For a solid axle and a twist beam, the page contains the points of both sides.
         let is_axle = ["solid_axle", "twist_beam"].contains(&stem);
         let sides = if is_axle { 2 } else { 1 };
         assert_eq!(names.len(), sides * different.len(), "{names:?}");
@@ -171,7 +171,7 @@ fn every_topology_is_drawn() {
                 .all(|p| (p.as_u64().unwrap() as usize) < count)
         );
         assert!(joined.count() >= 4, "{name}");
-        // The page of an axle has no influences.
+        // The page of an axle has no section on influences of coordinates.
         let has_influences = !record["influences"].as_array().unwrap().is_empty();
         assert_eq!(has_influences, !is_axle, "{name}");
     }

@@ -38,7 +38,8 @@ fn there_is_one_for_each_output_and_an_overview() {
     ] {
         assert!(overview.contains(part), "{part}");
     }
-    // Bands of three targets, and deviation strips of two targets. These two targets are values.
+    // Five bands: in the charts of three targets, and in the deviation strips of two targets. The targets of the strips
+    // are values, not ranges.
     assert_eq!(overview.matches("class=\"band\"").count(), 3 + 2);
 }
 
@@ -91,7 +92,7 @@ fn colour(png: &Pixmap, [x, y]: [f64; 2]) -> [u8; 3] {
     [pixel.red(), pixel.green(), pixel.blue()]
 }
 
-/// Width in pixels of the dark pixels in a part of a PNG.
+/// Width in pixels from the first to the last dark pixel column in a part of a PNG.
 fn width_of_ink(png: &Pixmap, across: [u32; 2], down: [u32; 2]) -> u32 {
     let dark = |x: u32, y: u32| png.pixel(x, y).unwrap().red() < 0x80;
     let inked = |x: &u32| (down[0]..down[1]).any(|y| dark(*x, y));
@@ -141,7 +142,7 @@ fn the_png_shows_what_the_svg_does() {
     assert!((10..32).contains(&beside), "{beside}");
 }
 
-/// Equal numbers give equal bytes of the pictures.
+/// Two runs with equal numbers write equal bytes of the pictures.
 #[test]
 fn pictures_are_made_alike() {
     let solve = || Run::of("solve", "plain", &study("macpherson_solve.toml"), &[]);
@@ -394,7 +395,7 @@ fn names_at_their_points(view: &str, study: &str) -> usize {
             let nearest = dots.iter().map(|dot| word.distance(*dot));
             let nearest = nearest.fold(f64::INFINITY, f64::min);
             match leader {
-                // The line begins at a point.
+                // The line to a name begins at a hardpoint.
                 Some(start) => assert!(
                     dots.iter()
                         .any(|d| (d[0] - start[0]).hypot(d[1] - start[1]) < 0.2),

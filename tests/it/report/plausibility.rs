@@ -54,7 +54,7 @@ fn sample_suspensions_are_plausible_without_a_wheel_radius() {
             continue;
         }
         let Ok(study) = Study::read_elastic(&path, &[]) else {
-            // The study of a car refers to the studies of its axles.
+            // The study of a car refers to the studies of its axles, so the test skips it.
             continue;
         };
         let wheel = study.wheel();
@@ -63,7 +63,8 @@ fn sample_suspensions_are_plausible_without_a_wheel_radius() {
     }
 }
 
-/// The point of the spin axis shows a direction. It does not change the distance of a rod from the wheel carrier, wherever it is.
+/// The point `spindle_inner` of the spin axis only defines a direction. Wherever it is on the axis, it does not change
+/// the distance between a rod end and the wheel carrier.
 #[test]
 fn the_point_of_the_spin_axis_carries_no_rod() {
     let text = fs::read_to_string(studies().join("double_wishbone_pushrod.toml")).unwrap();
@@ -78,7 +79,7 @@ fn the_point_of_the_spin_axis_carries_no_rod() {
             .unwrap()
             .distance
     };
-    // The same axis, with its point beside the pushrod.
+    // Moves the point along the spin axis, so that it is beside the pushrod.
     let own = "spindle_inner    = [   0.0,  520.0,  250.6]";
     let far = "spindle_inner = [0.0, 320.0, 241.8]";
     let with_point = text.replace(own, far);

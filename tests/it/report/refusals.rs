@@ -80,7 +80,8 @@ fn a_sweep_whose_files_do_not_belong_together_is_refused() {
     let misfit = &best[best.len() - 5];
     let least = misfit.iter().map(|m| m.parse::<f64>().unwrap());
     let least = least.fold(f64::INFINITY, f64::min).to_string();
-    // The changed value has the same length, because the program would refuse a file of another length for that reason.
+    // The changed value has as many digits as the old one. Otherwise the program would refuse the file because of its
+    // length.
     let last = if least.ends_with('1') { "2" } else { "1" };
     let other = format!("{}{last}", &least[..least.len() - 1]);
     for (contents, part) in [

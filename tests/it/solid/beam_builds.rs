@@ -219,8 +219,9 @@ fn gradients_are_slopes_of_builds() {
     assert!(looked_at > 15 * ENTRIES.len(), "{looked_at}");
 }
 
-/// The second-order contribution equals the one from differences of builds. The test covers rolled ground, given travels
-/// on a plane, and pads. The contribution is unknown for quantities made of velocities.
+/// The second-order contribution equals the one from differences of builds. The test covers three motions: a roll angle
+/// of the ground, given travels on a plane ground, and heave on pads. The contribution is unknown for quantities made
+/// of velocities.
 #[test]
 fn second_order_is_that_of_builds() {
     let motions = [

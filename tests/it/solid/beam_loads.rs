@@ -52,8 +52,8 @@ impl Read<'_> {
     }
 }
 
-/// Sum of the forces on one half of the axle. Then the sum of the moments on this half: moments of the forces about the
-/// origin, plus the couples.
+/// Returns the sum of the forces on one half of the axle, and the sum of the moments on this half about the origin. The
+/// moments include the couples.
 fn sums(forces: &[(Point, Point)], couples: &[Point]) -> [Point; 2] {
     let (mut sum, mut about) = ([0.0; 3], [0.0; 3]);
     for (place, force) in forces {

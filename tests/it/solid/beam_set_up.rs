@@ -11,7 +11,8 @@ fn found(study: &Study) -> FoundSetUp {
     found.unwrap_or_else(|why| panic!("{}", why.reason()))
 }
 
-/// With the amounts of shims at the mounts and at the wheel flanges, the other formulation also gives the target values.
+/// The program computes shims at the mounts and at the wheel flanges. With these shims, the other formulation gives the
+/// target values too.
 #[test]
 fn set_ups_are_met_in_the_other_formulation() {
     let adjust = "adjust = [{ shim = \"mount\", axis = \"x\" }, { shim = \"spindle_inner\", axis = \"x\" }, { shim = \"spindle_inner\", axis = \"z\" }, \

@@ -72,7 +72,7 @@ impl Expected {
                 longer.insert(name, draw);
                 continue;
             };
-            // A right part scatters like a left one in mirror image.
+            // The scatter of a right part is the mirror image of the scatter of a left part.
             let sign = if side == "right_" && axis == 1 {
                 -1.0
             } else {

@@ -71,8 +71,8 @@ const ROLL: &str = "roll = { from = -4.0, to = 4.0, steps = 5 }\nheave = [-20.0,
 const HEAVE: &str = "heave = { from = -50.0, to = 50.0, steps = 5 }";
 const OWN: &str = "[axle.right.hardpoints]\nlower_link_axle = [4.0, -538.0, 251.0]\n";
 
-/// Every quantity of every design has the same value, whether designs are computed in SIMD lanes or one by one. Almost
-/// no design in lanes needs the solver for single designs.
+/// Every quantity of every design has the same value, whether designs are computed in SIMD lanes or one by one. The
+/// lanes leave almost no design to the solver for single designs.
 #[test]
 fn lanes_have_the_values_of_designs_one_by_one() {
     for (name, motion, right) in [

@@ -41,7 +41,8 @@ fn tuning(kind: &Kind, scatter: &str) -> Study {
 
 const X: [f64; 5] = [3.0, -2.0, 1.0, 2.5, -1.5];
 
-/// Derivatives of builds are exact: the variables move both halves, and every part of every kind of axle scatters.
+/// The derivatives of builds equal difference quotients. The variables move both halves, and every part of every kind
+/// of axle scatters.
 #[test]
 fn derivatives_of_builds_of_solid_axles_are_exact() {
     for kind in KINDS {
@@ -96,7 +97,8 @@ fn tuning_of_beam(scatter: &str) -> Study {
 
 const X_OF_BEAM: [f64; 4] = [3.0, -2.0, 2.5, 1.0];
 
-/// Derivatives of builds are exact: the variables move both halves, and every part of a twist beam scatters.
+/// The derivatives of builds equal difference quotients. The variables move both halves, and every part of a twist beam
+/// scatters.
 #[test]
 fn derivatives_of_builds_of_twist_beams_are_exact() {
     let study = tuning_of_beam(
@@ -121,7 +123,8 @@ fn builds_of_a_twist_beam_are_those_of_tolerance() {
     assert_builds_are_written_builds(&study, &X_OF_BEAM, read);
 }
 
-/// The program refuses `scatter` without the scatter of parts, because then there are no builds.
+/// The program refuses `scatter` in `[optimise]` without a section `[tolerance]`, because without scatter of parts
+/// there are no builds.
 #[test]
 fn scatter_needs_tolerances() {
     let study = study_of(&case("solid_four_link"), STILL);

@@ -103,9 +103,9 @@ fn amount(summary: &SetUpSummary, kind: &Kind, member: &str) -> f64 {
     own.map_or(0.0, |a| a.amount)
 }
 
-/// With as many threads as targets, the adjusted axle has all target values. The test computes pitch, direction and
-/// position of the axle from its points, and reads toe from the curves. Only the adjusted lengths have changed, by their
-/// amounts. The points of the body and the shape of the axle are unchanged.
+/// If there are as many adjustments as targets, the adjusted axle has all target values. The test computes pitch,
+/// direction and position of the axle from its points, and reads toe from the curves. Only the adjusted lengths have
+/// changed, by their amounts. The points of the body and the shape of the axle are unchanged.
 #[test]
 fn the_adjusted_axle_has_the_wanted_values() {
     for kind in KINDS {
@@ -209,7 +209,8 @@ fn the_adjusted_axle_has_the_wanted_values() {
     }
 }
 
-/// Returns the part of each static value's change that the effects at the design do not predict.
+/// Returns the prediction error of each static value: its change minus the change that the effects at the nominal
+/// design predict.
 pub(super) fn linear_remainders(summary: &SetUpSummary) -> Vec<f64> {
     let remainder = |i: usize| {
         let own = &summary.statics[i];
@@ -220,8 +221,8 @@ pub(super) fn linear_remainders(summary: &SetUpSummary) -> Vec<f64> {
     (0..summary.statics.len()).map(remainder).collect()
 }
 
-/// Asserts that the remainders are a quarter if the changes are halved, or an eighth if the second order vanishes.
-/// Remainders below `least` are rounding errors. Returns the number of larger ones.
+/// Asserts that halved changes give a quarter of the remainders, or an eighth if the second-order terms are zero.
+/// Remainders below `least` are rounding errors. Returns the number of larger remainders.
 pub(super) fn quarters([whole, half]: [&[f64]; 2], least: f64, name: &str) -> usize {
     let mut looked_at = 0;
     for (i, (whole, half)) in whole.iter().zip(half).enumerate() {

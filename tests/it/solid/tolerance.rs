@@ -115,8 +115,9 @@ fn gradients_are_slopes_of_builds() {
     }
 }
 
-/// The second-order contribution equals the one from differences of builds. The test covers rolled ground, given travels
-/// on a plane, and pads. The contribution is unknown for quantities made of velocities.
+/// The second-order contribution equals the one from differences of builds. The test covers three motions: a roll angle
+/// of the ground, given travels on a plane ground, and heave on pads. The contribution is unknown for quantities made
+/// of velocities.
 #[test]
 fn second_order_is_that_of_builds() {
     let motions = [
@@ -205,7 +206,8 @@ fn first_order_is_the_monte_carlo_where_scatter_is_small() {
         for (cell, spread) in found.spreads.iter().enumerate() {
             let column = &problem.outputs()[cell / problem.stations().count()].name;
             let linear = expansion.variance[cell].sqrt();
-            // At rest, positions relative to the rest position vary only by the second-order effect of the ground.
+            // In the rest position, an output that is measured from this position varies only by a second-order effect
+            // of the ground.
             if linear < 1e-9 {
                 assert!(spread.sigma < 1e-6, "{}, {column}: {spread:?}", kind.name);
                 continue;

@@ -4,7 +4,8 @@ use assert_cmd::Command;
 use hardpoint::study::Study;
 use std::path::Path;
 
-/// Axles of both kinds, each with a tuning: mirrored halves, a part that only one half has, and steering.
+/// Solid axles and a twist beam, each with a tuning. The axles have mirrored halves only, a part that exists once, or
+/// steering.
 const AXLES: [(&str, &str); 5] = [
     ("solid_axle", "optimise"),
     ("solid_axle", "panhard,optimise"),
@@ -50,8 +51,8 @@ fn both_halves_of_a_moved_axle_are_those_of_its_text() {
     }
 }
 
-/// A Panhard rod does not make the right half different. The summary mentions hardpoints of the right half only if the
-/// study gives some of them.
+/// A Panhard rod does not count as a difference between the halves. The summary mentions hardpoints of the right half
+/// only if the study gives some of them.
 #[test]
 fn only_own_points_are_called_own() {
     let text = new("solid_axle", "panhard");

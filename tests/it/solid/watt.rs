@@ -233,7 +233,8 @@ fn compare(each: usize) {
                     worst = worst.max((found - expected).abs());
                 }
             }
-            // Only a tenth of the axles, because each needs eight more solutions.
+            // Derivatives are compared for a tenth of the axles only, because each comparison needs eight more
+            // solutions.
             if solved % 10 == 0 {
                 let middle = |travels: [f64; 2]| {
                     let ([left, right], _) = linkage.solved(travels).unwrap();

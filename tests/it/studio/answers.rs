@@ -134,8 +134,9 @@ fn gradients_of_the_misfit_are_its_slopes() {
     }
 }
 
-/// Margins have the unit in which the study writes the limits. If the study's numbers are read as inches instead of
-/// millimetres, the margins have the same numbers, now in inches. Only angles stay in degrees.
+/// Margins have the unit in which the study writes the limits. The test changes the study's unit from millimetres to
+/// inches, but not its numbers. Then the numbers of the margins stay the same, and their unit is the inch. Only angles
+/// stay in degrees.
 #[test]
 fn margins_have_the_unit_of_the_study() {
     // Near limits, the program searches for extremes between stations. With two stations far from the limits, it does

@@ -77,7 +77,7 @@ fn strangers_are_refused() {
     assert_eq!(send(port, &bytes).unwrap().status, 403);
     assert_eq!(served.text(), before);
     assert_eq!(served.files(), ["study.toml"]);
-    // The same request is accepted if everything is correct.
+    // The server accepts the request if every detail is correct.
     assert_eq!(post(&path, &[]), 200);
     assert_ne!(served.text(), before);
 }

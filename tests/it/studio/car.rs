@@ -190,7 +190,7 @@ fn influences_are_slopes_of_the_results() {
 }
 
 /// If another program changed an axle's file, the server does not overwrite this file. The user can merge the page's
-/// changes into it. The changes of the other program stay.
+/// changes into it. The file keeps the changes of the other program.
 #[test]
 fn changed_files_are_kept_and_merged() {
     let served = served("car", as_it_is);

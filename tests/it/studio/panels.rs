@@ -160,7 +160,8 @@ fn limits_are_those_of_the_command() {
     }
 }
 
-/// Vehicle data that the user types on the page make the anti-features available, and the user can remove them again.
+/// The user types vehicle data on the page. Then the anti-dive and anti-squat outputs are available. The user can
+/// remove the data again.
 #[test]
 fn vehicle_data_are_typed_on_the_page() {
     let Some(browser) = Browser::start() else {
@@ -279,13 +280,13 @@ fn constraints_are_added_by_clicking_members() {
     };
     let count = "studio.state.overview.written.optimise.constraints?.length";
 
-    // Escape gives the choice up.
+    // The Escape key cancels the choice of members.
     begin("Clearance");
     browser.wait("document.documentElement.dataset.picking");
     browser.keys(&["\u{E00C}"]);
     browser.wait("!document.documentElement.dataset.picking");
 
-    // So does closing the message.
+    // Closing the message cancels the choice of members, too.
     begin("Clearance");
     browser.wait("document.documentElement.dataset.picking");
     browser.click("#banner .close");
@@ -325,7 +326,7 @@ fn constraints_are_added_by_clicking_members() {
     add();
     browser.wait(&format!("{count} === 3"));
 
-    // A limit of a quantity, from its chart.
+    // Adds a limit of a quantity from its chart.
     browser.run(&click_button(
         ".chartbox[data-column^=camber_deg]",
         "+ target",

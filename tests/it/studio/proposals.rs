@@ -29,7 +29,7 @@ fn half_of_a_proposal_has_half_of_its_tuned_values() {
     let shown = "return [...document.querySelectorAll('#rates tbody tr')].map((row) => Number(row.lastChild.textContent))";
     let full = numbers(shown);
     browser.run("const share = document.getElementById('share'); share.value = 50; share.dispatchEvent(new Event('input'))");
-    // Accepts immediately, while the page still waits for the values of the half proposal.
+    // The test accepts the half proposal immediately, while the page still waits for the values of this half proposal.
     browser.click("#accept");
     browser.wait("document.getElementById('accept') === null");
     browser.wait(SETTLED);

@@ -75,8 +75,8 @@ fn a_changed_rate_is_compared_with_the_file() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// Tune changes points and bushings. The page then compares the misfit with that of the file. The proposal shows the
-/// same two numbers.
+/// The command Tune changes points and bushings. The page then compares the misfit with that of the file. The proposal
+/// shows the same two numbers.
 #[test]
 fn tuned_bushings_are_compared_with_the_file() {
     let Some(browser) = Browser::start() else {

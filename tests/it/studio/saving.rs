@@ -254,7 +254,7 @@ fn a_comment_above_all_targets_stays() {
     );
     let text = without(&[2]);
     assert!(text.contains(all) && !text.contains(own), "{text}");
-    // A comment above the first variable of a list stays too.
+    // The program also keeps a comment above the first variable of a list.
     let commented =
         sample("macpherson_front.toml").replace("variables = [\n", "variables = [\n  # All\n");
     let served = Served::of(&commented);

@@ -333,8 +333,8 @@ fn gains_of_what_is_made_of_velocities_are_those_of_solve() {
     }
 }
 
-/// A coordinate without effect on an output has no share of the output's variance, however few the designs are. In the
-/// design position, neither a joint of the rack nor a strut's mount can raise the wheel.
+/// A coordinate without effect on an output has no share of the output's variance. This holds even for few designs. In
+/// the design position, neither a joint of the rack nor a strut's mount can raise the wheel.
 #[test]
 fn what_moves_nothing_has_no_share() {
     let from = STUDY.find("[sweep]").unwrap();

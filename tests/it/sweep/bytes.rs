@@ -27,7 +27,7 @@ fn threads_and_shards_give_the_same_bytes() {
     bench.run(&["merge", "--out", "merged", "shards"]).success();
     bench.assert_same("one", "merged");
     assert!(bench.path("merged/shown_designs.json").exists());
-    // Results name the study, not its copy.
+    // The results refer to the original study, not to the copy in the run.
     fs::copy(bench.path("study.toml"), bench.path("strut.toml")).unwrap();
     let few = ["--set", "sweep.samples=20", "--out", "few"];
     bench

@@ -13,12 +13,12 @@ fn only_the_same_sweep_is_taken_up_again() {
     refused(&["--resume", "--set", "sweep.seed=4"], "another study");
     let moved = "suspension.hardpoints.strut_top=[-35.0, 575.0, 851.0]";
     refused(&["--resume", "--set", moved], "another study");
-    // Entries that do not affect the results may change.
+    // Before a run is resumed, entries of the study that do not affect the results may change.
     let commented =
         format!("# A comment.\n{STUDY}").replace("\n[optimise]\n", "\n[optimise]\nstarts = 5\n");
     fs::write(bench.path("study.toml"), commented).unwrap();
     bench.sweep("run", &["--resume"]).success();
-    // The program does not continue a file that someone has edited.
+    // If someone has edited a result file, the program refuses to resume the run.
     let path = bench.path("run/designs.csv");
     let written = fs::read_to_string(&path).unwrap();
     fs::write(&path, written.replacen("\n5,", "\n55,", 1)).unwrap();

@@ -11,7 +11,7 @@ use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Strut with two travels for speed, and a sweep of two coordinates of its tie rod.
+/// Strut with a sweep of two coordinates of its tie rod. The motion has only two travels, to save time.
 const STUDY: &str = r#"[suspension]
 topology = "macpherson"
 

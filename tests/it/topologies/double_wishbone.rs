@@ -17,8 +17,8 @@ fn ten_thousand_random_designs_agree_with_thirty_digits() {
     random_designs(10_000);
 }
 
-/// Compares this many random designs. They are scattered around the template, each at one position within +-80 mm
-/// travel and +-40 mm rack.
+/// Compares `designs` random designs with the reference. They are scattered around the template, each at one position
+/// within +-80 mm travel and +-40 mm rack.
 fn random_designs(designs: usize) {
     let suspension = template("double_wishbone");
     let mut random = Random(1);

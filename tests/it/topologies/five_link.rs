@@ -24,8 +24,8 @@ fn ten_thousand_random_linkages_agree_with_thirty_digits() {
     random_linkages(10_000);
 }
 
-/// Compares this many random designs. They are scattered around the template, each at one position within +-80 mm
-/// travel and +-20 mm rack.
+/// Compares `designs` random designs with the reference. They are scattered around the template, each at one position
+/// within +-80 mm travel and +-20 mm rack.
 fn random_linkages(designs: usize) {
     for (name, seed) in [("five_link", 5), ("integral_link", 51), ("h_arm", 52)] {
         random_designs(name, seed, designs);

@@ -79,7 +79,7 @@ fn compare(
         };
         for order in 0..2 {
             let expected = wanted[order] * scale.powi(of_length - order as i32);
-            // Scale in millimetres: one radian for an angle, some hundred millimetres for a length.
+            // Scale of the error: 500 mm times `scale` for each power of a length, and 1 rad for an angle.
             let unit =
                 500.0_f64.powi(of_length - order as i32) * scale.powi(of_length - order as i32);
             let error = (found[order] - expected).abs() / unit;

@@ -106,7 +106,7 @@ fn loads_are_balanced_and_the_spring_takes_its_share() {
                 let ratio = rate(Quantity::Characteristic(Characteristic::MotionRatio), 0);
                 work.note((found.support * ratio - power) / load.force.norm());
 
-                // If a support at the wheel centre replaces the spring, it does the same work.
+                // A support at the wheel centre can replace the spring. Its work balances the work of the load, too.
                 let held = solver
                     .balance(pose, point.rack, Support::WheelCentre)
                     .unwrap()

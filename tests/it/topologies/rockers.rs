@@ -88,9 +88,9 @@ fn read_arm(
 }
 
 /// The test chooses angles of an arm and a rocker, and constructs a rod with equal lengths before and after the motion.
-/// The solver must find these angles, wherever the axes are. Let p on the rocker's axis be the origin, i the inner end,
-/// o and o' the outer end before and after, and R the rocker's rotation. The lengths are equal if 2 i.(R'o' - o) =
-/// o'.o' - o.o, which is the equation of a plane for i.
+/// The solver must find these angles, wherever the axes are. Let p, a point on the rocker's axis, be the origin. Let i
+/// be the inner end, o and o' the outer end before and after, and R the rocker's rotation. The lengths are equal if 2
+/// i.(R'o' - o) = o'.o' - o.o, which is the equation of a plane for i.
 #[test]
 fn planted_angles_come_back() {
     let mut random = Random(21);
@@ -253,8 +253,8 @@ fn rods_keep_their_lengths() {
 }
 
 /// Points of rockers agree with a solution of thirty digits. The test compares values, first and second derivatives,
-/// and the sensitivities of these three to every hardpoint. The inverse of the leverages multiplies an error of the
-/// outer end. The leverages are above 0.2 here. For derivatives, this factor applies once more for each order.
+/// and the sensitivities of these three to every hardpoint. The bound of the error is divided by the leverages, which
+/// are above 0.2 here. For derivatives, it is divided once more for each order.
 #[test]
 fn points_of_rockers_agree_with_thirty_digits() {
     let mut random = Random(23);

@@ -12,8 +12,8 @@ use hardpoint::study::Study;
 use std::path::Path;
 
 /// Wheel centre and inner end of the spindle, rotated about the axis until the centre has risen by `travel`. The angle
-/// follows from the height z.(l cos + (e x l) sin) of the centre, with the centre's lever l about the axis and the axis
-/// direction e.
+/// follows from the height z.(l cos + (e x l) sin) of the centre. Here l is the centre's lever about the axis, and e is
+/// the axis direction.
 fn turned<T: Real>(p: &[Vector3<T>], travel: T) -> [Vector3<T>; 2] {
     let [first, second, centre, spindle] = [p[0], p[1], p[2], p[3]];
     let axis = (second - first).normalised();
@@ -21,7 +21,7 @@ fn turned<T: Real>(p: &[Vector3<T>], travel: T) -> [Vector3<T>; 2] {
     let (a, b) = (lever(centre), axis.cross(lever(centre)));
     let height = a.z + travel;
     let h = a.z * a.z + b.z * b.z;
-    // Of the two roots, this one has the angle zero at travel zero.
+    // This root has the angle zero at travel zero. The other root has not.
     let root = (h - height * height).sqrt();
     let root = root * b.z.sign();
     let (cosine, sine) = (

@@ -98,7 +98,7 @@ fn extrapolated(near: Vector3<Dd>, far: Vector3<Dd>) -> Vector3<Dd> {
     near + (near - far) * reciprocal(3.0)
 }
 
-/// Positions for the values from which [`slope`] computes a derivative, in steps.
+/// Positions of the four values from which [`slope`] computes a derivative, in units of the step.
 pub const PLACES: [f64; 4] = [-2.0, -1.0, 1.0, 2.0];
 
 /// Derivative from values at [`PLACES`].

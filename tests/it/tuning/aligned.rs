@@ -53,9 +53,9 @@ fn points(study: &Study, names: &[&str]) -> Vec<Vector3<f64>> {
     names.iter().map(at).collect()
 }
 
-/// The order in which a study lists the points of a plane or a line changes neither the violation nor the tuned design nor the
-/// price. The violation is the distance from the plane through the largest triangle, or from the line through the two points
-/// that are farthest apart.
+/// A study lists the points of a plane or a line. Their order changes neither the violation, nor the tuned design, nor
+/// the price. The violation is the distance from the plane through the largest triangle, or from the line through the
+/// two points that are farthest apart.
 #[test]
 fn the_order_of_points_on_a_plane_or_line_does_not_matter() {
     let plane = [
@@ -98,7 +98,8 @@ fn the_order_of_points_on_a_plane_or_line_does_not_matter() {
     }
 }
 
-/// The distance of a point from a line has the same price in every order, and its equalities are exact.
+/// Tunings with three points on a line give the same design and the same price of the constraint in every order of the
+/// points. The tuned points are on the line to 1e-6 mm.
 #[test]
 fn a_line_is_met_exactly_at_one_price() {
     let names = ["lower_arm_front", "lower_arm_rear", "tie_rod_inner"];
@@ -133,7 +134,8 @@ fn a_line_is_met_exactly_at_one_price() {
     }
 }
 
-/// A limit far from binding: its margin is that of the nearest pose between the stations, at the position of this pose.
+/// The margin of an inactive limit belongs to the nearest pose, also between stations. The program reports this margin
+/// and the travel of this pose.
 #[test]
 fn the_margin_of_a_limit_that_does_not_bind_is_that_between_stations() {
     let of = |steps: usize| {

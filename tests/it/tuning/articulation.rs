@@ -200,7 +200,8 @@ fn margins_of_a_drive_shaft_are_degrees() {
     }
 }
 
-/// The joint angle has a kink at 0. There, the margin equals the limit, and the row still has a derivative (zero).
+/// The joint angle has a kink at 0. There, the margin equals the limit, and the program gives zero as the derivative of
+/// the constraint.
 #[test]
 fn a_joint_that_does_not_turn_has_its_whole_limit() {
     let constraint = "optimise.constraints=[{ articulation = \"lower_ball_joint\", at_most = 18.5, at = \"design\" }]";

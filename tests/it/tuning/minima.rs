@@ -217,7 +217,8 @@ impl Random {
         let mut limits = [Kind::Length, Kind::Rim, Kind::Band].map(Limit::wide);
         let nought = || vec![[-60.0, 0.0], [60.0, 0.0]];
         let wide = with(&[nought(), nought()], &limits);
-        // The target curves are deviations of the target design from zero, in multiples of the tolerance.
+        // The test reads the residuals of the target design for targets of zero. They are the target curves, in
+        // multiples of the tolerance.
         let wanted = wide.assessed(&DVector::from_fn(8, |_, _| off(20.0)));
         let wanted = &wanted.goal.residuals;
         let stations = &wide.study.motion().values;
@@ -271,7 +272,8 @@ impl Random {
         let count = self.study.optimise.as_ref().unwrap().constraints.len();
         let mut rooms = vec![[f64::INFINITY; 2]; count];
         for (label, value) in self.layout.labels().iter().zip(at.rows.residuals.iter()) {
-            // Uses only the radius of a rim, not the ends of the rim.
+            // For a rim constraint, the test uses only the distance from the rim's radius, not from the ends of the
+            // rim.
             if label.part == self.first_part(label.constraint) {
                 let room = &mut rooms[label.constraint][usize::from(label.is_upper)];
                 *room = room.min(-value);
@@ -305,11 +307,11 @@ pub(super) struct End {
 }
 
 impl End {
-    /// Number of points that the method evaluated before all later points were within this distance of its end, in half
-    /// ranges.
+    /// Number of evaluations until the method stays within the distance `near` of its end, in half ranges.
     fn evaluations_to(&self, near: f64) -> u64 {
         let last = self.away.iter().rposition(|away| *away > near);
-        // The point after the last one beyond this distance is the first one within it.
+        // Position `k` is the last point beyond the distance. The next point has the number k + 2, because numbers
+        // start at 1.
         last.map_or(1, |k| k as u64 + 2).min(self.away.len() as u64)
     }
 

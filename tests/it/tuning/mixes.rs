@@ -86,7 +86,8 @@ fn curve(values: impl Iterator<Item = f64>) -> String {
 
 /// Values of a characteristic at the travels.
 fn column(curves: &Curves, name: &str) -> Vec<f64> {
-    // Of the names that begin with the characteristic, the shortest one has only the unit after it.
+    // Several column names can begin with the name of the characteristic. The shortest one has only the unit after this
+    // name.
     let columns = curves.columns.iter().enumerate();
     let own = columns.filter(|(_, c)| c.name.starts_with(name));
     let (index, _) = own.min_by_key(|(_, c)| c.name.len()).unwrap();
@@ -424,10 +425,10 @@ fn check(tally: &Tally, least_share: f64) {
     for line in &tally.failed {
         println!("  {line}");
     }
-    // Ninety-nine of a hundred runs need at most twenty times the median number of evaluations. The others have a smallest change
-    // that is hard to find: the search repeats with other levels until it uses up its budget. With a smaller budget (0.04 instead
-    // of 0.1 of `max_evaluations`), 5 instead of 8 of a thousand runs were that long, but 3 more ended without a known smallest
-    // change.
+    // Ninety-nine of a hundred runs need at most twenty times the median number of evaluations. In the other runs the
+    // smallest change is hard to find: the search repeats with other misfit levels until it uses up its budget. The
+    // budget is 0.1 of `max_evaluations`, and 8 of a thousand runs were so long. With a budget of 0.04 only 5 were so
+    // long, but 3 more runs ended without a known smallest change.
     let many = tally
         .evaluations
         .iter()
@@ -520,7 +521,8 @@ fn a_higher_level_is_no_farther() {
     assert!(labelled * 100 <= 3 * count, "{labelled} of {count}");
 }
 
-/// The same holds for three hundred rising values of `good_enough`, in thirty problems of seed 4.
+/// If `good_enough` rises in three hundred steps, the kept design comes nearer to the nominal design, in thirty
+/// problems of seed 4.
 #[test]
 #[ignore = "takes minutes; .ci/long"]
 fn three_hundred_rising_levels_are_no_farther() {
@@ -530,8 +532,8 @@ fn three_hundred_rising_levels_are_no_farther() {
 }
 
 /// Compares misfits of this program with those of the crate `slsqp` from the same design. Each case has constraints
-/// that no variable affects, or dependent constraints. This program may end with a higher misfit only if the end of
-/// `slsqp` is another minimum: if this program is started there, it stays there.
+/// that no variable affects, or dependent constraints. This program may end with a higher misfit only if `slsqp` ends
+/// in another minimum. Then this program, started from that minimum, stays there.
 fn against_slsqp(seed: u64, numbers: std::ops::Range<u64>) {
     let (mut compared, mut others) = (0, 0);
     for number in numbers {

@@ -31,12 +31,12 @@ const SIX: &str = "optimise.variables=[\
     { hardpoint = \"lower_arm_front\", axis = \"z\", range = [-20.0, 20.0] }, \
     { hardpoint = \"lower_arm_rear\", axis = \"z\", range = [-20.0, 20.0] }]";
 
-/// Study with the strut's camber and kingpin curves as targets, over these six coordinates.
+/// Study with the strut's camber and kingpin curves as targets. The variables are the six coordinates of [`SIX`].
 fn strut() -> Study {
     two_curves(edited("macpherson_front.toml", &[SIX]))
 }
 
-/// Study without its third target, which is that of toe.
+/// Removes the third target of the study (toe).
 fn two_curves(mut study: Study) -> Study {
     let targets = &mut study.optimise.as_mut().unwrap().targets;
     targets.truncate(2);
@@ -642,7 +642,7 @@ fn constraints_hold_between_stations() {
 }
 
 /// The tuning keeps the design with the smallest change among those that are good enough. This change is smaller than
-/// that of the design with the smallest misfit. Variables without effect on the targets stay.
+/// that of the design with the smallest misfit. Variables without effect on the targets keep their nominal values.
 #[test]
 fn the_nearest_good_design_is_kept() {
     let variables = "optimise.variables=[\

@@ -139,8 +139,8 @@ fn a_missed_target_that_stands_still_hides_no_other() {
     }
 }
 
-/// In three tunings, an earlier version did not find the way back to the nearest design. Now they reach the squared
-/// distances that IPOPT finds.
+/// In three tunings, an earlier version did not find the good-enough design with the smallest change. Now the tunings
+/// reach the squared changes that IPOPT finds.
 #[test]
 fn ways_back_that_failed_reach_the_nearest_design() {
     for (name, least) in [

@@ -142,8 +142,8 @@ fn margins_and_prices_are_in_the_study_s_unit() {
     }
 }
 
-/// The manual's example of a planar rocker works in the study of a rocker. The points stay in one plane, although the
-/// variables alone could move them out of it.
+/// The manual's example of a planar rocker is valid in a study with a rocker, and the tuning satisfies it. The points
+/// stay in one plane, although the variables alone could move them out of it.
 #[test]
 fn the_manual_s_planar_rocker_is_tuned() {
     let manual = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/tuning.md");

@@ -30,8 +30,8 @@ fn sample(bench: &Bench, name: &str) {
     fs::copy(path, bench.path(name)).unwrap();
 }
 
-/// An interrupted run keeps its finished builds. The numbers equal those of a run with that number of builds. No file
-/// says that the run has finished.
+/// An interrupted run keeps its finished builds. The numbers equal those of a complete run with this number of builds.
+/// No file states that the run has finished.
 #[test]
 fn an_interrupted_tolerance_is_a_shorter_one_and_says_so() {
     let bench = Bench::new();

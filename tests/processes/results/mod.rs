@@ -1,4 +1,5 @@
-//! Tests of which files of a results directory may be lost, whatever program writes there and however a run ends.
+//! Tests of the files of a results directory. They state which files a run may lose, whatever program writes there and
+//! however the run ends.
 
 mod claims;
 mod full_disk;

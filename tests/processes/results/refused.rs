@@ -3,7 +3,7 @@
 use super::*;
 use std::time::{Duration, Instant};
 
-/// Strut whose design position is singular for the pose of the knuckle. The formulation in point coordinates can solve
+/// Strut whose constraint equations are singular in the design position. The formulation in point coordinates can solve
 /// this strut.
 const SINGULAR: &str = r#"[suspension]
 topology = "macpherson"

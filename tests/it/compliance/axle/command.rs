@@ -56,8 +56,8 @@ fn kc_tests_both_wheels_of_an_axle() {
         ("vertical", "opposed", "compliant_wheel_rate"),
     ] {
         let [left, right] = ["left", "right"].map(|wheel| value(load, mode, wheel, quantity));
-        // In roll or with the rack, the wheels move in opposite directions, so these values have opposite signs. Steer is
-        // positive to the left at both wheels, so it has the same sign.
+        // In roll and in steering, the wheels move in opposite directions. So camber by roll and caster by rack have
+        // opposite signs at the two wheels. Steer is positive to the left at both wheels, so its values are equal.
         let is_opposite = ["camber_by_roll", "caster_by_rack"].contains(&quantity);
         let sign = if is_opposite { -1.0 } else { 1.0 };
         assert!(
@@ -83,8 +83,7 @@ fn kc_tests_both_wheels_of_an_axle() {
         .collect();
     assert!(states.contains(&"connected") && states.contains(&"disconnected"));
 
-    // The range of loads of the secant is centred on the load at which the derivative applies, so both slopes are nearly
-    // equal.
+    // The loads of the secant are symmetric about the load of the derivative, so both slopes are nearly equal.
     let secants = figures
         .iter()
         .filter(|row| !row["secant"].is_empty() && row["quantity"] == "toe_by_lateral_force");

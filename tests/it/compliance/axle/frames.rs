@@ -8,7 +8,7 @@ use hardpoint::axle::axle_curves;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Subframe study with different wheels, a displaced rack and a load.
+/// Text of the subframe study with this motion, different wheels and a load case.
 fn turned_in(motion: &str) -> String {
     let text = std::fs::read_to_string(study("subframe_axle_compliance.toml")).unwrap();
     let own = "[axle]\n[axle.right.hardpoints]\ntie_rod_outer = [-143.0, -683.0, 231.0]\n\
@@ -103,9 +103,9 @@ fn results_do_not_depend_on_the_axes() {
     }
 }
 
-/// In the test `heave` both wheels rise by the same travel. The ride rate is the change of wheel load per rise of the
-/// contact point, in series with the tyre. The wheels have different springs, so equal loads would not raise them
-/// equally.
+/// In the test `heave` both wheels rise by the same travel. The change of wheel load per rise of the contact point is a
+/// stiffness. The ride rate is this stiffness in series with the tyre. The wheels have different springs, so equal
+/// loads would give different travels.
 #[test]
 fn ride_rates_of_heave_are_those_of_equal_travels() {
     let motion = |heave: f64| format!("heave = [{heave:?}]");

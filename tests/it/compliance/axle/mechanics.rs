@@ -45,8 +45,9 @@ fn wheels_that_share_nothing_are_single_wheels() {
     }
 }
 
-/// With `at_design_load` the nominal design is the equilibrium. Among all possible sets of bushing forces, the actual one
-/// has the least energy. Divided by the stiffnesses, these forces equal a small motion of all bodies without torsion.
+/// With `at_design_load` the nominal design is the equilibrium. Of all sets of bushing forces that balance the loads,
+/// the actual one has the least elastic energy. Force divided by stiffness is then a displacement. These displacements
+/// belong to one small rigid motion of all bodies, without torsion.
 #[test]
 fn the_drawing_is_the_equilibrium_at_the_design_load() {
     let mut random = Random(22);
@@ -89,8 +90,8 @@ fn the_drawing_is_the_equilibrium_at_the_design_load() {
     }
 }
 
-/// If the stiffness of mounts, rack and bar rises, the axle approaches one with rigid parts instead. The difference is
-/// proportional to one over the stiffness.
+/// If the stiffness of mounts, rack and bar rises, the axle approaches an axle in which these parts are rigid. The
+/// difference is inversely proportional to the stiffness.
 #[test]
 fn stiff_shared_parts_are_rigid_ones() {
     let mut random = Random(23);

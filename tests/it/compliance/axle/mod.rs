@@ -54,7 +54,7 @@ fn mount(name: &str, at: [f64; 3], rates: [f64; 6], bent: f64) -> SubframeMount 
     }
 }
 
-/// Sample axle with an elastic rack, an anti-roll bar, and a subframe to which these points belong.
+/// Sample axle with an elastic rack, an anti-roll bar, and a subframe. `carries` names the points on the subframe.
 fn sample(topology: &str, carries: &[&str], relaxed: Relaxed, random: &mut Random) -> Case {
     let (suspension, mut wheel) = elastic_axle(topology);
     let mut suspension = suspension;
@@ -196,7 +196,7 @@ impl Builder<'_> {
         parts.iter().find(|part| part.point == id).cloned()
     }
 
-    /// Adds the parts of the wheel. Returns carrier and lever.
+    /// Adds the parts of the wheel. Returns the indices of the bodies of the wheel carrier and of the lever of the bar.
     fn wheel(&mut self) -> [usize; 2] {
         let mechanism = self.case.suspension.mechanism.clone();
         self.carrier = self.world.body(Freedom::Free, self.at(mechanism.origin));
@@ -441,8 +441,8 @@ fn loads(case: &Case, built: &Built, world: &World, given: &[WheelLoads; 2]) -> 
         push(centre, flip(load.centre), none);
         push(side_at, flip(Vector3::new(0.0, -load.side, 0.0)), none);
         push(centre, none, moment);
-        // The force that holds the height acts at the contact point, but the force of the constraint acts at the wheel
-        // centre. The height constraints are the last ones.
+        // The force that holds the height acts at the contact point. The constraint of the second formulation acts at
+        // the wheel centre, so a moment is added. The height constraints are the last two.
         let count = world.multipliers.len();
         let held = Vector3::new(0.0, 0.0, -world.multipliers[count - 2 + side]);
         push(centre, none, (contact - centre).cross(held));

@@ -1,4 +1,4 @@
-//! Tests of results of axle tests under the names and definitions of other programs.
+//! Tests of axle test results in `kc.csv` with the names and definitions of other programs.
 
 use super::super::support::{elastic, fourth_order, with};
 use crate::support::rows_by_column;
@@ -61,7 +61,8 @@ fn rearward(text: &str) -> String {
     turned
 }
 
-/// Returns the changes of both wheels per newton, or per newton times length. Loads are in the frame of each side.
+/// Returns derivatives of the positions and angles of both wheels with respect to a common factor on `loads`. Loads are
+/// in the frame of each side.
 fn response(study: &Study, loads: [WheelLoads; 2], step: f64) -> [WheelFigures; 2] {
     let both = study.axle().unwrap();
     let elastic = both.axle.elastic.as_ref().unwrap();
@@ -299,7 +300,7 @@ fn named(study: &Study, program: OtherProgram) -> Vec<BTreeMap<String, String>> 
     rows.into_iter().filter(has_name).collect()
 }
 
-/// Each value equals the motion in vehicle axes that its definition describes in words. This holds for all axis
+/// The definition of each value describes a motion in vehicle axes. The value equals this motion for all axis
 /// conventions of the study.
 #[test]
 fn values_of_other_programs_are_motions_by_loads_on_both_wheels() {
@@ -331,7 +332,8 @@ fn values_of_other_programs_are_motions_by_loads_on_both_wheels() {
     }
 }
 
-/// Signs of values of other programs relative to this program, at the left and right wheel, for a test result and a mode.
+/// Signs of the results of other programs divided by the results of this program. Each row has the other program, test
+/// result, mode, and the signs at the left and right wheel.
 const SIGNS: [(OtherProgram, &str, &str, [f64; 2]); 14] = [
     (ALTAIR, "toe_by_lateral_force", "parallel", [-1.0, -1.0]),
     (ALTAIR, "toe_by_lateral_force", "opposed", [-1.0, 1.0]),
@@ -362,8 +364,8 @@ const SIGNS: [(OtherProgram, &str, &str, [f64; 2]); 14] = [
 const ALTAIR: OtherProgram = OtherProgram::Altair;
 const ADAMS: OtherProgram = OtherProgram::Adams;
 
-/// The signs relative to this program equal those in the manual's table. In these tests the wheel load is held, and the
-/// wheels are upright.
+/// The ratios of the signs of other programs to the signs of this program equal the manual's table. In these tests the
+/// wheel load is held, and the wheels are upright.
 #[test]
 fn signs_against_ours_are_those_of_the_manual() {
     let study = elastic(&text());

@@ -40,8 +40,8 @@ fn study(more: &str) -> Study {
     elastic(&with("subframe_axle_compliance.toml", more))
 }
 
-/// Derivatives of builds are exact if a variable changes a rate of both wheels or of a shared part, and this rate also
-/// scatters.
+/// The derivatives of the builds' residuals equal difference quotients. The variables include rates that also scatter:
+/// a rate of both wheels and a rate of a shared part.
 #[test]
 fn derivatives_of_builds_of_elastic_axles_are_exact() {
     let study = study(&format!("{TUNED}{SCATTER}"));

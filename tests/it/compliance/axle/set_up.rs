@@ -119,8 +119,8 @@ fn wheels_that_differ_are_set_up_as_a_whole() {
     }
 }
 
-/// The program refuses three things: targets that an equilibrium does not define, test results, and adjustments that lift
-/// one side. The message names an alternative.
+/// The program refuses three kinds of input: targets without a value in an elastic equilibrium, test results as
+/// targets, and adjustments that lift one side. The message names an alternative.
 #[test]
 fn what_cannot_be_set_up_is_refused() {
     let refusal = |name: &str, setup: &str, further: &str| {

@@ -84,7 +84,7 @@ fn rates_of_an_axle_are_identified_from_a_sheet() {
     }
 }
 
-/// The written study does not need its sheet, because it contains the targets with the same meaning.
+/// The written study does not need its sheet, because it contains the targets of the sheet.
 #[test]
 fn targets_of_a_sheet_are_written_out() {
     let study = study_of(&sheet(0.0, 1), WHOLE).unwrap();

@@ -16,8 +16,8 @@ use std::path::Path;
 
 const SUBFRAME: &str = "subframe_axle_compliance.toml";
 
-/// Study of the subframe with another motion. Hardpoints and rates of the right wheel differ from those of the left
-/// wheel.
+/// Text of the subframe study with the motion `motion`. Hardpoints and rates of the right wheel differ from those of
+/// the left wheel.
 fn asymmetric(motion: &str, more: &str) -> String {
     let text = with(SUBFRAME, more);
     let own = "[axle.right.hardpoints]\ntie_rod_outer = [-143.0, -683.0, 231.0]\nlower_arm_rear = [-196.0, -372.0, 201.0]\n\
@@ -221,7 +221,7 @@ sensitivities = ["tie_rod_inner", "lower_arm_rear"]
             }
         }
     }
-    // Two wheels with six outputs at five stations, and six coordinates (two points).
+    // Number of compared values: two wheels, six outputs, five stations, and six coordinates (two points).
     assert_eq!(checked, 2 * 6 * 5 * 6);
 }
 
@@ -398,7 +398,8 @@ fn rates_of_springs_bar_and_steering_vary() {
         found.unwrap().unwrap().goal
     };
     assert_slopes(at, &x, &[0.5, 0.01, 0.01, 2.0e4], 4);
-    // With the rack locked, the rates of rack and column have no effect on a row of the residuals.
+    // If the rack is locked, the stiffnesses of rack and steering column have no effect. So their derivatives in row 3
+    // are zero.
     let slopes = at(&x).jacobian;
     assert_eq!([slopes[(3, 2)], slopes[(3, 3)]], [0.0; 2]);
     assert!(slopes[(2, 2)] != 0.0 && slopes[(2, 3)] != 0.0);
@@ -645,7 +646,7 @@ fn rows_of_a_sweep_are_those_of_single_designs() {
                     .map(|s| of(s, &name))
                     .fold(f64::NEG_INFINITY, f64::max)
             } else {
-                // The slope applies to the design position.
+                // The slope column contains the value in the design position.
                 of(1, name)
             };
             assert!(
@@ -772,7 +773,7 @@ fn figures_have_names_of_their_own() {
                 && (row["travel_left_mm"].parse() == Ok(0.0)
                     && row["travel_right_mm"].parse() == Ok(0.0))
         });
-        // For a single load on the other wheel, the table has no result of this wheel.
+        // If a load acts on one wheel only, the table has no results of the other wheel.
         let row = row.unwrap_or_else(|| panic!("{}", figure.name()));
         let expected: f64 = row[key].parse().unwrap();
         let name = figure.name();
@@ -939,7 +940,8 @@ constraints = [
 ]
 "#;
 
-/// The derivatives of limits on an axle's test results equal difference quotients. A limit is active if a target demands more.
+/// The derivatives of limits on an axle's test results equal difference quotients. The toe target demands more
+/// understeer than its limit allows. So the tuned axle has the limit value.
 #[test]
 fn figures_of_an_axle_keep_their_limits() {
     let study = elastic(&with(SUBFRAME, LIMITED));
@@ -961,7 +963,7 @@ fn figures_of_an_axle_keep_their_limits() {
         found.unwrap().unwrap().rows
     };
     let x = [1.3, 0.2, -0.1];
-    // Five limits of quantities and test results, and two of a length.
+    // Seven rows: five limits of quantities and test results, and two limits of a length.
     assert_slopes(at, &x, &[0.05, 0.005, 0.005], 7);
     let tuning = tune(&study.vehicle, optimise, Control::default()).unwrap();
     let best = tuning.best.unwrap();

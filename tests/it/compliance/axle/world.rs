@@ -83,7 +83,7 @@ struct Moved<'t> {
     at: Vector3<Tracked<'t>>,
     columns: [Vector3<Tracked<'t>>; 3],
     slide: Tracked<'t>,
-    /// Tape indices of its inputs.
+    /// Positions of the body's inputs on the tape.
     inputs: Vec<usize>,
 }
 
@@ -334,8 +334,8 @@ impl World {
         }
     }
 
-    /// Solves for the equilibrium. `loads` returns the loads for the present state. Applies them in one step, or else in
-    /// eight increments.
+    /// Solves for the equilibrium. `loads` returns the loads for the present state. The function applies the loads in
+    /// one step, or in eight increments if one step fails.
     pub fn solve(&mut self, loads: impl Fn(&World) -> Vec<Load>) {
         let start = self.copy();
         if self.settle(&loads).is_ok() {

@@ -315,8 +315,8 @@ fn five_links_share_the_misfit_in_balance() {
         largest = largest.max(part.preload.abs());
     }
     assert!(largest > 500.0, "{largest}");
-    // The vertical forces at the wheel centres balance the remaining force and moments. In the other three balances, the
-    // link forces alone add up to zero.
+    // The vertical forces at the wheel centres balance the vertical link force and the moments about x and y. The other
+    // three sums are zero without them: forces along x and y, and the moment about z.
     assert!(
         force[0].abs() < 1e-7 * largest && force[1].abs() < 1e-7 * largest,
         "{force:?}"
@@ -368,7 +368,7 @@ fn parts_that_fit_have_no_tension() {
     assert!(misses > 100.0, "{misses}");
 }
 
-/// The rate of a part that exists once has one random number and no side.
+/// A part that exists only once on the axle has one rate. Its rate scatters with one random number and has no side.
 #[test]
 fn the_rate_of_a_single_link_scatters_once() {
     let text = text(Kind::ThreeLinkPanhard, "free", MOTION);

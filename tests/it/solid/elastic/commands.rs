@@ -87,7 +87,8 @@ fn a_sweep_reads_designs_as_their_studies_do() {
             );
         }
     }
-    // Two quantities with a smallest value and a value in the design position, and three test results.
+    // Seven columns in each of six designs: two quantities with a minimum and a value in the design position, and three
+    // test results.
     assert!(checked >= 6 * 7, "{checked} of {columns:?}");
 }
 

@@ -69,8 +69,8 @@ fn energy(made: &Made, study: &AxleStudy, axle: &ElasticAxle, at: &AxleEquilibri
     }
 }
 
-/// The work of the pads under the wheels equals the energy stored in links, springs and bar. The work is integrated with
-/// five nodes in each of eight intervals. Its error is proportional to the tenth power of the interval.
+/// The work of the rig's pads under the wheels equals the energy stored in links, springs and bar. The work is
+/// integrated with five nodes in each of eight intervals. Its error is proportional to the tenth power of the interval.
 #[test]
 fn the_work_of_the_travels_is_the_energy() {
     let mut random = Random(42);
@@ -184,8 +184,8 @@ fn equal_parallel_links_fit_in_heave() {
 }
 
 /// If one of five links is very soft, the axle moves like a rigid axle with one upper link on its left side. Five rigid
-/// links do not fit in roll: the best fit misses the lengths of the links by about 1 mm at 2 degrees, and by 2 to 4 mm at
-/// 4 degrees.
+/// links do not fit in roll. In the best fit, the link lengths are wrong by about 1 mm at 2 degrees, and by 2 to 4 mm
+/// at 4 degrees.
 #[test]
 fn five_rigid_links_miss_by_millimetres() {
     const MOTION: &str = "[motion]\ntravel_left = [26.54, -26.54, 53.14, -53.14]\ntravel_right = [26.54, -26.54, 53.14, -53.14]\n[outputs]\n\
@@ -245,7 +245,7 @@ fn the_links_add_roll_stiffness_by_their_rates() {
     for kind in [Kind::FourLink, Kind::ThreeLinkPanhard] {
         let made = plain(kind, true, STILL);
         for travels in [[0.0, 0.0], [30.0, -25.0]] {
-            // Roll stiffness of the links in N mm/rad; that of the springs is 2e7.
+            // Roll stiffness of the links in N mm/rad. The springs have a roll stiffness of 2e7 N mm/rad.
             let found = roll_figure(&made.text, name, travels);
             assert!(found.abs() < 1.0, "{kind:?}: {found}");
         }
@@ -308,8 +308,8 @@ fn the_drawing_is_the_equilibrium_at_the_design_load() {
         let run = AxleKcRun::new(vehicle, &elastic.parts).unwrap();
         let stations = run.run(&[([10.0, -15.0], 0.0)], &elastic.tests);
         let matrix = stations[0].matrix.as_ref().unwrap();
-        // A wheel load at the contact point makes the stiffness matrix slightly unsymmetric. This part is small compared
-        // with the springs.
+        // A wheel load at the contact point makes the stiffness matrix slightly unsymmetric. The unsymmetric part is
+        // small compared with the stiffness of the springs.
         let size = (0..12).map(|i| matrix[i][i].abs()).fold(0.0, f64::max);
         for i in 0..12 {
             for j in 0..12 {

@@ -65,7 +65,8 @@ impl Second {
         self.plus(&other.scaled(-1.0))
     }
 
-    /// Applies a function to the number. The argument holds the function's value and its first two derivatives.
+    /// Applies a function to the number, with the chain rule. The argument contains the function's value and its first
+    /// two derivatives.
     fn of(&self, [value, slope, second]: [f64; 3]) -> Self {
         Second {
             value,
@@ -211,7 +212,7 @@ impl Axle {
         }
     }
 
-    /// Returns the end of a link. The end moves with the inputs, whose variables have the indices from 6 on.
+    /// Returns the end of a link. The end moves with the inputs. The variables of the inputs have indices from 6.
     fn end(&self, frame: &Frame, inputs: &[Input], link: usize, is_axle: bool) -> Triple {
         let own = &self.links[link];
         let mut at = frame.constant(if is_axle { own.axle } else { own.body });

@@ -63,8 +63,7 @@ impl Hyper {
         self.chain(self.value.atan(), slope, -2.0 * self.value * slope * slope)
     }
 
-    /// Returns the angle of a direction from its component `ahead`, which must be positive, and its component `self`
-    /// across.
+    /// Returns the angle of a direction with the components `ahead` (must be positive) and `self` (across).
     pub fn angle(self, ahead: Hyper) -> Hyper {
         assert!(ahead.value > 0.0);
         (self * ahead.inverse()).arctangent()

@@ -75,9 +75,9 @@ fn steered<R>(
     Ok(look(&placed, read))
 }
 
-/// If a drag link is parallel to the Panhard rod, equally long and at the same height, heave and roll do not steer the
-/// wheels (to first order). If the drag link is higher by `above`, its end on the knuckle moves sideways by `above` times
-/// the roll angle. With the arm length `ARM` the wheels steer by -above/ARM per roll angle.
+/// Let the drag link be parallel to the Panhard rod and equally long. If it is at the same height, heave and roll do
+/// not steer the wheels to first order. If the drag link is higher by `above`, its end on the knuckle moves sideways by
+/// `above` times the roll angle. With the arm length `ARM` the wheels steer by -above/ARM per roll angle.
 #[test]
 fn a_drag_link_steers_in_roll_by_its_height_over_the_panhard_rod() {
     for above in [0.0, 12.0, -30.0] {
@@ -154,9 +154,9 @@ fn limits_of_the_drag_link_are_its_toggles() {
     let last = 920.0 - (reach * reach - ARM * ARM).sqrt();
     let own = axle(&study(&level(0.0, 0.0), "[motion]\nheave = [0.0]\n"));
     let [lower, _] = own.axle.limits().unwrap().rack.unwrap();
-    // A rod counts as at its toggle if its leverage is below 1e-5. Leverage is the sine of the angle between rod and arm.
-    // With the drag link length c and the arm length a, this point is a c/(a + c)/2 times the square of the leverage
-    // before the end of the range.
+    // A rod counts as at its toggle if its leverage is below 1e-5. Leverage is the sine of the angle between rod and
+    // arm. Let c be the drag link length and a the arm length. Then the toggle is reported before the end of the range,
+    // at a distance of a c/(a + c)/2 times the square of the leverage.
     let before = 0.5e-10 * ARM * 920.0 / reach;
     let error = lower.value - last;
     assert!(

@@ -124,7 +124,7 @@ fn compare(world: &World, motion: &str, scatter: f64) -> [usize; 2] {
 }
 
 /// SIMD lanes and the solver for single designs give equal values for steered axles: in roll, in heave, and steered to
-/// both sides. Almost no design in lanes needs the solver for single designs.
+/// both sides. The lanes leave almost no design to the solver for single designs.
 #[test]
 fn lanes_have_the_values_of_designs_one_by_one() {
     let mut generator = Random(99);

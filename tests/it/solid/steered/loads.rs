@@ -181,8 +181,8 @@ fn members_balance_loads_on_steered_wheels() {
     assert!(worst < 1e-11, "{worst:e}");
 }
 
-/// In roll at constant load, the sum of the wheel loads is that of the level axle with the rack in the middle. This holds
-/// at every station, including the first. A station does not depend on the stations before it.
+/// In roll with the wheel load held, the sum of both wheel loads equals the sum at zero roll and zero rack
+/// displacement. This holds at every station, including the first. A station does not depend on the stations before it.
 #[test]
 fn the_level_axle_gives_the_load_of_every_station() {
     let mut generator = Random(466);

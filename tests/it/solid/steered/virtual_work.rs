@@ -1,5 +1,6 @@
-//! Tests of roll centres and anti-dive against velocities of the other formulation. Forces are computed with the knuckle
-//! points at the contact points. The kinematic roll centre is computed with the axle point midway between them.
+//! Tests of roll centres and anti-dive against velocities of the other formulation. Values that are based on forces use
+//! the velocities of the knuckle points at the contact points. The kinematic roll centre uses the velocity of the axle
+//! point midway between the contact points.
 
 use super::hyper::{Hyper, Point, cross, dot, minus, plus};
 use super::world::{At, Solved, Travels, World};
@@ -138,6 +139,6 @@ fn roll_centres_and_anti_dive_are_those_of_velocities() {
         apart = apart.max((values[0] - values[2]).abs());
     }
     println!("{worst:e}; both roll centres up to {apart} mm apart");
-    // The knuckles steer in roll, which affects only the force-based roll centre.
+    // The knuckles steer in roll. This affects only the force-based roll centre, so the two roll centres differ.
     assert!(apart > 1.0);
 }

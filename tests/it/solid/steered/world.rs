@@ -49,7 +49,7 @@ pub struct Wheel {
     /// Spin axis, pointing outboard.
     pub spin: Point,
     pub contact: Point,
-    /// Kingpin: a point of it, and its upward direction.
+    /// Kingpin: a point on the kingpin axis, and the upward direction of this axis.
     pub kingpin: [Point; 2],
 }
 

@@ -66,7 +66,7 @@ impl FirstMotion {
                 check_drive(motion, own)?;
                 own.motion = motion_in(motion, (*unit, *frame), &own.suspension);
                 if motion.drive == Drive::PaperTheta {
-                    // With this drive, sensitivities and certificates are not available.
+                    // With the drive of Attia's paper, sensitivities and certificates are not available.
                     own.outputs.sensitivities.clear();
                     own.outputs.certify = false;
                 }
@@ -150,7 +150,7 @@ pub fn compared(label: String, study: &Study, mut curves: CurveTable) -> Compare
         && let [rack] = motion.rack[..]
         && rack != 0.0
     {
-        // A motion with a single rack displacement has no column for the rack.
+        // A motion with a single rack displacement has no column for the rack, so the column is added here.
         curves.set_constant(&format!("rack_{}", suspension.length_unit.symbol()), rack);
     }
     let axle = study.axle().map(|both| &both.axle);

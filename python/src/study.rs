@@ -22,7 +22,8 @@ pub(crate) struct Study {
     pub(crate) study: hardpoint::study::Study,
     /// The original study, if this study was made by moving its points instead of reading a text.
     moved_from: Option<Py<Study>>,
-    /// Cache of the study with a text of its points, for a study whose points were moved.
+    /// Copy of the study whose text contains the moved points. It is made at its first use, and only if points were
+    /// moved.
     whole: OnceLock<hardpoint::study::Study>,
 }
 
@@ -226,7 +227,7 @@ pub(crate) fn topologies() -> Vec<&'static str> {
     Topology::ALL.iter().map(|t| t.name).collect()
 }
 
-/// Commented study of a topology that runs without changes.
+/// Commented study of a topology. The study runs without changes.
 #[pyfunction]
 #[pyo3(signature = (topology, parts=Vec::new()))]
 pub(crate) fn template(topology: &str, parts: Vec<String>) -> PyResult<String> {

@@ -52,8 +52,8 @@ fn given(
     })
 }
 
-/// Variables with these names as columns of a table of designs. Without names, the variables that the study moves. Rates
-/// are those of the study's `[sweep]`.
+/// Returns the variables with these names, as columns of a table of designs. Without names, returns the variables that
+/// the study moves. The name of a rate refers to a variable of the study's `[sweep]`.
 fn swept(own: &hardpoint::Study, names: Option<Vec<String>>) -> PyResult<Vec<SweepVariable>> {
     let of_sweep = match own.sweep.as_ref().map(|sweep| &sweep.designs) {
         Some(Designs::Sampled(sampled)) => &sampled.variables[..],
@@ -225,7 +225,7 @@ pub(crate) fn sweep_into(
     let out = directory.to_string_lossy().into_owned();
     let mut arguments = vec![
         "sweep".to_owned(),
-        // A Python function does not print.
+        // Suppresses printing, because a Python function does not print.
         "--quiet".to_owned(),
         study.file_name(),
         format!("--out={out}"),

@@ -45,7 +45,7 @@ def made(study, **changes):
 def test_a_vehicle_of_the_numbers_of_a_study_is_that_study(name):
     study = hp.load(STUDIES / f"{name}.toml")
     again = made(study)
-    # The study from numbers contains the defaults explicitly.
+    # A study that is made from numbers states the default keys explicitly.
     expected = study.to_dict()
     expected["suspension"] = {"side": "left", "length_unit": "mm", "frame": "iso8855", **expected["suspension"]}
     assert again.to_dict() == expected

@@ -194,7 +194,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
             None => output.table(kind, &table)?,
         }
     }
-    // With standard output as target, the table is already printed as the main CSV.
+    // If the results go to standard output, the table is already there as the main CSV.
     output.print_files(&files)?;
     Ok(Exit::Done)
 }

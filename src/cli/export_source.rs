@@ -165,7 +165,8 @@ impl Source {
         if file.is_file() {
             Ok(Study::read_elastic(&file, &[])?.wheel().design.clone())
         } else {
-            // Runs of earlier versions keep no copy, and standard input is not a file.
+            // Runs of earlier versions contain no copy of the study, and standard input is not a file. So this uses the
+            // design of the study that was read.
             Ok(study.wheel().design.clone())
         }
     }

@@ -63,7 +63,8 @@ pub(super) struct ReportOptions {
 }
 
 impl ReportOptions {
-    /// Checks before the run of a command that the pictures can be written. `record` describes the curves in the pictures.
+    /// Checks that the pictures can be written, before a command computes its results. `record` describes the curves in
+    /// the pictures.
     pub(super) fn open(
         arguments: &RunArguments,
         study: &Study,
@@ -167,7 +168,7 @@ impl PictureDirectory {
         }
     }
 
-    /// Refuses pictures that could not be written.
+    /// Returns an error if the pictures cannot be written.
     fn check(&self, names: &[String]) -> Result<(), Stop> {
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         RunDirectory::check(&self.path, &self.claim(&names)).map_err(no_place_for_pictures)

@@ -36,9 +36,9 @@ pub(super) struct Ready<'s> {
     pub inputs: Vec<PathBuf>,
     /// Names of the copies of studies that are kept with the results.
     pub kept_names: &'s [&'static str],
-    /// Returns the contents of these copies. The argument is the directory of the results, which must exist.
+    /// Returns the texts of the copies of studies. The argument is the directory of the results, which must exist.
     pub kept: &'s dyn Fn(&Path) -> Vec<String>,
-    /// Writes data of single designs for the page, at the end.
+    /// Writes the data of the designs that the page shows, at the end of the sweep.
     pub draw: &'s dyn Fn(&Output, &SweepStatistics) -> Result<(), Stop>,
 }
 
@@ -147,7 +147,8 @@ pub(super) fn carry_out(
     }
     let missing = directory.done().map_err(not_this)?.missing;
     if !missing.is_empty() {
-        // These files would describe parts that are being replaced.
+        // These files summarise earlier results. They would contradict the parts that are computed now, so they are
+        // removed.
         for name in [
             "summary.json",
             "pareto.csv",
@@ -240,7 +241,7 @@ fn open(arguments: &SweepArguments, ready: &Ready<'_>) -> Result<Output, Stop> {
         ..Claim::default()
     };
     let output = Output::at(&destination, claim)?;
-    // The texts name other files relative to the directory, which did not exist before.
+    // The texts of the studies name other files relative to the directory of the results, which did not exist before.
     let texts = if keeps_study {
         (ready.kept)(destination.path())
     } else {
@@ -394,7 +395,7 @@ fn print_design(study: &Study, plan: &SweepPlan, number: u64) -> Result<Exit, St
     Ok(Exit::Done)
 }
 
-/// Parses `3/8`; the first number counts from 1.
+/// Parses the number of a shard, such as `3/8`: the third of eight shards.
 pub(super) fn shard(text: &str) -> Result<[u64; 2], String> {
     let parts = text
         .split_once('/')

@@ -9,10 +9,10 @@ use crate::plan::Plan;
 use crate::report::{DrawnDesign, Record};
 use crate::study::{Study, WheelStudy};
 
-/// Largest number of frames in the drawing, and of stations with sensitivities. The page must stay small, and a run of a million
-/// stations must not be solved twice.
+/// Largest number of frames in the drawing, and of stations with sensitivities. The limit keeps the page small. It also saves
+/// the time to solve long runs twice.
 const MOST_FRAMES: usize = 400;
-/// Largest number of rack displacements among these frames.
+/// Largest number of rack displacements among the frames of the drawing.
 const MOST_RACKS: usize = 9;
 
 /// A design to be recorded: label, file with its curves, wheel, and curves.

@@ -270,7 +270,8 @@ mod tests {
         }
     }
 
-    /// 1 mm and 1 deg carry 7 N and 7 N mm. The result is in the unit of the subsystem, and torques are per rad.
+    /// The property file has a force of 7 N at 1 mm, and a torque of 7 N mm at 1 deg. The result is in the unit of the
+    /// subsystem, and its angles are in rad.
     #[test]
     fn curves_are_in_newtons_rad_and_the_unit_of_the_subsystem() {
         let made = curves_of(source("1 7\n0 0\n-1 -7"), LengthUnit::Metre).unwrap();

@@ -172,7 +172,7 @@ pub(super) enum Coordinate {
 }
 
 impl Coordinate {
-    /// Combines two statements. `None` if they contradict each other.
+    /// Combines two statements about the same coordinate. `None` if they contradict each other.
     pub(super) fn and(self, other: Coordinate) -> Option<Coordinate> {
         match (self, other) {
             (Coordinate::Unknown, other) | (other, Coordinate::Unknown) => Some(other),
@@ -191,12 +191,12 @@ impl Coordinate {
 pub(super) struct Declared(pub(super) [Coordinate; 3]);
 
 impl Declared {
-    /// Makes a statement of all three axes.
+    /// Makes a statement that gives the directions of all three axes.
     pub(super) fn whole(axes: Axes) -> Self {
         Declared(axes.0.map(Coordinate::Grows))
     }
 
-    /// Combines two statements. Returns an error that names `place` if they contradict each other.
+    /// Combines two statements about the axes. Returns an error that names `place` if they contradict each other.
     pub(super) fn and(self, other: Declared, place: &str) -> Result<Declared, String> {
         let mut both = self;
         for (k, coordinate) in both.0.iter_mut().enumerate() {

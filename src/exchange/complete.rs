@@ -32,7 +32,8 @@ pub(super) fn drop_incomplete(
             continue;
         }
         has_lost_rocker |= group.what == "the rocker";
-        // If two lists are equally complete, the first one is used: a pushrod.
+        // Chooses the most complete list of points. If two lists are equally complete, chooses the first one: the
+        // pushrod.
         let nearest = lists()
             .rev()
             .max_by_key(|list| list.iter().filter(given).count());

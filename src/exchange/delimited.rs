@@ -116,7 +116,7 @@ fn with_titles(text: &str, separator: u8) -> Cow<'_, str> {
                 >= 3;
         if line.starts_with('#') && !title.contains('"') && !is_row {
             titles.extend(std::iter::repeat_n(' ', line.len() - title.len()));
-            // Commas separate the parts of a title in every table.
+            // Commas split a title in every table. So they are replaced by the separator of this table.
             titles += &title.replace(',', char::from(separator).encode_utf8(&mut [0; 4]));
         } else {
             titles += line;
@@ -135,7 +135,7 @@ fn lines_of(text: &str) -> impl Iterator<Item = &str> {
 const MOST_WORDS: usize = 4;
 
 /// Cells of a line with a name followed by at least three numbers, separated by spaces. Also the cells of a header that ends with
-/// x, y and z, each with further words such as its unit. `None` for any other line.
+/// x, y and z; each letter may be followed by words such as its unit. `None` for any other line.
 fn in_words(line: &str) -> Option<Vec<String>> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let is_number = |word: &&&str| !word.ends_with(',') && is_number(word);

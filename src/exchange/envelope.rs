@@ -192,7 +192,8 @@ fn poses(
     Ok(poses)
 }
 
-/// Poses of both wheels of a solid axle or a twist beam, in all combinations of their travels. The right one varies fastest.
+/// Poses of both wheels of a solid axle or a twist beam, in all combinations of their travels. The travel of the right wheel
+/// varies fastest.
 fn poses_of_axle(
     outgoing: &Outgoing<'_>,
     axle: &Axle,

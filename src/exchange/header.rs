@@ -303,8 +303,8 @@ fn along(word: &str) -> Option<usize> {
     }
 }
 
-/// In a row of titles, returns the words beside x, y and z, such as "um" in `x [um]`. If the row is not a header, at least one of
-/// these words is not known.
+/// Returns the words beside x, y and z in a row of titles, such as "um" in `x [um]`. For a row that is not a valid header, at
+/// least one of these words is not known.
 pub(super) fn unknown_beside_axes(sheet: &Sheet, row: u32) -> Option<String> {
     let beside = |axis: &str| {
         let mut cells = sheet.row(row).filter_map(|(_, cell)| text(cell));

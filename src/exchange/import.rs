@@ -150,7 +150,7 @@ struct Selection {
     makes_wheel: bool,
 }
 
-/// Selects the points and the numbers of one wheel or axle. `roles` and `named` are those of all points of the table.
+/// Selects the points and the numbers of one wheel or axle. `roles` and `named` contain all points of the table.
 fn select(
     table: &PointTable,
     options: &ImportOptions<'_>,
@@ -303,8 +303,8 @@ pub(super) fn for_axle(
     Ok(imported)
 }
 
-/// Linkages that hold a solid axle sideways, and one hardpoint of each linkage. Such an axle has one upper link, with its
-/// actual y.
+/// Linkages that hold a solid axle sideways, and one hardpoint of each linkage. An axle with such a linkage has a single
+/// upper link, which need not be in the centre plane.
 const ACROSS: [(&str, &str); 2] = [
     ("panhard_axle", "a Panhard rod"),
     ("watt_axis", "a Watt linkage"),

@@ -343,7 +343,7 @@ fn names_unit(keys: &[&str]) -> bool {
             .all(|word| LENGTH.split(' ').any(|known| known == word))
 }
 
-/// Directions of the axes in a text, when the key before it is about axes.
+/// Directions of the axes in a text whose key is about axes.
 fn in_words(text: &str) -> Declared {
     Declared::in_text(&format!("axes: {text}"))
 }

@@ -110,7 +110,7 @@ pub(super) fn study(topology: &Topology, parts: &[Part]) -> Result<String, Strin
     }
 }
 
-/// Text of a template during the addition of parts.
+/// Text of a template while parts are added to it.
 struct Composed<'a> {
     topology: &'a Topology,
     parts: &'a [Part],

@@ -162,7 +162,8 @@ const LOWER_ENDS: [(&str, &str); 4] = [
 
 /// Points of a suspension of Project Chrono. `None` if the map is not such a suspension.
 ///
-/// # Errors The template corresponds to no topology of this program.
+/// # Errors
+/// The template corresponds to no topology of this program.
 pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
     let is_suspension = text(root, "Type") == Some("Suspension");
     let Some(template) = text(root, "Template").filter(|_| is_suspension) else {

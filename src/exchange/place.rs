@@ -2,13 +2,14 @@
 //!
 //! | axes given | side given | result |
 //! |---|---|---|
-//! | yes | yes | the points must not contradict either of them; `--side` for points without a side asks for that wheel, if necessary as mirror image |
+//! | yes | yes | the points must not contradict the axes or the side; `--side` mirrors points without a side if they show the other wheel |
 //! | yes | no | the side follows from the points, or left is assumed |
 //! | no | yes | the axes follow from the points, if they are right-handed |
-//! | no | no | as above, with the left wheel assumed: its mirror image would be a right wheel in left-handed axes |
+//! | no | no | the left wheel is assumed, and the axes follow from the points as above |
 //!
-//! Left-handed axes are refused unless `--axes` gives them. If the points do not show the axes clearly (see [`crate::report`]'s
-//! `orientation`), the importer asks.
+//! The last row assumes a side because the same points could also be a right wheel in left-handed axes. Left-handed axes are
+//! refused unless `--axes` gives them. If the points do not show the axes clearly (see [`crate::report`]'s `orientation`), the
+//! importer asks.
 
 use super::ImportOptions;
 use super::axes::{Axes, of_reading, reading_of};
@@ -410,7 +411,7 @@ mod tests {
 
     /// Reach is the lateral distance between the wheel centre and the arms' inner ends. If the wheel centre is nearer to
     /// the centre plane than half of this reach, the origin is at the wheel. The importer then moves the points outward
-    /// by the half track, on either side.
+    /// by the half track. This applies to left and right wheels.
     #[test]
     fn wheels_at_the_origin_are_moved_out() {
         let moved = |side: Side, wheel: f64, inner: f64, half_track: Option<f64>, asked: bool| {

@@ -37,7 +37,7 @@ pub(super) fn own(
         let Some(far) = corner::pick(near.name, named, right)? else {
             continue;
         };
-        // A row without a side, or the only row of a point, already belongs to the left half.
+        // A row without a side already belongs to the left half. The only row of a point belongs to the left half, too.
         if far.origin != Some(Side::Right) || far.hardpoint.place == near.place {
             continue;
         }

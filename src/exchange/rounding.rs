@@ -52,7 +52,7 @@ pub struct Rounded {
     pub grid: Grid,
     /// Change of the misfit by rounding, if the study has targets.
     pub loss: Option<Loss>,
-    /// Constraints that the rounded design violates, and ranges without a multiple.
+    /// Constraints that the rounded design violates, and ranges that contain no multiple of the grid.
     pub broken: Vec<Broken>,
 }
 
@@ -209,7 +209,8 @@ struct Problem<'a> {
     free: &'a [bool],
     /// All coordinates in the study's axes, point by point, in the grid's unit.
     before: Vec<f64>,
-    /// Smallest and largest number of steps with which each coordinate is within its range. They are not whole numbers.
+    /// Range of each coordinate, in steps of the grid: smallest and largest number of steps. The numbers are not
+    /// rounded to integers.
     ranges: Vec<[f64; 2]>,
 }
 
@@ -287,7 +288,7 @@ impl<'a> Problem<'a> {
         within
     }
 
-    /// Steps of each coordinate, each rounded to its nearest multiple.
+    /// Coordinates in steps of the grid. Free coordinates are rounded to the nearest integer.
     fn nearest(&self) -> Vec<f64> {
         let coordinates = self.before.iter().zip(self.free);
         let steps = coordinates.map(|(x, free)| match free {
@@ -308,8 +309,8 @@ impl<'a> Problem<'a> {
         for (point, before) in suspension.design.iter().enumerate() {
             let of_study = suspension.frame.vector(*before).to_array();
             let numbers = [0, 1, 2].map(|axis| 3 * point + axis);
-            // If the units differ, the conversion of units has changed the last digit. So a coordinate on the grid is
-            // written with the grid's digits.
+            // A conversion from the study's unit to another unit of the grid changes the last digits. So a coordinate
+            // on the grid is written with the digits of the grid.
             let keeps_digits = |n: usize| !self.free[n] || stays(n) && own == self.grid.unit;
             let written = numbers.map(|n| {
                 if keeps_digits(n) {

@@ -145,7 +145,8 @@ fn replaced(given: Option<FileUnit>, written: Option<FileUnit>, symbol: &str) ->
 const USUAL_SIZE: [f64; 2] = [0.15, 3.0];
 
 /// Smallest size in metres for which centimetres are as plausible as inches. The sample suspensions have sizes of 0.45 to 1.3 m,
-/// which are 18 to 50 inches or 45 to 130 cm. Below 30 units, a size in centimetres would be two thirds of the smallest sample.
+/// which are 18 to 50 inches or 45 to 130 cm. A size of 30 units in centimetres would be 0.3 m, two thirds of the smallest
+/// sample.
 const LEAST_IN_CENTIMETRES: f64 = 0.3;
 
 /// Finds the unit of the coordinates.

@@ -154,7 +154,7 @@ fn frames_of_rows(
     drawn(axle, &placements, places)
 }
 
-/// Frames of placements, each with its values of the first and the second coordinate.
+/// Frames at positions of the axle. `places` contains the values of the first and the second coordinate for each frame.
 fn drawn(
     axle: &Axle,
     placements: &[Placement],

@@ -20,7 +20,7 @@ pub(crate) fn contrast(a: &str, b: &str) -> f64 {
     (a.max(b) + 0.05) / (a.min(b) + 0.05)
 }
 
-/// Colour of a transparent colour on a background.
+/// Resulting colour of a transparent colour on a background.
 pub(crate) fn mixed(colour: &str, background: &str, opacity: f64) -> String {
     let part = |text: &str, k: usize| f64::from(u8::from_str_radix(&text[k..k + 2], 16).unwrap());
     let mix = |k| (opacity * part(colour, k) + (1.0 - opacity) * part(background, k)).round() as u8;

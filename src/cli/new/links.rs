@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-/// First line of the template with four links. [`FIVE`] replaces it if the template gets five links.
+/// Start of the first line of the template with four links. [`FIVE`] replaces it if the template gets five links.
 const FOUR: &str = "# A solid rear axle on four links. Every";
 const FIVE: &str = "# A solid rear axle on five elastic links: two lower and two upper links, and a Panhard rod.\n# Every";
 

@@ -1,4 +1,4 @@
-//! Values that the study of an axle gives for the whole car, and that differ from those of the car.
+//! Values of the whole car in the study of an axle that differ from those in the study of the car.
 
 use super::{CarResults, CarState};
 use crate::car::{AXLE_NAMES, CarQuantity, GRAVITY, Moves, WheelPlace, WheelResult, WholeResult};

@@ -9,7 +9,7 @@ use crate::report::record::{MotionRecord, OutputRecord, Record};
 
 /// Largest number of curves per design and wheel in one chart.
 const MOST_FAMILIES: usize = 9;
-/// Largest number of curves of each wheel that all have labels.
+/// Largest number of curves per wheel for which every curve has a label.
 const MOST_OF_EACH_WHEEL: usize = 3;
 
 /// Outputs that share a chart: one output, or the same output of both wheels.
@@ -201,7 +201,7 @@ impl Chart {
                     .push(("", format!("{} of {all} values of {name}", families.len())));
             }
             let several = families.len() > 1;
-            // Short labels leave out a long name.
+            // A long column name does not fit into a short label, so a remark contains it instead.
             let unnamed = moving
                 .first()
                 .filter(|name| several && !has_short_name(name));
@@ -351,9 +351,9 @@ pub(in crate::report) fn moving_beside<'r>(
     all.filter(|name| *name != abscissa).collect()
 }
 
-/// Groups rows by the first moving column that is not on the horizontal axis; all other moving columns are nearest to zero. Also
-/// returns the number of values of that column. If there are too many values, it keeps the first, the last, the one nearest to
-/// zero, and evenly spaced others.
+/// Groups the rows of a table by the values of the first column in `moving`. Uses only rows in which all other columns of
+/// `moving` have their value nearest to zero. Also returns the number of values of the first column. If there are too many
+/// values, it keeps the first, the last, the one nearest to zero, and evenly spaced others.
 pub(in crate::report) fn families(moving: &[&String], table: &CurveTable) -> (Vec<Family>, usize) {
     let mut columns = moving.iter().filter_map(|name| table.column(name));
     let apart = columns.next();

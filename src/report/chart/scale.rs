@@ -30,7 +30,7 @@ impl Scale {
         // For a constant, the range is wide enough that rounding errors do not look like a slope.
         let least = 1e-6 * low.abs().max(high.abs()).max(1e-3);
         let (low, high) = if low == 0.0 && high == 0.0 {
-            // Exact zeros do not determine a scale.
+            // If all values are exactly zero, they do not determine a scale.
             (-1.0, 1.0)
         } else if high - low < least {
             (low - least, high + least)

@@ -41,7 +41,7 @@ struct Sheet {
 }
 
 impl KcComparison {
-    /// Compares runs. Results have the order of the first run that has them.
+    /// Compares runs. Results keep the order of the first run in which they occur.
     ///
     /// # Errors
     /// The reason in words, with the label: a text is not a `kc.csv`, runs have different columns, or unknown axes determine the
@@ -210,7 +210,7 @@ impl Sheet {
         }
     }
 
-    /// First name of a value that is not 0 and whose sign depends on the axes.
+    /// Name of the first value that is not 0 and whose sign depends on the axes.
     fn component(&self) -> Option<&str> {
         let matters = |name: &str| ColumnAxes::of(split_unit(name).0).matter();
         let is_number = |cell: &str| cell.parse::<f64>().is_ok_and(|number| number != 0.0);

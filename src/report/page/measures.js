@@ -28,7 +28,7 @@ const drawShades = (element, { rows, columns, cell, pick, picked }) => {
   noteDrawn(element);
 };
 
-// Bars with their names and numbers, the first the longest.
+// Bars with their names and numbers. The caller has sorted the bars, the longest first.
 const drawBars = (element, title, bars) => {
   const most = Math.max(1e-300, ...bars.map(({ value }) => Math.abs(value)));
   element.replaceChildren(html('p', { class: 'note', text: title }), ...bars.map(({ name, value, text, more }) => {

@@ -29,7 +29,7 @@ pub(super) fn opening(tuning: &TuningSummary, record: &Record) -> String {
     let (title, moved) = if moved.rows().next().is_some() {
         (format!("Moved points [{unit}]"), moved.html())
     } else {
-        // Without moved points, the variables are rates, or nothing moved.
+        // No point moved. Either the variables are rates, or the tuning changed nothing.
         ("Variables".to_owned(), tuning.variables_table().html())
     };
     let picture = pictures(record);

@@ -174,7 +174,8 @@ fn with_design(run: &Run, design: Option<&PageDesign>) -> String {
     page.html()
 }
 
-/// Sections of the run's own results: those of a tuning, and those of other commands.
+/// Sections with the results of the command. The first text is for a tuning, the second text for all other commands.
+/// One of the texts is empty.
 fn of_summary(run: &Run, charts: &mut Charts) -> (String, String) {
     let record = &run.record;
     match &run.summary {

@@ -249,7 +249,7 @@ fn chart(run: &Run, group: &ChartGroup<'_>) -> Layout {
     chart.layout(&run.curves)
 }
 
-/// Distinct file names of charts. Letter case does not distinguish files.
+/// Distinct file names of charts. Names that differ only in letter case count as equal.
 fn file_names(groups: &[ChartGroup<'_>]) -> Vec<String> {
     let mut taken: Vec<String> = Vec::new();
     let mut free = |name: String| {

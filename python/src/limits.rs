@@ -15,8 +15,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 /// Lower and upper end of each quantity, by name. `None` if nothing moves the quantity.
 type Ranges<'py> = Bound<'py, PyDict>;
 
-/// Limits of a wheel (travel, rack and arm angle) or of an axle (travels, rack and roll), and of loads on elastic parts: (lower,
-/// upper) with their causes.
+/// Limits of a study: (lower, upper) with their causes. A wheel has limits of travel, rack and arm angle. An axle has limits of
+/// its travels, rack and roll. Elastic parts add limits of their loads.
 #[pyfunction]
 pub(crate) fn limits<'py>(py: Python<'py>, study: &Study) -> PyResult<Ranges<'py>> {
     let own = study.whole();

@@ -323,7 +323,7 @@ pub(crate) fn catalogue() -> BTreeMap<&'static str, (&'static str, &'static str)
     let wheel = Characteristic::ALL.iter().map(|c| c.info());
     let of_wheels = WheelQuantity::ALL.iter().map(|q| q.info());
     let axle = AxleQuantity::ALL.iter().map(|q| q.info());
-    // If a wheel and an axle quantity share a name, the last entry, the axle's, replaces the others.
+    // The quantities of an axle are at the end. So an axle quantity replaces a wheel quantity of the same name.
     let all = wheel.chain(of_wheels).chain(axle);
     all.map(|info| (info.name, (info.formula, info.source)))
         .collect()

@@ -145,7 +145,7 @@ impl Table {
 }
 
 /// Rows of a sweep: one column per variable and output, the status of each design, and the reason for each failed design. The
-/// designs are those of `[sweep]` or the rows of `x`. `progress(done, all)` is called on this thread.
+/// designs come from `[sweep]` or from the rows of `x`. `progress(done, all)` is called on this thread.
 #[pyfunction]
 #[pyo3(signature = (study, x=None, variables=None, threads=None, progress=None))]
 pub(crate) fn sweep<'py>(
@@ -174,7 +174,7 @@ pub(crate) fn sweep<'py>(
     )
 }
 
-/// Page of a sweep. The designs are those of `[sweep]` or the rows of `x`. The function solves them again.
+/// Page of a sweep. The designs come from `[sweep]` or from the rows of `x`. The function solves the designs again.
 #[pyfunction]
 #[pyo3(signature = (study, x=None, variables=None))]
 pub(crate) fn sweep_page(
@@ -204,7 +204,7 @@ pub(crate) fn sweep_page(
     made.map_err(|e| not_begun(study, e))
 }
 
-/// Writes a sweep into a directory as `hardpoint sweep` does. The designs are those of `[sweep]` or the rows of `x`.
+/// Writes a sweep into a directory as `hardpoint sweep` does. The designs come from `[sweep]` or from the rows of `x`.
 /// `part` selects one part: its number from 0, and the number of parts. Returns true if every requested part is complete.
 #[pyfunction]
 #[pyo3(signature = (study, directory, x=None, variables=None, part=None, threads=None))]

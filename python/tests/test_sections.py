@@ -23,7 +23,7 @@ KINDS = [
 def test_constructors_have_the_keys_of_the_schema(kind, path):
     section, key = path
     schema = hp.schema()["anyOf"][0]["properties"][section]["properties"][key]["items"]["properties"]
-    # These keys belong to cars. The study of a wheel or an axle refuses them by name.
+    # The keys `case` and `axle` belong to cars. The study of a wheel or an axle refuses these keys by name.
     of_cars = {"case", "axle"} if section == "optimise" and key != "variables" else set()
     assert set(typing.get_type_hints(kind)) - of_cars == set(schema) - of_cars
 

@@ -127,7 +127,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     let template = Path::new("macpherson.toml");
     let path = arguments.study.as_deref().unwrap_or(template);
     let subject = Subject::of(arguments)?;
-    // These checks come before any file is written.
+    // The study is checked before any file is written.
     subject.check(arguments.kind, path)?;
     let name = format!("bench_{}", subject.name());
     let (out, format) = (arguments.out.as_deref(), arguments.format);

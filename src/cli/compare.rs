@@ -247,8 +247,8 @@ fn of_run(
             ));
             Ok(solved)
         }
-        // This study cannot follow the motion of the first design. The curves of the study's own run may have some stations in
-        // common with the first design.
+        // A study that cannot follow the motion of the first design keeps the curves of its own run. These curves may have
+        // some stations in common with the first design.
         Err(_) => Ok((compared, true)),
     }
 }

@@ -279,7 +279,7 @@ impl Output {
         match (self.directory.is_some(), self.is_text()) {
             (true, true) => terminal::print(text)?,
             (false, true) => terminal::note(text),
-            // Without tables above or below, the text needs no empty lines.
+            // A text without tables above or below needs no empty lines around it.
             (_, false) => terminal::note(&format!("{}\n", text.trim_matches('\n'))),
         }
         Ok(())

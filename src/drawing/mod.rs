@@ -19,7 +19,7 @@ const MOST_RACKS: usize = 9;
 pub type Solved<'a> = (&'a str, &'a str, &'a WheelStudy, &'a Curves);
 
 impl Record {
-    /// Makes the record of a run. Sensitivities are those of the last design.
+    /// Makes the record of a run. The sensitivities belong to the last design.
     ///
     /// # Errors
     /// If a design cannot be solved in the design position.

@@ -74,7 +74,7 @@ impl Link {
 /// Identifies the links of a live axle. Also returns a note for the user, if there is one.
 ///
 /// # Errors
-/// The links are not those of a solid axle of this program.
+/// The links do not match the topology `solid_axle`.
 pub(super) fn meanings(links: &[Link]) -> Result<(Vec<Meaning>, Option<String>), String> {
     let mut pairs: Vec<&Link> = Vec::new();
     let mut singles: Vec<&Link> = Vec::new();

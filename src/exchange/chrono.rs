@@ -5,7 +5,7 @@
 //! |---|---|
 //! | `DoubleWishbone`, `DoubleWishboneReduced` | `double_wishbone` |
 //! | `MacPhersonStrut` | `macpherson` |
-//! | `MultiLink` | `five_link`: the upper arm is two links that share their outer joint, the trailing link the lower front one, the lateral the lower rear one |
+//! | `MultiLink` | `five_link`: upper arm = two links with one outer joint; trailing link = lower front link; lateral link = lower rear link |
 //! | `SemiTrailingArm` | `semi_trailing_arm` |
 //! | `ThreeLinkIRS` | `trailing_arm_two_links` |
 //! | `SolidAxle` | `solid_axle` on four links |

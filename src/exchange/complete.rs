@@ -51,7 +51,7 @@ pub(super) fn drop_incomplete(
         hardpoints.retain(|h| !loose.contains(&h.name));
     }
     drop_from_rocker(has_lost_rocker, hardpoints, left_out);
-    // The user named these points, so they must not be dropped.
+    // Points that the user has named must not be dropped.
     let lost = before.iter().find(|was| {
         options.names.contains_key(was.name) && !hardpoints.iter().any(|h| h.name == was.name)
     });

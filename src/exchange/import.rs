@@ -431,9 +431,9 @@ fn in_order(topology: &Topology, picked: Vec<Picked>) -> Vec<Hardpoint> {
     hardpoints
 }
 
-/// Converts the points to the frame of the study. If studies know the file's frame, the study uses it, so that the coordinates
-/// stay equal to those of the file. Otherwise the study uses ISO 8855, and only the order and the signs of the coordinates
-/// change.
+/// Converts the points to the frame of the study. If the file's frame is a frame of studies, the study uses it, so that the
+/// coordinates stay equal to those of the file. Otherwise the study uses ISO 8855, and only the order and the signs of the
+/// coordinates change.
 fn to_study_frame(
     placed: Placed,
     hardpoints: [&mut Vec<Hardpoint>; 2],

@@ -61,7 +61,7 @@ pub(super) fn place(
     found(table, side, &directions, notes)
 }
 
-/// Uses axes that the user or the file states. `is_asked` is true if the user asks for the wheel `side`, and the file has points
+/// Uses axes that the user or the file states. `is_asked` is true if the user requests the wheel `side`, and the file has points
 /// without a side. [`mirror`] then makes the wheel from the other wheel.
 fn stated(
     axes: Axes,
@@ -401,7 +401,7 @@ mod tests {
                 let of_file = (Some(wheel), false);
                 let placed = stated(axes, true, of_file, &directions, &options, &mut notes);
                 assert_eq!(placed.is_ok(), !is_shown || wheel == side, "{cosine}");
-                // A wheel that the user asks for is mirrored from the wheel that the points show.
+                // The importer makes a requested wheel as the mirror image of the wheel that the points show.
                 let asked = (Some(wheel), true);
                 let placed = stated(axes, true, asked, &directions, &options, &mut notes);
                 assert_eq!(placed.unwrap().side, if is_shown { side } else { wheel });

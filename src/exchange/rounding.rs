@@ -46,7 +46,8 @@ const SPRING: f64 = 1e-3;
 pub struct Rounded {
     /// Points in the kernel's frame and the study's unit.
     pub design: Vec<Vector3<f64>>,
-    /// Points in the study's axes, with exactly the digits of the grid's unit.
+    /// Coordinates of the points in the study's axes and the grid's unit. Rounded coordinates have exactly the digits
+    /// of the grid.
     pub coordinates: Vec<[f64; 3]>,
     /// Grid of the coordinates.
     pub grid: Grid,
@@ -76,7 +77,7 @@ pub struct Broken {
     pub name: String,
     /// Distance between the value and the nearest limit.
     pub missed: f64,
-    /// The same distance before rounding. Zero if the constraint was satisfied.
+    /// Distance between the value and the nearest limit before rounding. Zero if the constraint was satisfied.
     pub missed_before: f64,
     /// Unit of both distances.
     pub unit: String,

@@ -11,7 +11,7 @@ use std::path::Path;
 /// Deepest nesting. Files of points need less than a tenth of this depth.
 const DEEPEST: usize = 100;
 
-/// True if the name of the file ends like that of a YAML file.
+/// True if the file name has the extension of a YAML file.
 pub(super) fn is_named(path: &Path) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str());
     extension.is_some_and(|extension| {

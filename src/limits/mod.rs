@@ -237,7 +237,8 @@ fn straight(limits: &Limits) -> &'static str {
     }
 }
 
-/// Range of each quantity while the others stay constant. Rockers have their own rows, because other parts limit the rockers.
+/// Range of each quantity while the other quantities stay constant. Rockers have their own rows, because other parts limit
+/// the rockers.
 fn ranges<'l>(
     study: &Study,
     limits: &'l Limits,
@@ -309,7 +310,7 @@ fn toggles(quantity: String, at: &str, range: &RockerRange, travel: &Range) -> L
     }
 }
 
-/// Rows of the table of limits, one for each quantity of a rigid wheel while the others stay constant.
+/// Rows of the table of limits, one for each quantity of a rigid wheel while the other quantities stay constant.
 fn wheel_rows(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Vec<LimitRow> {
     let ranges = ranges(study, limits, by_rack).into_iter();
     let mut rows: Vec<LimitRow> = ranges.map(|(row, range)| row.of(study, range)).collect();

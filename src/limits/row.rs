@@ -36,7 +36,7 @@ impl LimitEnd {
     }
 }
 
-/// Limits of a quantity while the others stay constant.
+/// Limits of a quantity while the other quantities stay constant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LimitRow {
     /// Quantity with its unit, such as `travel_mm`.

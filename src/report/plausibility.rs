@@ -85,8 +85,8 @@ pub fn study_doubts(study: &Study) -> Result<Vec<String>, (Side, DesignFault)> {
     Ok(found)
 }
 
-/// Warnings about the variables and targets of a study, one per line: coordinates where the key expects offsets, offsets where it
-/// expects coordinates, or points far beyond the motion.
+/// Warnings about the variables and targets of a study, one per line. They report coordinates where the key expects offsets,
+/// offsets where it expects coordinates, and points far beyond the motion.
 pub fn variable_plausibility(study: &Study) -> Vec<String> {
     let mut remarks = PlausibilityRemarks {
         suspension: study.wheel(),
@@ -173,8 +173,8 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Warnings about bodies that the study does not name: the body of a drop link if there is a rocker, and bodies of points
-    /// that are clearly nearer to another body.
+    /// Warnings about bodies that the study does not name. If there is a rocker, one warning is about the body of the drop
+    /// link. Other warnings are about points that are clearly nearer to another body.
     fn seats(&mut self) {
         let Suspension {
             mechanism,

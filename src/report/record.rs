@@ -298,7 +298,7 @@ pub(crate) fn wanted_between(
     let printed = |limit: f64| limit.is_finite().then_some(limit * factor);
     let samples = target.wanted.samples(stations).into_iter();
     let limits = samples.map(|sample| {
-        // If the study's axis points in the other direction, the limits are exchanged.
+        // If the axis of the study has the opposite direction, the lower and the upper limit are exchanged.
         let [low, high] = if factor < 0.0 {
             [sample.high, sample.low]
         } else {

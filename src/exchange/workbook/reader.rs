@@ -134,7 +134,7 @@ impl Workbook {
                         is_formula = true;
                         markup.text_of("f")?;
                     }
-                    // This element holds the pronunciation of a text.
+                    // The element `rPh` contains the pronunciation of a text, which is not needed.
                     "rPh" => drop(markup.text_of("rPh")?),
                     _ => (),
                 },

@@ -186,7 +186,8 @@ impl CarResults<'_> {
         records
     }
 
-    /// Constraints of a tuning with their `prices`. The other arguments are those of [`CarResults::target_records`].
+    /// Constraints of a tuning with their `prices`. The other arguments are the same as in
+    /// [`CarResults::target_records`].
     pub fn constraint_records(
         &self,
         wanted: &CarOptimise,

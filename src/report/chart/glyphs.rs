@@ -1,9 +1,9 @@
 //! Outlines of the letters of a TrueType font, as commands of an SVG path.
 //!
 //! A table directory lists the tables of a font (OpenType specification 1.9.1, chapters otff, cmap, head, hhea, hmtx, loca,
-//! glyf): `cmap` maps characters to glyphs, `hmtx` has advance widths, `loca` the positions of outlines in `glyf`. An outline
-//! consists of closed contours, or of other glyphs that are moved and scaled. A contour has points on and off the curve. Between
-//! two points off the curve there is an implied point on the curve, halfway:
+//! glyf). `cmap` maps characters to glyphs, `hmtx` has the advance widths, and `loca` has the positions of outlines in `glyf`.
+//! An outline consists of closed contours, or of other glyphs that are moved and scaled. A contour has points on and off the
+//! curve. Between two points off the curve there is an implied point on the curve, halfway:
 //!
 //! ```text
 //! p = (a + b) / 2                                                                       (1)

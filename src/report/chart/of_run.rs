@@ -340,8 +340,8 @@ fn has_short_name(column: &str) -> bool {
     split(column).0.len() <= 5
 }
 
-/// Columns of the coordinates that move in addition to the coordinate on the horizontal axis: the rack for a wheel, all other
-/// coordinates for an axle.
+/// Columns of the coordinates that move in addition to the coordinate on the horizontal axis. For a wheel it is the rack; for
+/// an axle it is every other coordinate.
 pub(in crate::report) fn moving_beside<'r>(
     motion: &'r MotionRecord,
     abscissa: &str,

@@ -130,7 +130,7 @@ impl Scale {
         (0..=count)
             .map(|i| {
                 let value = (first + i as f64) * self.step;
-                // This avoids a negative zero from rounding.
+                // A tick near zero gets the value 0, because rounding could give a negative zero.
                 let value = if value.abs() < 0.5 * self.step {
                     0.0
                 } else {

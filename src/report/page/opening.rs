@@ -148,7 +148,8 @@ fn nearest(design: &DesignRecord) -> Option<&Placement> {
     nearest.map(|(_, placement)| placement)
 }
 
-/// Both designs from the front and from the side. The first design is dashed, the last one has colours.
+/// Pictures of the first and the last design, from the front and from the side. The first design is dashed, the last
+/// design has colours.
 fn pictures(record: &Record) -> String {
     let [Some(first), Some(last)] = [record.motion.designs.first(), record.motion.designs.last()]
         .map(|design| design.and_then(nearest))

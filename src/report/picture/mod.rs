@@ -197,7 +197,7 @@ struct Layouts<'a> {
 /// Makes the pictures of a run, each as SVG and as PNG:
 ///
 /// - one for each output, or for the same output of both wheels;
-/// - `overview` with the outputs that have targets, or with all if none has;
+/// - `overview` with the outputs that have targets, or with all outputs if there are no targets;
 /// - `mechanism`;
 /// - for a tuning also `tuning`.
 ///

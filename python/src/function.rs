@@ -116,7 +116,7 @@ impl Function {
         self.function.stations()
     }
 
-    /// Study with its variables at `x`, an array (variables,).
+    /// Returns the study with its variables set to `x`, an array of shape (variables,).
     fn moved(&self, py: Python<'_>, x: Vec<f64>) -> PyResult<Study> {
         let study = self.study.bind(py);
         Study::moved(study, self.function.moved(&study.get().study, &x))
@@ -232,7 +232,7 @@ impl Function {
         self.idle.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// An idle workspace, or a new one.
+    /// Returns an unused workspace of an earlier call, or a new workspace.
     fn workspace(&self) -> InUse<'_> {
         let idle = self.idle().pop();
         let make = || Workspace::new(self.function.clone(), |function| function.evaluation());
@@ -296,7 +296,7 @@ pub(crate) fn zeros<'py, T: Element, D: numpy::ndarray::Dimension>(
     Ok(array.cast_into()?)
 }
 
-/// Variables with these names. Without names, the variables that the study moves.
+/// Returns the variables with these names. Without names, returns the variables that the study moves.
 pub(crate) fn named(
     study: &hardpoint::Study,
     names: Option<Vec<String>>,

@@ -91,8 +91,8 @@ fn value(end: &LimitEnd) -> f64 {
     end.value.unwrap_or(f64::NAN)
 }
 
-/// Names of the rows: the quantity, without the study's unit of length. Further rows of the same quantity also name the fixed
-/// positions of the other quantities, as in `travel, rack 10`.
+/// Names of the rows of the table of limits. A name is the quantity without the study's unit of length. Further rows of the
+/// same quantity also name the fixed positions of the other quantities, as in `travel, rack 10`.
 fn names(own: &hardpoint::Study, rows: &[LimitRow]) -> Vec<String> {
     let length = format!("_{}", own.wheel().length_unit.symbol());
     let mut names: Vec<String> = Vec::new();

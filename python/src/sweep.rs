@@ -298,7 +298,7 @@ pub(crate) fn collect<'py>(
     Ok(result)
 }
 
-/// Rows of a block, and its curves if they are requested.
+/// Rows of a block of designs, and the curves of these designs if they are requested.
 fn solve_block(
     worker: &mut SweptWorker<'_>,
     block: u64,

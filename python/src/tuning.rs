@@ -358,7 +358,7 @@ impl Residuals {
         Ok((rows.collect(), equalities))
     }
 
-    /// Study with its variables at `x`.
+    /// Returns the study with its variables set to `x`.
     fn moved(&self, py: Python<'_>, x: Vec<f64>) -> PyResult<Study> {
         let (own, _) = tuned(self.study.get())?;
         Study::moved(self.study.bind(py), own.moved(&x))

@@ -224,7 +224,7 @@ fn measure(
             let found = Equilibria::measure(study, clock)?;
             (jobs_table(&found.measurements), None)
         }
-        // For an axle, an earlier check has refused these measurements.
+        // An earlier check has refused the measurements that need one wheel, so this branch never has an axle.
         _ => (
             throughput_table(&Throughput::measure(study, threads, clock)?),
             None,

@@ -16,7 +16,7 @@ use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Results of a run of `hardpoint kc`.
+/// Name of the file with the results of `hardpoint kc`.
 const KC: &str = "kc.csv";
 
 /// Arguments of a comparison.

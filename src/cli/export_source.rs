@@ -226,7 +226,8 @@ impl Source {
         Ok(())
     }
 
-    /// Renames the curves of a run if they do not belong to the exported points. If the file has sheets, a note says so.
+    /// Renames the curves of a run if they do not belong to the exported points. If the exported file has sheets, a note
+    /// states the new name.
     fn set_other_curves_aside(&mut self, before: &[Vector3<f64>], has_sheets: bool) {
         let Some(study) = &self.study else { return };
         let manifest = Manifest::read(&self.path).unwrap_or_default();

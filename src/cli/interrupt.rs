@@ -19,7 +19,7 @@ const MOST_WORK: Duration = Duration::from_millis(200);
 /// output.
 const MOST_WAIT: Duration = Duration::from_secs(2);
 
-/// Interval between two checks of these limits.
+/// Interval between two checks of the time limits for stopping.
 const LOOK: Duration = Duration::from_millis(5);
 
 /// Time limit for the last line on standard error.

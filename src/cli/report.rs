@@ -137,7 +137,8 @@ fn write_page(page: &str, directory: &RunDirectory) -> Result<(), Stop> {
     written.map_err(Stop::unwritten)
 }
 
-/// Directory of pictures, with the run that they show. They replace only pictures of the same command and study.
+/// Directory of pictures, with the run that they show. New pictures replace only pictures of the same command and
+/// study.
 struct PictureDirectory {
     path: PathBuf,
     command: String,

@@ -304,8 +304,8 @@ fn left_out(study: &Study) -> Vec<&'static str> {
         .collect()
 }
 
-/// Computes parts until all are complete or Ctrl-C stops the command. Returns true if all are complete. It waits for parts that
-/// another process computes. If that process dies, it computes these parts itself.
+/// Computes parts until all are complete or Ctrl-C stops the command. Returns true if all are complete. This process waits for
+/// parts that another process computes. If the other process dies, this process computes the parts itself.
 fn sweep_parts(
     swept: Swept<'_>,
     text: &SweepText,

@@ -154,7 +154,7 @@ pub(super) fn points_of(path: &Path, text: &str) -> Result<PointTable, String> {
 
 struct File<'a> {
     entries: Vec<Entry<'a>>,
-    /// Lines of the sections `[AXLE]`.
+    /// Line numbers of the headings `[AXLE]`, counted from 1.
     of_links: Vec<usize>,
 }
 

@@ -261,7 +261,7 @@ impl Declared {
             let Some(at) = words.iter().position(|word| word == letter) else {
                 continue;
             };
-            // Phrases such as "x points forward" and "x is positive rearward".
+            // Reads phrases such as "x points forward" and "x is positive rearward".
             let behind = words[at + 1..].iter().take(3);
             let before_next = behind.take_while(|word| !["x", "y", "z"].contains(&word.as_str()));
             let mut flipped = false;

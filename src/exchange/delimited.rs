@@ -46,7 +46,7 @@ pub(super) fn read(text: &str) -> Result<Sheet, String> {
     }
 }
 
-/// Finds line numbers of a text for increasing positions.
+/// Converts byte positions in a text to line numbers. The positions must increase from call to call.
 struct Lines<'a> {
     text: &'a str,
     at: usize,

@@ -214,7 +214,7 @@ impl Reader {
                     self.value_missing(keys, "a list");
                 }
                 for node in nodes {
-                    // Numbers in other lists have no names.
+                    // A number in a list that is not a point has no name, so it is skipped.
                     if !matches!(node, Node::Number(_)) {
                         self.visit(node, keys)?;
                     }

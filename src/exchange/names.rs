@@ -100,7 +100,7 @@ const SPELT: &[(&str, &str)] = &[
     ),
 ];
 
-/// Words that can occur in any name.
+/// Words that can occur in any name without a change of its meaning.
 const ANYWHERE: &[&str] = &["mount", "end"];
 
 /// Hardpoints with the words of their names. All words must occur, in any order; words after `?` are optional. If there are

@@ -132,7 +132,7 @@ impl<'s> WheelLimits<'s> {
         })
     }
 
-    /// Distance of the motion with these curves to the limits. `None` for the paper's drive.
+    /// Note on the distance between the motion with these curves and the limits. `None` for the drive of Attia's paper.
     fn note(&mut self, study: &Study, moved: &Curves) -> Result<Option<String>, DesignFault> {
         if study.motion().drive == Drive::PaperTheta {
             return Ok(None);

@@ -89,7 +89,7 @@ impl Row {
         self.between(study, &range.lower, &range.upper)
     }
 
-    /// Row with the limits at these ends.
+    /// Row with the lower and the upper limit at these ends of a range.
     pub(super) fn between(self, study: &Study, lower: &RangeEnd, upper: &RangeEnd) -> LimitRow {
         let beyond = match (lower, upper) {
             (RangeEnd::FullTurn, RangeEnd::FullTurn) => {

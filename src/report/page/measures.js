@@ -1,5 +1,4 @@
-// Tables in shades, and ranked bars.
-// Text without line breaks within the unit in brackets.
+// Tables with shaded cells, and ranked bars. `unbroken` keeps the unit in brackets on one line.
 const unbroken = (text) => {
   const at = text.lastIndexOf(' [');
   return at < 0 ? [text] : [text.slice(0, at + 1), html('span', { class: 'unit', text: text.slice(at + 1) })];

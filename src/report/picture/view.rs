@@ -84,7 +84,7 @@ impl<'r> View<'r> {
         let Some((last, earlier)) = poses.split_last() else {
             return String::new();
         };
-        // Percentile curves of builds are not designs.
+        // A tolerance analysis has percentile curves, which are not designs. So only its last pose is drawn.
         let earlier = match self.record.command.as_str() {
             "tolerance" => &[],
             _ => earlier,

@@ -98,7 +98,7 @@ fn names(own: &hardpoint::Study, rows: &[LimitRow]) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for row in rows {
         let quantity = row.quantity.as_str();
-        // A moment in newton metres is not a length.
+        // In a unit of moment, such as newton metres, the unit of length stays in the name.
         let short = quantity
             .strip_suffix(&length)
             .filter(|rest| !rest.ends_with("_N"));

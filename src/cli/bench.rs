@@ -224,7 +224,7 @@ fn measure(
             let found = Equilibria::measure(study, clock)?;
             (jobs_table(&found.measurements), None)
         }
-        // An earlier check has refused the measurements that need one wheel, so this branch never has an axle.
+        // For an axle, an earlier check has refused accuracy and effects, so only throughput is left here.
         _ => (
             throughput_table(&Throughput::measure(study, threads, clock)?),
             None,

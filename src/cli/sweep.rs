@@ -279,7 +279,7 @@ pub(super) fn draw(
 /// Requested outputs that a sweep does not compute.
 fn left_out(study: &Study) -> Vec<&'static str> {
     let asked: Vec<(&'static str, bool)> = match &study.vehicle {
-        // Points are computed, so they are not in this list.
+        // A sweep computes points, so points are not in the list of omitted outputs.
         Vehicle::Wheel(own) => vec![
             ("order", own.outputs.order != Order::Position),
             ("sensitivities", !own.outputs.sensitivities.is_empty()),

@@ -284,7 +284,7 @@ fn fields(line: &str) -> Vec<Field<'_>> {
             None => rest.find(char::is_whitespace).unwrap_or(rest.len()),
         };
         let text = rest[..length].trim_matches('\'').trim();
-        // A comment follows the values.
+        // A comment may follow the values of a row.
         if rest.starts_with(['$', '!']) {
             break;
         }

@@ -82,7 +82,7 @@ pub(super) fn meanings(links: &[Link]) -> Result<(Vec<Meaning>, Option<String>),
         let mut others = links.iter();
         let twin = others.find(|other| other.number != link.number && link.is_mirror_of(other));
         match twin {
-            // The left link of a pair is used.
+            // The importer uses only the left link of a pair.
             Some(twin) => {
                 let lateral = |l: &Link| l.ends[0].place[0] + l.ends[1].place[0];
                 if (lateral(link), link.number) > (lateral(twin), twin.number) {

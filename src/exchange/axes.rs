@@ -274,7 +274,7 @@ impl Declared {
                 }
             }
         }
-        // Words about other subjects do not define axes.
+        // Text about another subject may also contain such words. So only a statement of all three axes is accepted.
         match declared.axes() {
             Some(_) => declared,
             None => Declared::default(),

@@ -94,7 +94,7 @@ impl Drawing {
     }
 
     fn line(&mut self, layer: &str, from: [f64; 3], to: [f64; 3]) {
-        // A point shared by two parts is not a line.
+        // If two parts share a point, there is no line between them.
         if from != to {
             self.entity("LINE", layer, &[(10, from), (11, to)]);
         }

@@ -323,7 +323,7 @@ impl Imported {
             return;
         }
         *text += "\n[vehicle]\n";
-        // The points of an axle define its track.
+        // The points of an axle define its track, so only the study of one wheel needs the value.
         let track = self.track.filter(|_| matches!(part, Part::Wheel));
         for (key, length) in [
             ("wheelbase", self.wheelbase),

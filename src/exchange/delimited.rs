@@ -277,7 +277,7 @@ mod tests {
         );
         let sheet = read("Front axle\n\nwheel centre 0 1 2\nstrut top 3 4 5\n").unwrap();
         assert_eq!(sheet.rows(), [0, 2, 3]);
-        // Commas separate these cells.
+        // In this table, commas separate the cells.
         assert_eq!(
             texts("wheel centre, 0, 1, 2\n")[0],
             ["wheel centre", "0", "1", "2"]

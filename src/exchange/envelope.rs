@@ -88,7 +88,7 @@ impl Envelope {
         let (travels, racks) = (travel.all(), rack.all());
         let is_rigid = outgoing.study.wheel().mechanism.rigid_axle.is_some();
         let both = if is_rigid { travels.len() } else { 1 };
-        // Numbers of values of each motion. The first motion varies fastest.
+        // Number of values of each motion. The first motion varies fastest.
         let values = [travels.len(), both, racks.len()];
         let of_wheels = match outgoing.study.axle() {
             Some(study) if is_rigid => poses_of_axle(outgoing, &study.axle, &travels, &racks)?,

@@ -174,7 +174,8 @@ fn select(
     if is_optimum {
         optimum::bar_axis(named, corner, &mut picked);
     }
-    // Missing names are reported first, because without points there is no size from which the unit could be determined.
+    // Missing hardpoints are reported before the unit is determined, because the unit follows from the size of the
+    // suspension.
     let wheel: &[&str] = if is_optimum { &["wheel_centre"] } else { &[] };
     refuse_missing(table, options, roles, &picked, wheel)?;
     let unit = unit::unit(table, options, &picked, notes)?;
@@ -472,7 +473,8 @@ fn contact_radius(
     };
     let contact = table.points.iter().find(is_contact)?;
     let mut position = contact.position.clone().ok()?;
-    // A point for both wheels is the point of the left wheel.
+    // A contact point for both wheels has the coordinates of the left wheel. So its lateral coordinate may need the
+    // other sign.
     let (across, _) = placed.axes.across();
     if position[across] * centre[across] < 0.0 {
         position[across] = -position[across];

@@ -282,7 +282,7 @@ pub(super) fn cut(text: &str) -> Vec<String> {
     if text.len() > LONGEST {
         return Vec::new();
     }
-    // "o/b" and "i/b" are single words.
+    // The abbreviations "o/b" and "i/b" are single words.
     let text = &text.replace("o/b", "outboard").replace("i/b", "inboard");
     let text = &text.replace("O/B", "OUTBOARD").replace("I/B", "INBOARD");
     let mut words = vec![String::new()];

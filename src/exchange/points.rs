@@ -80,7 +80,8 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
             reader.last_title = sheet.row(*row).map(|(column, _)| column).max();
             let above = place.checked_sub(1).map(|place| rows[place]);
             reader.columns = header(sheet, *row, above)?.map(|found| found.columns);
-            // Titles above two sets of coordinates belong to these columns.
+            // If a table has several sets of coordinates, a title above belongs to the columns of one set, not to the
+            // rows below.
             if reader.columns.as_ref().is_some_and(|c| c.triples.len() > 1) {
                 reader.section = Marks::default();
             }

@@ -249,7 +249,7 @@ impl<'a> Problem<'a> {
     fn outside(&self, coordinate: usize, steps: f64) -> f64 {
         let [least, most] = self.ranges[coordinate];
         let missed = (least - steps).max(steps - most);
-        // The ends of a range also have rounding errors.
+        // This tolerance allows for rounding errors in the ends of a range.
         let slack = 1e-9 * most.abs().max(least.abs()).max(1.0);
         if missed > slack { missed } else { 0.0 }
     }

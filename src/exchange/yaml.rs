@@ -96,7 +96,7 @@ fn scalar(text: &str, style: ScalarStyle) -> Node {
     if style != ScalarStyle::Plain {
         return Node::Text(text.to_owned());
     }
-    // The standard library also parses `inf` and `nan`, which are words here.
+    // The standard library also parses `inf` and `nan`, but in these files they are words.
     let is_decimal = text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c))
         && text.ends_with(|c: char| c.is_ascii_digit() || c == '.');
     match text.parse::<f64>() {

@@ -154,7 +154,7 @@ impl Component {
         if ends_with(&["knuckle_omega_", "knuckle_alpha_", "beam_moment_"]) {
             Component::About(axis)
         } else if ends_with(&["_force_", "_torque_"]) && !rest.ends_with("_beam_force_") {
-            // Forces of bushings are along their own axes.
+            // The forces of a bushing are along the axes of the bushing, so the axes of the study do not matter.
             Component::None
         } else if ends_with(&["_", "_v", "_a"]) {
             Component::Along(axis)

@@ -123,7 +123,7 @@ impl Places {
                 over,
                 normal,
             } => {
-                // A square part of the plane near the point.
+                // Shows only a square part of the plane, near the point.
                 let place = design[point.0];
                 let off = first.lower.or(first.upper).unwrap_or(0.0);
                 let foot = place - *normal * ((place - *over).dot(*normal) - off);

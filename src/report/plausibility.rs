@@ -184,7 +184,7 @@ impl<'a> PlausibilityRemarks<'a> {
         } = self.suspension;
         let away = |seat: &Seat| {
             let (body, unit) = (seat.name.replace('_', " "), length_unit.symbol());
-            // Two digits are enough to show which body is meant.
+            // Two digits of a distance are enough to show which body is nearer.
             let decimals = (1.0 - seat.distance.log10().floor()).clamp(0.0, 12.0) as usize;
             format!(
                 "{body} ({} {unit} away)",

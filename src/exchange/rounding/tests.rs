@@ -88,7 +88,7 @@ fn nearest_plane_loses_no_more_than_ordinary_rounding() {
             );
             assert_eq!(grid.length((after / step).round()), *after);
         }
-        // The curves belong to the points in the file.
+        // The rounded design and the written coordinates describe the same points.
         let own = study.wheel().length_unit;
         for (point, written) in rounded.design.iter().zip(&rounded.coordinates) {
             let point = study.wheel().frame.vector(*point).to_array();

@@ -148,7 +148,7 @@ impl<'a> Font<'a> {
             if flags & OFFSETS == 0 {
                 part.offset = [0.0; 2];
             }
-            // A 16-bit number with 14 fractional bits.
+            // A scale is a 16-bit number with 14 fractional bits.
             let mut scale = || {
                 let value = f32::from(outline.i16(at)?) / 16384.0;
                 at += 2;

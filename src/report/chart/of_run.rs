@@ -48,7 +48,7 @@ pub(in crate::report) fn chart_groups(outputs: &[OutputRecord]) -> Vec<ChartGrou
     }
     for group in groups.iter_mut().filter(|g| g.outputs.len() > 1) {
         let name = side_of(&group.key).map_or("", |(_, name)| name);
-        // The axle may have an output of the same name, such as roll steer.
+        // The axle and its wheels may have outputs of the same name, such as roll steer.
         let is_of_axle = outputs.iter().any(|own| own.column == name);
         let more = if is_of_axle { "_of_each_wheel" } else { "" };
         group.key = format!("{name}{more}");

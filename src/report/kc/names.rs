@@ -99,7 +99,8 @@ impl StationMatrix<'_> {
         let value = place(row)
             .zip(place(column))
             .and_then(|(row, column)| entry(row, column));
-        // Both frames belong to the whole vehicle, so they differ by a rotation, not by a mirror image.
+        // The study's frame and the frame of the formulas both belong to the whole vehicle. So they differ by a
+        // rotation, not by a mirror image.
         let [own, rearward] =
             [convention, FrameConvention::XRear].map(|of| Frame::new(of, Side::Left));
         let sign = |index: usize| {
@@ -108,7 +109,7 @@ impl StationMatrix<'_> {
         };
         let is_turn = |index: usize| (index - 1) % 6 >= 3;
         let row_unit = if is_turn(row) { 1.0 } else { self.mm() };
-        // A moment of 1 N mm is smaller than 1 N times the length unit.
+        // The matrix has results per moment of 1 N times the study's length unit. The formulas need results per 1 N mm.
         let column_unit = if is_turn(column) { self.mm() } else { 1.0 };
         value.unwrap_or(0.0) * sign(row) * sign(column) * row_unit / column_unit
     }

@@ -118,8 +118,8 @@ fn check_drive(motion: &Motion, own: &WheelStudy) -> Result<(), String> {
     }
 }
 
-/// Returns the curves and points of a study, and true if every curve is complete. `first` is the motion of the first study. If it
-/// is `None`, this call sets it.
+/// Returns the curves and points of a study, and true if every curve is complete. `first` is the motion of the first study. If
+/// `first` is `None`, this call sets it to the motion of this study.
 ///
 /// # Errors
 /// The reason in words.

@@ -171,7 +171,7 @@ fn of_kc_runs(arguments: &CompareArguments) -> Result<Exit, Stop> {
     Ok(Exit::Done)
 }
 
-/// Prints the tables. They go to standard error if the CSV goes to standard output.
+/// Prints the tables. The tables go to standard error if the CSV goes to standard output.
 pub(super) fn print_tables(arguments: &CompareArguments, tables: &Tables) -> Result<(), Stop> {
     let format: Format = arguments.format.into();
     let text = tables.render(format, width());

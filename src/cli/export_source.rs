@@ -236,7 +236,7 @@ impl Source {
             .map(|run| run.command.as_str());
         let of_points = match (self.is_tuning(), author) {
             (true, Some("optimise")) => {
-                // Curves of a tuning belong to the tuned points, unless these were rounded or changed.
+                // Curves of a tuning belong to the tuned points, unless these points were rounded or changed.
                 let kept = kept_study(&self.path, &[]).ok().flatten();
                 kept.is_some_and(|kept| kept.wheel().design == study.wheel().design)
             }

@@ -84,8 +84,8 @@ pub(super) fn exit_code() -> u8 {
 /// Payload of the unwinding that ends a command inside another program.
 pub(super) struct Ended;
 
-/// Ends a command without results to keep after a signal. The function ends the process. Inside another program, it unwinds the
-/// stack instead.
+/// After a signal, ends a command that has no results to keep. The function ends the process. Inside another program, it
+/// unwinds the stack instead.
 pub(super) fn end() -> ! {
     if !LISTENS.load(Ordering::SeqCst) {
         std::panic::resume_unwind(Box::new(Ended));

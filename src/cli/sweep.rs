@@ -353,7 +353,8 @@ fn sweep_parts(
     result
 }
 
-/// Writes the rows of all designs to standard output. It accumulates statistics in the same way as a sweep that writes parts.
+/// Writes the rows of all designs to standard output. The function accumulates statistics in the same way as a sweep that
+/// writes parts.
 fn to_standard_output(swept: Swept<'_>, text: &SweepText) -> Result<SweepStatistics, WriteError> {
     let record = swept.record();
     let line = progress::line(record.designs, "designs");

@@ -1,5 +1,5 @@
 //! Data for the drawings of a page: the mechanism along its motion, the effect of each coordinate, and some designs of a sweep.
-//! This module solves them from a study; `report` draws them.
+//! This module computes the data from a study; `report` draws them.
 
 mod sweep;
 

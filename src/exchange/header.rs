@@ -124,8 +124,8 @@ pub(super) fn header(
     }))
 }
 
-/// Wheel and axle that all three headers name. If only one of the headers has a side, this side is the direction of its
-/// coordinate.
+/// Wheel and axle that all three headers name. A side in only one of the headers is the direction of its coordinate,
+/// not a wheel.
 fn marks_of_all(three: &[(u32, Coordinates)]) -> Marks {
     let first = three.first().map(|(_, header)| header.marks);
     let first = first.unwrap_or_default();

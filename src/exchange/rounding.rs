@@ -234,7 +234,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Returns the neighbours of a coordinate on the grid, below and above its present value. A neighbour outside the
-    /// range is left out, unless both are outside.
+    /// range is left out, unless both neighbours are outside.
     fn neighbours(&self, coordinate: usize) -> (f64, f64) {
         let (below, above) = neighbours(self.grid.steps(self.before[coordinate]));
         let is_within = |steps: f64| self.outside(coordinate, steps) == 0.0;

@@ -95,7 +95,7 @@ pub fn unit_of(word: &str) -> Option<LengthUnit> {
     found.map(|found| found.unit)
 }
 
-/// Copy of a table whose coordinates and lengths are in a unit of studies. `None` if they already are.
+/// Copy of a table whose coordinates and lengths are in a unit of studies. `None` if the file already has such a unit.
 pub(super) fn converted<'o>(
     table: &PointTable,
     options: &ImportOptions<'o>,
@@ -141,7 +141,8 @@ fn replaced(given: Option<FileUnit>, written: Option<FileUnit>, symbol: &str) ->
     differs.then(|| format!("--unit {symbol} replaces the unit stated in the file"))
 }
 
-/// Smallest and largest size of a wheel's suspension, in metres. They identify an unstated unit.
+/// Smallest and largest size of a wheel's suspension, in metres. If the file states no unit, the importer looks for a
+/// unit that gives a size in this range.
 const USUAL_SIZE: [f64; 2] = [0.15, 3.0];
 
 /// Smallest size in metres for which centimetres are as plausible as inches. The sample suspensions have sizes of 0.45 to 1.3 m,

@@ -311,7 +311,7 @@ mod tests {
         }
     }
 
-    /// SAE J670 reverses y and z, the axes with x rearward reverse x and y. Both sets of axes differ from ISO 8855 by half a
+    /// SAE J670 reverses y and z. The axes with x rearward reverse x and y. Both sets of axes differ from ISO 8855 by half a
     /// turn. So the components of rotations change their signs like the components of vectors.
     #[test]
     fn components_follow_their_axes() {

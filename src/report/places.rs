@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 /// Number of corners of a circle.
 const ROUND: usize = 36;
 
-/// Regions of constraints in the study's axes. They limit the point itself, so the clearances are already included.
+/// Regions of constraints in the study's axes. The regions apply to the point itself, so they already include the
+/// clearances.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Places {
     /// Boxes, spheres, cylinders and planes.

@@ -149,8 +149,8 @@ impl<'a> PlausibilityRemarks<'a> {
         ));
     }
 
-    /// Warnings about the direction of rods. They lead outboard from the body to the wheel carrier, and inboard from the wheel
-    /// carrier to a rocker.
+    /// Warnings about the direction of rods. Rods usually lead outboard from the body to the wheel carrier, and inboard from
+    /// the wheel carrier to a rocker.
     fn rods(&mut self) {
         let mechanism = &self.suspension.mechanism;
         if mechanism.rigid_axle.is_some() {

@@ -107,7 +107,7 @@ impl KcComparison {
         csv_of_rows(std::iter::once(header).chain(rows))
     }
 
-    /// Table of the results whose four-digit values differ.
+    /// Table of the results that differ between the runs after rounding to four digits.
     pub fn table(&self) -> Table {
         let shown: Vec<&Figure> = self.figures.iter().filter(|f| f.differs()).collect();
         // A column with the same cell in all rows contains no information. The last column names the quantity.

@@ -7,7 +7,7 @@ use crate::report::{Compared, ComparedPoints, CurveTable, NamedPoints};
 use crate::solved::Solved;
 use crate::study::{Drive, Motion, Study, Vehicle, WheelStudy};
 
-/// Motion of the first study. The other studies are solved over it.
+/// Motion of the first study. The other studies are solved over this motion.
 #[derive(Clone, Debug)]
 pub enum FirstMotion {
     /// Motion of one wheel.

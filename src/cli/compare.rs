@@ -54,7 +54,7 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
     }
     let labels = labels(&arguments.sources);
     let mut designs: Vec<Compared> = Vec::new();
-    // Studies are solved over the motion of the first one.
+    // All studies are solved over the motion of the first study.
     let mut motion = None;
     let mut is_complete = true;
     for (path, label) in arguments.sources.iter().zip(labels) {
@@ -185,7 +185,7 @@ pub(super) fn print_tables(arguments: &CompareArguments, tables: &Tables) -> Res
     Ok(())
 }
 
-/// Unique labels of the sources, without the parts that all paths share.
+/// Unique labels of the sources, without the parts that all paths have in common.
 pub(super) fn labels(sources: &[PathBuf]) -> Vec<String> {
     let mut labels: Vec<String> = Vec::new();
     for path in sources {

@@ -157,7 +157,7 @@ fn heard(signal: i32) {
     }
 }
 
-/// Waits until the command has stopped by itself, within the limits.
+/// Waits until the command has stopped by itself, within the time limits [`MOST_WORK`] and [`MOST_WAIT`].
 fn wait() {
     let begun = Instant::now();
     let work = work_done();

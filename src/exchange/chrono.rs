@@ -5,7 +5,7 @@
 //! |---|---|
 //! | `DoubleWishbone`, `DoubleWishboneReduced` | `double_wishbone` |
 //! | `MacPhersonStrut` | `macpherson` |
-//! | `MultiLink` | `five_link`: upper arm = two links with one outer joint; trailing link = lower front link; lateral link = lower rear link |
+//! | `MultiLink` | `five_link`: upper arm = two links with one outer joint; trailing link = lower front, lateral link = lower rear link |
 //! | `SemiTrailingArm` | `semi_trailing_arm` |
 //! | `ThreeLinkIRS` | `trailing_arm_two_links` |
 //! | `SolidAxle` | `solid_axle` on four links |

@@ -209,7 +209,7 @@ fn poses_of_axle(
     let own = left.length_unit;
     let of_study = |length: &f64| own.convert(*length, outgoing.unit);
     let travels: Vec<f64> = travels.iter().map(of_study).collect();
-    // A positive rack moves to the left.
+    // A positive rack displacement is to the left.
     let along_rack = outgoing.frame(Side::Left).sign(Axis::Y);
     let racks = racks.iter().map(|rack| along_rack * of_study(rack));
     let motion = AxleMotion {

@@ -370,7 +370,7 @@ impl Words {
         ends.next()
     }
 
-    /// Hardpoint of a topology with these words.
+    /// Hardpoint of a topology whose name has these words.
     pub(super) fn hardpoint(&self, topology: &Topology) -> Option<&'static str> {
         let mut fitting = PATTERNS
             .iter()

@@ -17,7 +17,7 @@ pub(super) struct Seat {
     is_assumed: bool,
 }
 
-/// Finds the bodies of all ends.
+/// Finds the bodies that carry the ends of springs and rods.
 ///
 /// # Errors
 /// A given body cannot carry the end, or it is not clear which rod carries the drop link.

@@ -86,7 +86,7 @@ impl LimitTable {
     }
 }
 
-/// Ranges of the motion in a study of one wheel, by the quantities of the table of limits.
+/// Ranges of the motion in a study of one wheel. Each range has the name of its quantity in the table of limits.
 pub(crate) fn motion_ranges(study: &Study) -> Vec<(String, [f64; 2])> {
     let Some(own) = study.one_wheel() else {
         return Vec::new();

@@ -93,8 +93,8 @@ impl MotionRecord {
     }
 }
 
-/// Frames over the first coordinate that moves, for some values of the second. All other coordinates have their value nearest to
-/// zero.
+/// Frames over the first coordinate that moves, for some values of the second coordinate. All other coordinates have their value
+/// nearest to zero.
 fn frames(
     axle: &Axle,
     motion: &AxleMotion,

@@ -27,7 +27,8 @@ pub(crate) fn mixed(colour: &str, background: &str, opacity: f64) -> String {
     format!("#{:02x}{:02x}{:02x}", mix(1), mix(3), mix(5))
 }
 
-/// Colours of the custom properties of every block of a style that sets `--paper`, in the order of the blocks.
+/// Custom properties of a style with their colours: one map for each block that sets `--paper`, in the order of the
+/// blocks.
 pub(crate) fn palettes(style: &str) -> Vec<std::collections::BTreeMap<&str, &str>> {
     let blocks = style.split('}').filter_map(|rule| rule.rsplit_once('{'));
     blocks

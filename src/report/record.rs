@@ -122,7 +122,7 @@ pub struct BandCurve {
 /// One design of the run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DesignRecord {
-    /// `design`, `before` or `after`.
+    /// Label of the design: `design`, `before` or `after`.
     pub label: String,
     /// Name of the file with its curves.
     pub curves: String,
@@ -222,7 +222,8 @@ impl MotionRecord {
     }
 }
 
-/// Targets that charts can show with the curves of a motion: values and curves that give no rack displacement of their own.
+/// Target values and target curves that charts can show with the curves of a motion. Targets with a rack displacement of
+/// their own are left out.
 fn targets(study: &Study, name: Option<&str>) -> Vec<TargetRecord> {
     let targets = study.optimise.iter().flat_map(|o| &o.targets);
     let record = |target: &Target| {
@@ -269,7 +270,7 @@ impl TargetRecord {
     }
 }
 
-/// Bands that charts can show with the curves of a motion: bands that give no rack displacement of their own.
+/// Bands that charts can show with the curves of a motion. Bands with a rack displacement of their own are left out.
 fn bands(study: &Study, name: Option<&str>) -> Vec<BandCurve> {
     let targets = study.optimise.iter().flat_map(|o| &o.targets);
     let bands = targets.filter(|target| {

@@ -10,7 +10,7 @@ const FIVE: &str = "# A solid rear axle on five elastic links: two lower and two
 const OUTPUTS: &str = "[\"axle_steer\", \"axle_lateral\", \"pinion_angle\", \"roll_centre_height\", \"wheel_load\", \"steer_by_roll\", \
                        \"compliant_roll_stiffness\", \"link_roll_stiffness\", \"lower_link_tension\", \"upper_link_tension\"";
 
-/// Motion that replaces roll on a plane ground.
+/// Motion of a template with elastic links. It replaces the roll motion on a plane ground.
 const MOTION: &str = "[motion]                         # every combination is a station: roll where the travels differ\n\
                       travel_left = { from = -50.0, to = 50.0, steps = 5 }\n\
                       travel_right = { from = -50.0, to = 50.0, steps = 5 }\n";

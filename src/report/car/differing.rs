@@ -9,7 +9,7 @@ const SHARE: f64 = 1e-3;
 /// Relative difference from which a length or a mass differs noticeably. Studies often give rounded values.
 const ROUNDED: f64 = 0.01;
 
-/// A value of an axle's study, and the value of the car.
+/// A value in the study of an axle, and the same value in the study of the car.
 struct Compared {
     key: &'static str,
     own: Option<f64>,

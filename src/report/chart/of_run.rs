@@ -64,7 +64,7 @@ fn side_of(column: &str) -> Option<(&'static str, &str)> {
     })
 }
 
-/// Curves of a run over one of its motions, for charts.
+/// Curves of a run over one of its motions, as the input of charts.
 #[derive(Clone, Copy)]
 pub(in crate::report) struct Charted<'r> {
     /// Command of the run.
@@ -424,7 +424,7 @@ fn outside(
     limits: impl Iterator<Item = (f64, Option<f64>, Option<f64>)>,
     tolerance: f64,
 ) -> Vec<[f64; 2]> {
-    // Targets of an axle depend on several coordinates, so only the tables show which are missed.
+    // Targets of an axle depend on several coordinates, so only the tables show which targets are missed.
     if record.command != "optimise" || !record.motion.further.is_empty() {
         return Vec::new();
     }
@@ -455,7 +455,7 @@ fn outside(
     places.collect()
 }
 
-/// Colour class of one design among several distinct ones.
+/// CSS class for the colour of the design with this index.
 pub(in crate::report) fn hue(design: usize) -> String {
     format!("hue{}", design % HUES)
 }

@@ -335,7 +335,7 @@ fn capital(side: Side) -> &'static str {
     }
 }
 
-/// Words between the wheel and the name of a result of MotionView.
+/// Words that MotionView puts between the wheel and the name of a result.
 fn wording(test: &KcTest, sign: f64) -> &'static str {
     match (test.load, sign > 0.0) {
         (TestLoad::Lateral | TestLoad::Aligning, true) => "Parallel ",

@@ -334,7 +334,7 @@ fn facts(run: &Run) -> Vec<(&'static str, String)> {
     facts
 }
 
-/// Designs over every motion, each with its label. The label of a named motion contains its name.
+/// Designs over every motion, each with its label. If the motion has a name, the label contains it.
 fn labelled(run: &Run) -> impl Iterator<Item = (String, &DesignRecord)> {
     let own = run.record.motion.designs.iter();
     let own = own.map(|design| (design.label.clone(), design));

@@ -101,7 +101,7 @@ fn is_nearer_to_another(area: &Area, dot: [f64; 2], dots: &[[f64; 2]]) -> bool {
     others.any(|other| distance(area, *other) < own + CLEARLY)
 }
 
-/// True if two points are not drawn on each other.
+/// True if two points are drawn at different positions.
 fn apart(a: [f64; 2], b: [f64; 2]) -> bool {
     (a[0] - b[0]).hypot(a[1] - b[1]) > 1.0
 }

@@ -18,8 +18,8 @@ const ANGLES: [Characteristic; 4] = [
     Characteristic::Caster,
 ];
 
-/// Width of a range of the arm angle (rad). In a wider undecided range, the search was stopped. Ranges that interval arithmetic
-/// cannot decide are much narrower.
+/// Width of an undecided range of the arm angle (rad) that separates two causes. In a wider range, the program stopped the
+/// search. In a narrower range, interval arithmetic could not decide.
 const GIVEN_UP: f64 = 1e-6;
 
 /// Assemblies that the search found.
@@ -107,7 +107,7 @@ fn about(side: Option<Side>, sentence: &str) -> String {
 struct Wheel<'s> {
     side: Option<Side>,
     suspension: &'s Suspension,
-    /// Signs from the kernel's frame to the study's axes.
+    /// Signs of x, y and z that convert coordinates from the kernel's frame to the study's axes.
     signs: [f64; 3],
     /// Rack displacement in the kernel's frame.
     rack: f64,
@@ -186,7 +186,7 @@ impl<'w> Search<'w> {
         })
     }
 
-    /// Cells of an assembly, without the side.
+    /// Table cells of one assembly, without the column `side`.
     fn row(&self, assembly: &Assembly, series: &DesignSeries<1>) -> Vec<Cell> {
         let (solver, suspension) = (&self.solver, self.wheel.suspension);
         let place = assembly.arm_angle.unwrap_or_else(|| assembly.turn());

@@ -156,7 +156,8 @@ pub fn motion_file(name: &str) -> String {
     format!("curves_{name}.csv")
 }
 
-/// Copy of the study for curves of the study's motion, as `solve` computes them, but without sensitivities and certificates.
+/// Copy of the study that computes only the curves of its motion, as `solve` does. The copy requests no sensitivities and no
+/// certificates.
 pub fn motion_alone(study: &Study) -> Study {
     let mut alone = study.clone();
     match &mut alone.vehicle {

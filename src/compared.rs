@@ -7,7 +7,7 @@ use crate::report::{Compared, ComparedPoints, CurveTable, NamedPoints};
 use crate::solved::Solved;
 use crate::study::{Drive, Motion, Study, Vehicle, WheelStudy};
 
-/// Motion of the first study. The other studies are solved over it.
+/// Motion of the first study. The other studies are solved over this motion.
 #[derive(Clone, Debug)]
 pub enum FirstMotion {
     /// Motion of one wheel.
@@ -66,7 +66,7 @@ impl FirstMotion {
                 check_drive(motion, own)?;
                 own.motion = motion_in(motion, (*unit, *frame), &own.suspension);
                 if motion.drive == Drive::PaperTheta {
-                    // With this drive, sensitivities and certificates are not available.
+                    // With the drive of Attia's paper, sensitivities and certificates are not available.
                     own.outputs.sensitivities.clear();
                     own.outputs.certify = false;
                 }
@@ -118,8 +118,8 @@ fn check_drive(motion: &Motion, own: &WheelStudy) -> Result<(), String> {
     }
 }
 
-/// Returns the curves and points of a study, and true if every curve is complete. `first` is the motion of the first study. If it
-/// is `None`, this call sets it.
+/// Returns the curves and points of a study, and true if every curve is complete. `first` is the motion of the first study. If
+/// `first` is `None`, this call sets it to the motion of this study.
 ///
 /// # Errors
 /// The reason in words.
@@ -150,7 +150,7 @@ pub fn compared(label: String, study: &Study, mut curves: CurveTable) -> Compare
         && let [rack] = motion.rack[..]
         && rack != 0.0
     {
-        // A motion with a single rack displacement has no column for the rack.
+        // A motion with a single rack displacement has no column for the rack, so the column is added here.
         curves.set_constant(&format!("rack_{}", suspension.length_unit.symbol()), rack);
     }
     let axle = study.axle().map(|both| &both.axle);

@@ -15,7 +15,7 @@
 //! A derivative with respect to a hardpoint coordinate moves the *design*: lengths and the shape of the knuckle are recomputed,
 //! and the value of the drive stays constant.
 //!
-//! # The front door
+//! # Public interface
 //!
 //! The interface for other programs is at the root of the crate. [`Suspension::builder`] makes a suspension from numbers
 //! and reports mistakes. [`Suspension::pose_at`] solves one position of the wheel. [`Study::of`] makes a [`Study`] that
@@ -54,7 +54,7 @@
 //! Data flows in one direction, from a study to its results. Public items are at the root of the crate. The modules behind them
 //! are documented at the head of their files and may change with every version. The numerics are in a separate crate, `engine`
 //! (`hardpoint-engine`), without result files, pages and commands. The keys of studies and the error messages come from another
-//! crate, in `study-file` (`hardpoint-study-file`). `ARCHITECTURE.md` shows the whole.
+//! crate, in `study-file` (`hardpoint-study-file`). `ARCHITECTURE.md` describes the whole project.
 //!
 //! | module of `engine` | content |
 //! |---|---|

@@ -15,8 +15,8 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-/// Number of designs that one thread takes at a time for values. Values with Jacobians take longer, so fewer designs are taken
-/// at a time.
+/// Number of designs per chunk for values. A chunk is the share that one thread takes at a time. Chunks for Jacobians are
+/// smaller, because a Jacobian takes longer.
 const CHUNK: usize = 128;
 const DIFFERENTIATED: usize = 32;
 /// Number of designs per chunk for an axle, whose designs are solved one by one.
@@ -26,7 +26,7 @@ const OF_AXLE: usize = 1;
 #[pyclass(frozen, module = "hardpoint._hardpoint")]
 pub(crate) struct Function {
     function: Arc<DesignFunction>,
-    /// Workspaces of earlier calls, kept for later calls. Making one takes longer than evaluating a design.
+    /// Workspaces of earlier calls, kept for later calls. Making a workspace takes longer than evaluating a design.
     idle: Mutex<Vec<Workspace>>,
     /// Study of the function. Pickling needs it to copy the function to other processes.
     study: Py<Study>,
@@ -42,7 +42,7 @@ self_cell::self_cell!(
     }
 );
 
-/// A workspace in use. It becomes idle again afterwards, unless its call panicked.
+/// A workspace that a call uses. After the call, other calls can use it again, unless the call panicked.
 struct InUse<'f> {
     function: &'f Function,
     workspace: Option<Workspace>,
@@ -116,13 +116,14 @@ impl Function {
         self.function.stations()
     }
 
-    /// Study with its variables at `x`, an array (variables,).
+    /// Returns the study with its variables set to `x`, an array of shape (variables,).
     fn moved(&self, py: Python<'_>, x: Vec<f64>) -> PyResult<Study> {
         let study = self.study.bind(py);
         Study::moved(study, self.function.moved(&study.get().study, &x))
     }
 
-    /// Values and status of designs. Input is (n, variables), values are (n, outputs, stations).
+    /// Values and status of designs. The input has the shape (n, variables); the values have the shape (n, outputs,
+    /// stations).
     #[pyo3(signature = (x, threads=None))]
     fn values<'py>(
         &self,
@@ -157,8 +158,8 @@ impl Function {
         Ok((values, of_designs(&status).into_pyarray(py)))
     }
 
-    /// Values and exact Jacobians of designs. Input is (n, variables), values are (n, outputs, stations), Jacobians are (n,
-    /// outputs, stations, variables).
+    /// Values and exact Jacobians of designs. The input has the shape (n, variables), the values (n, outputs, stations),
+    /// and the Jacobians (n, outputs, stations, variables).
     #[pyo3(signature = (x, threads=None))]
     fn value_and_jacobian<'py>(
         &self,
@@ -231,7 +232,7 @@ impl Function {
         self.idle.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// An idle workspace, or a new one.
+    /// Returns an unused workspace of an earlier call, or a new workspace.
     fn workspace(&self) -> InUse<'_> {
         let idle = self.idle().pop();
         let make = || Workspace::new(self.function.clone(), |function| function.evaluation());
@@ -295,7 +296,7 @@ pub(crate) fn zeros<'py, T: Element, D: numpy::ndarray::Dimension>(
     Ok(array.cast_into()?)
 }
 
-/// Variables with these names. Without names, the variables that the study moves.
+/// Returns the variables with these names. Without names, returns the variables that the study moves.
 pub(crate) fn named(
     study: &hardpoint::Study,
     names: Option<Vec<String>>,
@@ -339,7 +340,7 @@ fn contradict(study: &hardpoint::Study, a: &DesignVariable, b: &DesignVariable) 
     }
 }
 
-/// Returns true if the rotation with this name moves one of the moved points.
+/// Returns true if the rotation with this name turns a point that is also in `moves`.
 fn turns(study: &hardpoint::Study, name: &str, moves: &[Move]) -> bool {
     let (points, _) = name.rsplit_once("_turn_").unwrap_or((name, ""));
     let mechanism = &study.wheel().mechanism;

@@ -15,8 +15,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 /// Lower and upper end of each quantity, by name. `None` if nothing moves the quantity.
 type Ranges<'py> = Bound<'py, PyDict>;
 
-/// Limits of a wheel (travel, rack and arm angle) or of an axle (travels, rack and roll), and of loads on elastic parts: (lower,
-/// upper) with their causes.
+/// Limits of a study: (lower, upper) with their causes. A wheel has limits of travel, rack and arm angle. An axle has limits of
+/// its travels, rack and roll. Elastic parts add limits of their loads.
 #[pyfunction]
 pub(crate) fn limits<'py>(py: Python<'py>, study: &Study) -> PyResult<Ranges<'py>> {
     let own = study.whole();
@@ -91,14 +91,14 @@ fn value(end: &LimitEnd) -> f64 {
     end.value.unwrap_or(f64::NAN)
 }
 
-/// Names of the rows: the quantity, without the study's unit of length. Further rows of the same quantity also name the fixed
-/// positions of the other quantities, as in `travel, rack 10`.
+/// Names of the rows of the table of limits. A name is the quantity without the study's unit of length. Further rows of the
+/// same quantity also name the fixed positions of the other quantities, as in `travel, rack 10`.
 fn names(own: &hardpoint::Study, rows: &[LimitRow]) -> Vec<String> {
     let length = format!("_{}", own.wheel().length_unit.symbol());
     let mut names: Vec<String> = Vec::new();
     for row in rows {
         let quantity = row.quantity.as_str();
-        // A moment in newton metres is not a length.
+        // In a unit of moment, such as newton metres, the unit of length stays in the name.
         let short = quantity
             .strip_suffix(&length)
             .filter(|rest| !rest.ends_with("_N"));

@@ -22,7 +22,8 @@ pub(crate) struct Study {
     pub(crate) study: hardpoint::study::Study,
     /// The original study, if this study was made by moving its points instead of reading a text.
     moved_from: Option<Py<Study>>,
-    /// Cache of the study with a text of its points, for a study whose points were moved.
+    /// Copy of the study whose text contains the moved points. It is made at its first use, and only if points were
+    /// moved.
     whole: OnceLock<hardpoint::study::Study>,
 }
 
@@ -226,7 +227,7 @@ pub(crate) fn topologies() -> Vec<&'static str> {
     Topology::ALL.iter().map(|t| t.name).collect()
 }
 
-/// Commented study of a topology that runs without changes.
+/// Commented study of a topology. The study runs without changes.
 #[pyfunction]
 #[pyo3(signature = (topology, parts=Vec::new()))]
 pub(crate) fn template(topology: &str, parts: Vec<String>) -> PyResult<String> {
@@ -322,7 +323,7 @@ pub(crate) fn catalogue() -> BTreeMap<&'static str, (&'static str, &'static str)
     let wheel = Characteristic::ALL.iter().map(|c| c.info());
     let of_wheels = WheelQuantity::ALL.iter().map(|q| q.info());
     let axle = AxleQuantity::ALL.iter().map(|q| q.info());
-    // If a wheel and an axle quantity share a name, the last entry, the axle's, replaces the others.
+    // The quantities of an axle are at the end. So an axle quantity replaces a wheel quantity of the same name.
     let all = wheel.chain(of_wheels).chain(axle);
     all.map(|info| (info.name, (info.formula, info.source)))
         .collect()

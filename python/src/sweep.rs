@@ -53,8 +53,8 @@ fn given(
     })
 }
 
-/// Variables with these names as columns of a table of designs. Without names, the variables that the study moves. Rates
-/// are those of the study's `[sweep]`.
+/// Returns the variables with these names, as columns of a table of designs. Without names, returns the variables that
+/// the study moves. The name of a rate refers to a variable of the study's `[sweep]`.
 fn swept(own: &hardpoint::Study, names: Option<Vec<String>>) -> PyResult<Vec<SweepVariable>> {
     let of_sweep = match own.sweep.as_ref().map(|sweep| &sweep.designs) {
         Some(Designs::Sampled(sampled)) => &sampled.variables[..],
@@ -146,7 +146,7 @@ impl Table {
 }
 
 /// Rows of a sweep: one column per variable and output, the status of each design, and the reason for each failed design. The
-/// designs are those of `[sweep]` or the rows of `x`. `progress(done, all)` is called on this thread.
+/// designs come from `[sweep]` or from the rows of `x`. `progress(done, all)` is called on this thread.
 #[pyfunction]
 #[pyo3(signature = (study, x=None, variables=None, threads=None, progress=None))]
 pub(crate) fn sweep<'py>(
@@ -175,7 +175,7 @@ pub(crate) fn sweep<'py>(
     )
 }
 
-/// Page of a sweep. The designs are those of `[sweep]` or the rows of `x`. The function solves them again.
+/// Page of a sweep. The designs come from `[sweep]` or from the rows of `x`. The function solves the designs again.
 #[pyfunction]
 #[pyo3(signature = (study, x=None, variables=None))]
 pub(crate) fn sweep_page(
@@ -205,7 +205,7 @@ pub(crate) fn sweep_page(
     made.map_err(|e| not_begun(study, e))
 }
 
-/// Writes a sweep into a directory as `hardpoint sweep` does. The designs are those of `[sweep]` or the rows of `x`.
+/// Writes a sweep into a directory as `hardpoint sweep` does. The designs come from `[sweep]` or from the rows of `x`.
 /// `part` selects one part: its number from 0, and the number of parts. Returns true if every requested part is complete.
 #[pyfunction]
 #[pyo3(signature = (study, directory, x=None, variables=None, part=None, threads=None))]
@@ -226,7 +226,7 @@ pub(crate) fn sweep_into(
     let out = directory.to_string_lossy().into_owned();
     let mut arguments = vec![
         "sweep".to_owned(),
-        // A Python function does not print.
+        // Suppresses printing, because a Python function does not print.
         "--quiet".to_owned(),
         study.file_name(),
         format!("--out={out}"),
@@ -299,7 +299,7 @@ pub(crate) fn collect<'py>(
     Ok(result)
 }
 
-/// Rows of a block, and its curves if they are requested.
+/// Rows of a block of designs, and the curves of these designs if they are requested.
 fn solve_block(
     worker: &mut SweptWorker<'_>,
     block: u64,

@@ -27,7 +27,8 @@ impl Cells {
             (Cells::Words(words), _) => words.push(cell.to_owned()),
             (Cells::Numbers(numbers), Some(number)) => numbers.push(number),
             (Cells::Numbers(numbers), None) => {
-                // A column of words has words from the first row on. So only empty cells can have been read as numbers before.
+                // The column contains a word, so the cells that were read as numbers become words, too. NaN stands for an
+                // empty cell.
                 let word = |n: &f64| {
                     if n.is_nan() {
                         String::new()

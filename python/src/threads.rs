@@ -47,7 +47,8 @@ fn pool(threads: Option<usize>) -> PyResult<Arc<ThreadPool>> {
     if let Some((of, _, former)) = last.replace((process, threads, pool.clone()))
         && of != process
     {
-        // These threads exist only in the parent process, so this process cannot end them.
+        // After a fork, the threads of the former pool exist only in the parent process, so this process cannot end
+        // them.
         std::mem::forget(former);
     }
     Ok(pool)

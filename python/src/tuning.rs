@@ -284,7 +284,7 @@ pub(crate) struct Residuals {
 
 #[pymethods]
 impl Residuals {
-    /// Makes the functions for the variables with these names, or by default for those of `[optimise]`.
+    /// Makes the functions for the variables with these names. Without names, uses the variables of `[optimise]`.
     #[new]
     #[pyo3(signature = (study, variables=None))]
     fn new(py: Python<'_>, study: Py<Study>, variables: Option<Vec<String>>) -> PyResult<Self> {
@@ -358,7 +358,7 @@ impl Residuals {
         Ok((rows.collect(), equalities))
     }
 
-    /// Study with its variables at `x`.
+    /// Returns the study with its variables set to `x`.
     fn moved(&self, py: Python<'_>, x: Vec<f64>) -> PyResult<Study> {
         let (own, _) = tuned(self.study.get())?;
         Study::moved(self.study.bind(py), own.moved(&x))
@@ -373,9 +373,9 @@ impl Residuals {
         in_arrays(py, self.at(py, &x, evaluated)?)
     }
 
-    /// Rows of the constraints and their derivatives at `x`. A row is at most 0 if the constraint holds, or 0 for an
-    /// equality. It is 1 for a visible violation such as a millimetre. Returns a reason in words if the design at `x`
-    /// has no rows.
+    /// Rows of the constraints and their derivatives at `x`. If the constraint is satisfied, its row is at most 0, or
+    /// exactly 0 for an equality. A visible violation, such as one millimetre, has the value 1. Returns a reason in
+    /// words if the design at `x` has no rows.
     fn constraints<'py>(
         &self,
         py: Python<'py>,

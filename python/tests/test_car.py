@@ -89,7 +89,7 @@ def test_tuned_cars_are_studies(tmp_path):
     again = hp.Car(tuned.save(tmp_path / "tuned")).solve()
     assert again.of("turn")["lateral_load_transfer_distribution_percent"] == pytest.approx(48.0, abs=0.05)
     assert len(tuned.targets["output"]) == 3
-    # The side effects equal those of the program.
+    # The module and the program give the same side effects.
     assert hp.run(["--quiet", "optimise", str(path), "--out", str(tmp_path / "run")]) == 0
     effects = hp.read_run(tmp_path / "run").summary["side_effects"]
     frame = tuned.side_effects

@@ -95,7 +95,7 @@ def test_a_process_pool_with_a_killed_worker_makes_the_same_bytes(alone, study, 
     run = distributed.sweep(study, tmp_path / "run", engine)
     assert killers[0].has_killed
     assert digests(run) == alone
-    # A second call has nothing to do.
+    # A second call finds all parts complete, so it writes no file.
     before = {p: p.stat().st_mtime_ns for p in run.glob("part-*")}
     distributed.sweep(study, run, pool)
     assert {p: p.stat().st_mtime_ns for p in run.glob("part-*")} == before
@@ -129,7 +129,7 @@ def test_dask_with_a_killed_worker_and_a_killed_driver_makes_the_same_bytes(alon
         driver.kill()
         driver.wait()
         assert set(digests(run)) != set(alone), "the driver was killed before its end"
-        # The same call computes the missing parts.
+        # A second call of the sweep computes the missing parts.
         distributed.sweep(study, run, client.get_executor)
     assert digests(run) == alone
     assert hp.read_run(run)["designs"].rows == SAMPLES

@@ -44,7 +44,7 @@ def test_python_of_the_manual_runs(name, number, block, tmp_path):
         if importlib.util.find_spec(package) is None:
             pytest.skip(f"{package} is not installed")
     (tmp_path / "studies").symlink_to(ROOT / "studies")
-    # A process pool imports its main module again, so the block must be a file.
+    # A process pool imports its main module again, so the code block must be in a file.
     (tmp_path / "block.py").write_text(block, encoding="utf-8")
     command = [sys.executable, "-P", "block.py"]
     done = subprocess.run(command, cwd=tmp_path, env={**os.environ}, capture_output=True, text=True, timeout=300, check=False)

@@ -135,7 +135,7 @@ def test_a_sweep_of_given_designs(sweep_study, front):
     again = hp.sweep(sweep_study, x, variables=names)
     for name in rows:
         np.testing.assert_array_equal(again[name], rows[name], err_msg=name)
-    # Without [sweep], the variables are those of [optimise].
+    # Without [sweep], the study uses the variables of [optimise].
     given = hp.sweep(front, designs(front.function(), 20))
     assert len(given["misfit"]) == 20 and len(given.failed) == 0
     for call in (front.function, lambda names: hp.sweep(front, np.zeros((2, 2)), variables=names)):

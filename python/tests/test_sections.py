@@ -23,7 +23,7 @@ KINDS = [
 def test_constructors_have_the_keys_of_the_schema(kind, path):
     section, key = path
     schema = hp.schema()["anyOf"][0]["properties"][section]["properties"][key]["items"]["properties"]
-    # These keys belong to cars. The study of a wheel or an axle refuses them by name.
+    # The keys `case` and `axle` belong to cars. The study of a wheel or an axle refuses these keys by name.
     of_cars = {"case", "axle"} if section == "optimise" and key != "variables" else set()
     assert set(typing.get_type_hints(kind)) - of_cars == set(schema) - of_cars
 
@@ -45,7 +45,7 @@ def made(study, **changes):
 def test_a_vehicle_of_the_numbers_of_a_study_is_that_study(name):
     study = hp.load(STUDIES / f"{name}.toml")
     again = made(study)
-    # The study from numbers contains the defaults explicitly.
+    # A study that is made from numbers states the default keys explicitly.
     expected = study.to_dict()
     expected["suspension"] = {"side": "left", "length_unit": "mm", "frame": "iso8855", **expected["suspension"]}
     assert again.to_dict() == expected

@@ -121,7 +121,8 @@ def test_an_axle_is_a_function_and_swept_and_limited(tmp_path):
     for k, e in enumerate(h * np.eye(2)):
         difference = (8 * (f(x + e) - f(x - e)) - (f(x + 2 * e) - f(x - 2 * e))) / (12 * h)
         np.testing.assert_allclose(jacobian[..., k], difference, rtol=1e-5, atol=1e-6)
-    # A sweep gives exactly the rows of the program. A sweep of an array gives the rows of the same designs.
+    # A sweep by the module gives exactly the rows of a sweep by the program. A sweep of an array gives the rows of the
+    # same designs.
     path = tmp_path / "axle.toml"
     path.write_text(study.text)
     assert hp.run(["--quiet", "sweep", path, "--out", tmp_path / "run"]) in (0, 1)

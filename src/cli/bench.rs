@@ -127,7 +127,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     let template = Path::new("macpherson.toml");
     let path = arguments.study.as_deref().unwrap_or(template);
     let subject = Subject::of(arguments)?;
-    // These checks come before any file is written.
+    // The study is checked before any file is written.
     subject.check(arguments.kind, path)?;
     let name = format!("bench_{}", subject.name());
     let (out, format) = (arguments.out.as_deref(), arguments.format);
@@ -194,7 +194,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
             None => output.table(kind, &table)?,
         }
     }
-    // With standard output as target, the table is already printed as the main CSV.
+    // If the results go to standard output, the table is already there as the main CSV.
     output.print_files(&files)?;
     Ok(Exit::Done)
 }
@@ -224,7 +224,7 @@ fn measure(
             let found = Equilibria::measure(study, clock)?;
             (jobs_table(&found.measurements), None)
         }
-        // For an axle, an earlier check has refused these measurements.
+        // For an axle, an earlier check has refused accuracy and effects, so only throughput is left here.
         _ => (
             throughput_table(&Throughput::measure(study, threads, clock)?),
             None,

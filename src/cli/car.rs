@@ -123,7 +123,7 @@ fn open(arguments: &RunArguments, study: &CarStudy, command: &str) -> Result<Out
 /// Names of the three studies stored with the results: the car, its front axle and its rear axle.
 pub(super) const KEPT_NAMES: [&str; 3] = ["study.toml", "front.toml", "rear.toml"];
 
-/// Texts of these three studies.
+/// Texts of the three studies: the car, its front axle and its rear axle.
 fn kept(study: &CarStudy) -> Vec<String> {
     let [_, front_name, rear_name] = KEPT_NAMES;
     let [front, rear] = &study.axles;

@@ -154,7 +154,7 @@ fn motion(study: &Study, plan: &Plan) -> String {
     text
 }
 
-/// Sentences about requests that commands other than `solve` process.
+/// Sentences about the sections of the study that only commands other than `solve` use, such as `[sweep]`.
 fn asked(study: &Study) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some(sweep) = &study.sweep {

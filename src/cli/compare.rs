@@ -16,7 +16,7 @@ use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Results of a run of `hardpoint kc`.
+/// Name of the file with the results of `hardpoint kc`.
 const KC: &str = "kc.csv";
 
 /// Arguments of a comparison.
@@ -54,7 +54,7 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
     }
     let labels = labels(&arguments.sources);
     let mut designs: Vec<Compared> = Vec::new();
-    // Studies are solved over the motion of the first one.
+    // All studies are solved over the motion of the first study.
     let mut motion = None;
     let mut is_complete = true;
     for (path, label) in arguments.sources.iter().zip(labels) {
@@ -171,7 +171,7 @@ fn of_kc_runs(arguments: &CompareArguments) -> Result<Exit, Stop> {
     Ok(Exit::Done)
 }
 
-/// Prints the tables. They go to standard error if the CSV goes to standard output.
+/// Prints the tables. The tables go to standard error if the CSV goes to standard output.
 pub(super) fn print_tables(arguments: &CompareArguments, tables: &Tables) -> Result<(), Stop> {
     let format: Format = arguments.format.into();
     let text = tables.render(format, width());
@@ -185,7 +185,7 @@ pub(super) fn print_tables(arguments: &CompareArguments, tables: &Tables) -> Res
     Ok(())
 }
 
-/// Unique labels of the sources, without the parts that all paths share.
+/// Unique labels of the sources, without the parts that all paths have in common.
 pub(super) fn labels(sources: &[PathBuf]) -> Vec<String> {
     let mut labels: Vec<String> = Vec::new();
     for path in sources {
@@ -247,8 +247,8 @@ fn of_run(
             ));
             Ok(solved)
         }
-        // This study cannot follow the motion of the first design. The curves of the study's own run may have some stations in
-        // common with the first design.
+        // A study that cannot follow the motion of the first design keeps the curves of its own run. These curves may have
+        // some stations in common with the first design.
         Err(_) => Ok((compared, true)),
     }
 }

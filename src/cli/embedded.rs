@@ -9,7 +9,7 @@ use clap::Parser;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
-/// Reason why an embedded command has no result.
+/// Reason why a command inside another program has no result.
 #[derive(Debug)]
 pub enum NotDone {
     /// The study is wrong.

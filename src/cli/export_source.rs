@@ -165,7 +165,8 @@ impl Source {
         if file.is_file() {
             Ok(Study::read_elastic(&file, &[])?.wheel().design.clone())
         } else {
-            // Runs of earlier versions keep no copy, and standard input is not a file.
+            // Runs of earlier versions contain no copy of the study, and standard input is not a file. So this uses the
+            // design of the study that was read.
             Ok(study.wheel().design.clone())
         }
     }
@@ -225,7 +226,8 @@ impl Source {
         Ok(())
     }
 
-    /// Renames the curves of a run if they do not belong to the exported points. If the file has sheets, a note says so.
+    /// Renames the curves of a run if they do not belong to the exported points. If the exported file has sheets, a note
+    /// states the new name.
     fn set_other_curves_aside(&mut self, before: &[Vector3<f64>], has_sheets: bool) {
         let Some(study) = &self.study else { return };
         let manifest = Manifest::read(&self.path).unwrap_or_default();
@@ -234,7 +236,7 @@ impl Source {
             .map(|run| run.command.as_str());
         let of_points = match (self.is_tuning(), author) {
             (true, Some("optimise")) => {
-                // Curves of a tuning belong to the tuned points, unless these were rounded or changed.
+                // Curves of a tuning belong to the tuned points, unless these points were rounded or changed.
                 let kept = kept_study(&self.path, &[]).ok().flatten();
                 kept.is_some_and(|kept| kept.wheel().design == study.wheel().design)
             }

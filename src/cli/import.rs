@@ -188,8 +188,8 @@ impl<'a> Questions<'a> {
         }
     }
 
-    /// Returns the result of `read` for the answers so far. If `read` returns an open question, a user at a terminal is asked.
-    /// Otherwise the question becomes the reason of the refusal.
+    /// Returns the result of `read` for the answers so far. If `read` returns an open question, the program asks the user at
+    /// the terminal. Without a terminal, the question becomes the reason of the refusal.
     pub(super) fn settle<T>(
         &mut self,
         answers: &mut Answers,

@@ -19,7 +19,7 @@ const MOST_WORK: Duration = Duration::from_millis(200);
 /// output.
 const MOST_WAIT: Duration = Duration::from_secs(2);
 
-/// Interval between two checks of these limits.
+/// Interval between two checks of the time limits for stopping.
 const LOOK: Duration = Duration::from_millis(5);
 
 /// Time limit for the last line on standard error.
@@ -52,7 +52,7 @@ fn phase() -> MutexGuard<'static, Phase> {
     PHASE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// True from the first signal on.
+/// Flag that is true from the first signal on.
 pub(super) fn flag() -> &'static Arc<AtomicBool> {
     &FLAG
 }
@@ -84,8 +84,8 @@ pub(super) fn exit_code() -> u8 {
 /// Payload of the unwinding that ends a command inside another program.
 pub(super) struct Ended;
 
-/// Ends a command without results to keep after a signal. The function ends the process. Inside another program, it unwinds the
-/// stack instead.
+/// After a signal, ends a command that has no results to keep. The function ends the process. Inside another program, it
+/// unwinds the stack instead.
 pub(super) fn end() -> ! {
     if !LISTENS.load(Ordering::SeqCst) {
         std::panic::resume_unwind(Box::new(Ended));
@@ -157,7 +157,7 @@ fn heard(signal: i32) {
     }
 }
 
-/// Waits until the command has stopped by itself, within the limits.
+/// Waits until the command has stopped by itself, within the time limits [`MOST_WORK`] and [`MOST_WAIT`].
 fn wait() {
     let begun = Instant::now();
     let work = work_done();

@@ -157,7 +157,7 @@ struct KcArguments {
     names: Option<Names>,
 }
 
-/// Programs whose names `kc` knows.
+/// Programs whose names and definitions `hardpoint kc` can use in its results.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Names {
     /// Adams Car

@@ -193,7 +193,7 @@ struct Finished<'a> {
     before: &'a Solved<'a>,
     /// Tuned design with its curves. `None` if no start reached a design.
     tuned: Option<(&'a Study, &'a Solved<'a>)>,
-    /// Curves of both designs over the named motions.
+    /// Curves of the nominal and the tuned design over the named motions.
     in_motions: &'a [InMotion],
     choices: &'a Choices,
     summary: &'a TuningSummary,

@@ -1,5 +1,5 @@
-//! Destination of a run's results. It is a directory, with a summary on standard output, or standard output for the main CSV,
-//! with everything else on standard error.
+//! Destination of a run's results: a directory or standard output. With a directory, the summary goes to standard output.
+//! Otherwise the main CSV goes to standard output, and everything else goes to standard error.
 
 use super::exit::Stop;
 use super::interrupt;
@@ -87,7 +87,7 @@ pub(super) struct Destination<'a> {
 }
 
 impl<'a> Destination<'a> {
-    /// Reads the destination from the arguments. The default is the folder with this name below `out`.
+    /// Reads the destination from the arguments. The default is the folder `name` below `out`.
     pub(super) fn of(
         out: Option<&'a Path>,
         name: &str,
@@ -106,7 +106,7 @@ impl<'a> Destination<'a> {
         })
     }
 
-    /// Path of the directory. Without a meaning if the output is standard output.
+    /// Path of the directory. The path has no meaning if the output is standard output.
     pub(super) fn path(&self) -> &Path {
         self.out.unwrap_or(&self.default)
     }
@@ -279,7 +279,7 @@ impl Output {
         match (self.directory.is_some(), self.is_text()) {
             (true, true) => terminal::print(text)?,
             (false, true) => terminal::note(text),
-            // Without tables above or below, the text needs no empty lines.
+            // A text without tables above or below needs no empty lines around it.
             (_, false) => terminal::note(&format!("{}\n", text.trim_matches('\n'))),
         }
         Ok(())
@@ -399,7 +399,8 @@ impl Output {
     }
 }
 
-/// Removed files of an earlier run in words, and the options that write them again. Empty without files.
+/// Sentence that lists the removed files of an earlier run, and the options that write them again. Empty without
+/// removed files.
 fn in_words(removed: &[String]) -> String {
     if removed.is_empty() {
         return String::new();

@@ -63,7 +63,8 @@ pub(super) struct ReportOptions {
 }
 
 impl ReportOptions {
-    /// Checks before the run of a command that the pictures can be written. `record` describes the curves in the pictures.
+    /// Checks that the pictures can be written, before a command computes its results. `record` describes the curves in
+    /// the pictures.
     pub(super) fn open(
         arguments: &RunArguments,
         study: &Study,
@@ -136,7 +137,8 @@ fn write_page(page: &str, directory: &RunDirectory) -> Result<(), Stop> {
     written.map_err(Stop::unwritten)
 }
 
-/// Directory of pictures, with the run that they show. They replace only pictures of the same command and study.
+/// Directory of pictures, with the run that they show. New pictures replace only pictures of the same command and
+/// study.
 struct PictureDirectory {
     path: PathBuf,
     command: String,
@@ -167,7 +169,7 @@ impl PictureDirectory {
         }
     }
 
-    /// Refuses pictures that could not be written.
+    /// Returns an error if the pictures cannot be written.
     fn check(&self, names: &[String]) -> Result<(), Stop> {
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         RunDirectory::check(&self.path, &self.claim(&names)).map_err(no_place_for_pictures)

@@ -36,7 +36,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     };
     let output = Output::open(arguments, &study, "setup")?;
 
-    // Curves about the new static position, with every output of the study.
+    // Curves around the new static position, with every output of the study.
     let by_theta = found.adjusted.motion().drive == Drive::PaperTheta;
     let mut complete = true;
     let mut files = vec!["setup.csv", "summary.json"];

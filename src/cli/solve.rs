@@ -18,7 +18,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let study = Study::read_elastic(path, &arguments.study.set)?;
     let fault = |why| Stop::in_file(path, why);
     let solved = Solved::of(&study).map_err(fault)?;
-    // These steps may refuse the study, so they come before any file is written.
+    // The summary and the next steps may refuse the study, so they run before any file is written.
     let summary = solved.summary().map_err(fault)?;
     let in_motions = InMotion::all(&[("design", &study)], false).map_err(fault)?;
     let of_motions: Vec<NamedCurves> = in_motions.iter().flat_map(NamedCurves::of).collect();

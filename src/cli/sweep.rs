@@ -36,9 +36,9 @@ pub(super) struct Ready<'s> {
     pub inputs: Vec<PathBuf>,
     /// Names of the copies of studies that are kept with the results.
     pub kept_names: &'s [&'static str],
-    /// Returns the contents of these copies. The argument is the directory of the results, which must exist.
+    /// Returns the texts of the copies of studies. The argument is the directory of the results, which must exist.
     pub kept: &'s dyn Fn(&Path) -> Vec<String>,
-    /// Writes data of single designs for the page, at the end.
+    /// Writes the data of the designs that the page shows, at the end of the sweep.
     pub draw: &'s dyn Fn(&Output, &SweepStatistics) -> Result<(), Stop>,
 }
 
@@ -147,7 +147,8 @@ pub(super) fn carry_out(
     }
     let missing = directory.done().map_err(not_this)?.missing;
     if !missing.is_empty() {
-        // These files would describe parts that are being replaced.
+        // These files summarise earlier results. They would contradict the parts that are computed now, so they are
+        // removed.
         for name in [
             "summary.json",
             "pareto.csv",
@@ -240,7 +241,7 @@ fn open(arguments: &SweepArguments, ready: &Ready<'_>) -> Result<Output, Stop> {
         ..Claim::default()
     };
     let output = Output::at(&destination, claim)?;
-    // The texts name other files relative to the directory, which did not exist before.
+    // The texts of the studies name other files relative to the directory of the results, which did not exist before.
     let texts = if keeps_study {
         (ready.kept)(destination.path())
     } else {
@@ -278,7 +279,7 @@ pub(super) fn draw(
 /// Requested outputs that a sweep does not compute.
 fn left_out(study: &Study) -> Vec<&'static str> {
     let asked: Vec<(&'static str, bool)> = match &study.vehicle {
-        // Points are computed, so they are not in this list.
+        // A sweep computes points, so points are not in the list of omitted outputs.
         Vehicle::Wheel(own) => vec![
             ("order", own.outputs.order != Order::Position),
             ("sensitivities", !own.outputs.sensitivities.is_empty()),
@@ -303,8 +304,8 @@ fn left_out(study: &Study) -> Vec<&'static str> {
         .collect()
 }
 
-/// Computes parts until all are complete or Ctrl-C stops the command. Returns true if all are complete. It waits for parts that
-/// another process computes. If that process dies, it computes these parts itself.
+/// Computes parts until all are complete or Ctrl-C stops the command. Returns true if all are complete. This process waits for
+/// parts that another process computes. If the other process dies, this process computes the parts itself.
 fn sweep_parts(
     swept: Swept<'_>,
     text: &SweepText,
@@ -352,7 +353,8 @@ fn sweep_parts(
     result
 }
 
-/// Writes the rows of all designs to standard output. It accumulates statistics in the same way as a sweep that writes parts.
+/// Writes the rows of all designs to standard output. The function accumulates statistics in the same way as a sweep that
+/// writes parts.
 fn to_standard_output(swept: Swept<'_>, text: &SweepText) -> Result<SweepStatistics, WriteError> {
     let record = swept.record();
     let line = progress::line(record.designs, "designs");
@@ -394,7 +396,7 @@ fn print_design(study: &Study, plan: &SweepPlan, number: u64) -> Result<Exit, St
     Ok(Exit::Done)
 }
 
-/// Parses `3/8`; the first number counts from 1.
+/// Parses the number of a shard, such as `3/8`: the third of eight shards.
 pub(super) fn shard(text: &str) -> Result<[u64; 2], String> {
     let parts = text
         .split_once('/')

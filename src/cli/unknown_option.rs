@@ -1,4 +1,5 @@
-//! Tip for an option that is a key of the study: `--starts` is `--set optimise.starts=VALUE`.
+//! Tip for an unknown option that is a key of the study. For example, the tip for `--starts` is
+//! `--set optimise.starts=VALUE`.
 
 use crate::study::keys;
 use clap::builder::StyledStr;

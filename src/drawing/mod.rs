@@ -1,5 +1,5 @@
 //! Data for the drawings of a page: the mechanism along its motion, the effect of each coordinate, and some designs of a sweep.
-//! This module solves them from a study; `report` draws them.
+//! This module computes the data from a study; `report` draws them.
 
 mod sweep;
 
@@ -9,17 +9,17 @@ use crate::plan::Plan;
 use crate::report::{DrawnDesign, Record};
 use crate::study::{Study, WheelStudy};
 
-/// Largest number of frames in the drawing, and of stations with sensitivities. The page must stay small, and a run of a million
-/// stations must not be solved twice.
+/// Largest number of frames in the drawing, and of stations with sensitivities. The limit keeps the page small. It also saves
+/// the time to solve long runs twice.
 const MOST_FRAMES: usize = 400;
-/// Largest number of rack displacements among these frames.
+/// Largest number of rack displacements among the frames of the drawing.
 const MOST_RACKS: usize = 9;
 
 /// A design to be recorded: label, file with its curves, wheel, and curves.
 pub type Solved<'a> = (&'a str, &'a str, &'a WheelStudy, &'a Curves);
 
 impl Record {
-    /// Makes the record of a run. Sensitivities are those of the last design.
+    /// Makes the record of a run. The sensitivities belong to the last design.
     ///
     /// # Errors
     /// If a design cannot be solved in the design position.

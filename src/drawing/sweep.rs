@@ -10,14 +10,14 @@ use crate::sweep::SweepPlan;
 
 /// Largest number of designs that are shown in addition to the nominal design.
 const MOST_DESIGNS: usize = 16;
-/// Largest number of stations of each design.
+/// Largest number of stations of each design that is shown.
 const MOST_STATIONS: usize = 45;
-/// Largest number of rack displacements among these stations.
+/// Largest number of rack displacements among the stations of a design.
 const MOST_RACKS: usize = 3;
 
 impl DrawnDesigns {
-    /// Selects the best designs of a sweep and some of its Pareto front. Without targets, it selects the designs with the
-    /// smallest or largest outputs. Designs that cannot be solved are left out.
+    /// Selects the best designs of a sweep, and some designs of its Pareto front. Without targets, it selects the designs
+    /// with the smallest or largest outputs. Designs that cannot be solved are left out.
     pub fn of(
         study: &Study,
         own: &WheelStudy,

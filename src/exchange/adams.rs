@@ -14,7 +14,7 @@
 //! A block begins with its name in brackets, in upper or lower case. `$` and `!` begin comments. Braces name the columns.
 //! Texts are in single quotes and may be padded with blanks. A row for both sides (`left/right`) has the coordinates of
 //! the left hardpoint; the right hardpoint is the mirror image. x points rearward, y to the right and z up. As in
-//! studies, camber is positive if the top of the wheel leans outward, and toe is positive if the front of the wheel turns
+//! studies, camber is positive if the top of the wheel leans outward. Toe is positive if the front of the wheel turns
 //! inward.
 
 use crate::model::LengthUnit;
@@ -284,7 +284,7 @@ fn fields(line: &str) -> Vec<Field<'_>> {
             None => rest.find(char::is_whitespace).unwrap_or(rest.len()),
         };
         let text = rest[..length].trim_matches('\'').trim();
-        // A comment follows the values.
+        // A comment may follow the values of a row.
         if rest.starts_with(['$', '!']) {
             break;
         }

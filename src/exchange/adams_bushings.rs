@@ -11,10 +11,10 @@
 //! of torque against angle, `[TX_CURVE]` to `[TZ_CURVE]`. The database of a path (`mdids://database/`, `<database>/`) is the
 //! folder above the folder of the subsystem.
 //!
-//! The subsystem's template contains the orientation of a bushing; these files do not. In a study, x of a bushing is
-//! along the pivot axis of the arm. The importer assumes that z of the bushing in Adams is along this axis, as is usual.
-//! It accepts only bushings for which the remaining orientation does not matter: the curves along and about x equal those
-//! along and about y, and all curves are odd functions (equal in both directions).
+//! The subsystem's template contains the orientation of a bushing; these files do not. In a study, x of a bushing is along the
+//! pivot axis of the arm. The importer assumes that z of the bushing in Adams is along this axis, as is usual. It accepts only
+//! bushings for which the remaining orientation does not matter. For such a bushing, the curves along and about x equal the
+//! curves along and about y. All its curves are odd functions (equal in both directions).
 
 use super::adams::{assignment, block, text_of};
 use super::source::bytes_of;
@@ -270,7 +270,8 @@ mod tests {
         }
     }
 
-    /// 1 mm and 1 deg carry 7 N and 7 N mm. The result is in the unit of the subsystem, and torques are per rad.
+    /// The property file has a force of 7 N at 1 mm, and a torque of 7 N mm at 1 deg. The result is in the unit of the
+    /// subsystem, and its angles are in rad.
     #[test]
     fn curves_are_in_newtons_rad_and_the_unit_of_the_subsystem() {
         let made = curves_of(source("1 7\n0 0\n-1 -7"), LengthUnit::Metre).unwrap();

@@ -74,7 +74,7 @@ impl Link {
 /// Identifies the links of a live axle. Also returns a note for the user, if there is one.
 ///
 /// # Errors
-/// The links are not those of a solid axle of this program.
+/// The links do not match the topology `solid_axle`.
 pub(super) fn meanings(links: &[Link]) -> Result<(Vec<Meaning>, Option<String>), String> {
     let mut pairs: Vec<&Link> = Vec::new();
     let mut singles: Vec<&Link> = Vec::new();
@@ -82,7 +82,7 @@ pub(super) fn meanings(links: &[Link]) -> Result<(Vec<Meaning>, Option<String>),
         let mut others = links.iter();
         let twin = others.find(|other| other.number != link.number && link.is_mirror_of(other));
         match twin {
-            // The left link of a pair is used.
+            // The importer uses only the left link of a pair.
             Some(twin) => {
                 let lateral = |l: &Link| l.ends[0].place[0] + l.ends[1].place[0];
                 if (lateral(link), link.number) > (lateral(twin), twin.number) {

@@ -154,7 +154,7 @@ pub(super) fn points_of(path: &Path, text: &str) -> Result<PointTable, String> {
 
 struct File<'a> {
     entries: Vec<Entry<'a>>,
-    /// Lines of the sections `[AXLE]`.
+    /// Line numbers of the headings `[AXLE]`, counted from 1.
     of_links: Vec<usize>,
 }
 
@@ -368,7 +368,7 @@ impl File<'_> {
             body: None,
             place: format!("line {line}"),
         };
-        // A live axle may also have points of another type. The game ignores them.
+        // The file of a live axle may also contain points of another suspension type. The game ignores these points.
         let points = if is_live { &[] } else { POINTS };
         for (key, hardpoint) in points {
             let Some(entry) = self.entry(name, key) else {

@@ -172,7 +172,7 @@ pub(super) enum Coordinate {
 }
 
 impl Coordinate {
-    /// Combines two statements. `None` if they contradict each other.
+    /// Combines two statements about the same coordinate. `None` if they contradict each other.
     pub(super) fn and(self, other: Coordinate) -> Option<Coordinate> {
         match (self, other) {
             (Coordinate::Unknown, other) | (other, Coordinate::Unknown) => Some(other),
@@ -191,12 +191,12 @@ impl Coordinate {
 pub(super) struct Declared(pub(super) [Coordinate; 3]);
 
 impl Declared {
-    /// Makes a statement of all three axes.
+    /// Makes a statement that gives the directions of all three axes.
     pub(super) fn whole(axes: Axes) -> Self {
         Declared(axes.0.map(Coordinate::Grows))
     }
 
-    /// Combines two statements. Returns an error that names `place` if they contradict each other.
+    /// Combines two statements about the axes. Returns an error that names `place` if they contradict each other.
     pub(super) fn and(self, other: Declared, place: &str) -> Result<Declared, String> {
         let mut both = self;
         for (k, coordinate) in both.0.iter_mut().enumerate() {
@@ -261,7 +261,7 @@ impl Declared {
             let Some(at) = words.iter().position(|word| word == letter) else {
                 continue;
             };
-            // Phrases such as "x points forward" and "x is positive rearward".
+            // Reads phrases such as "x points forward" and "x is positive rearward".
             let behind = words[at + 1..].iter().take(3);
             let before_next = behind.take_while(|word| !["x", "y", "z"].contains(&word.as_str()));
             let mut flipped = false;
@@ -274,7 +274,7 @@ impl Declared {
                 }
             }
         }
-        // Words about other subjects do not define axes.
+        // Text about another subject may also contain such words. So only a statement of all three axes is accepted.
         match declared.axes() {
             Some(_) => declared,
             None => Declared::default(),

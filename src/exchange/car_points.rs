@@ -21,7 +21,7 @@ pub fn car_point_pages(
     })
 }
 
-/// Both tables as one, with a column that names the axle.
+/// CSV file with the points of both axles. An additional column names the axle.
 pub fn car_points_csv(pages: [Page; 2]) -> Vec<u8> {
     let text = |text: &str| vec![Value::Text(text.to_owned())];
     let [front, rear] = pages.map(|page| page.rows);
@@ -52,7 +52,7 @@ fn placed(study: &CarStudy, axle: usize) -> Study {
     if let Some(both) = own.axle_mut()
         && let Some(right) = &mut both.axle.right
     {
-        // The right wheel is written like a left wheel.
+        // The points of a right wheel are stored like those of a left wheel, so the lateral offset changes its sign.
         let mirrored = Vector3::new(offset.x, -offset.y, offset.z);
         shift(&mut right.design, mirrored);
     }

@@ -94,7 +94,7 @@ impl Drawing {
     }
 
     fn line(&mut self, layer: &str, from: [f64; 3], to: [f64; 3]) {
-        // A point shared by two parts is not a line.
+        // If two parts share a point, there is no line between them.
         if from != to {
             self.entity("LINE", layer, &[(10, from), (11, to)]);
         }
@@ -134,7 +134,8 @@ impl Drawing {
         let unit_and_frame = format!("unit {unit}; frame {name}: {axes}");
         let height = text_height(outgoing);
         self.text("UNIT_AND_FRAME", &unit_and_frame, [0.0; 3], height);
-        // The header follows release 12, except for the unit. Readers that do not know the unit skip it.
+        // The header follows release 12, except for the field `$INSUNITS`. Programs that do not support this field skip
+        // it.
         let code = match outgoing.unit {
             LengthUnit::Inch | LengthUnit::InchPound => 1,
             LengthUnit::Millimetre => 4,

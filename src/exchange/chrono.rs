@@ -5,7 +5,7 @@
 //! |---|---|
 //! | `DoubleWishbone`, `DoubleWishboneReduced` | `double_wishbone` |
 //! | `MacPhersonStrut` | `macpherson` |
-//! | `MultiLink` | `five_link`: the upper arm is two links that share their outer joint, the trailing link the lower front one, the lateral the lower rear one |
+//! | `MultiLink` | `five_link`: upper arm = two links with one outer joint; trailing link = lower front, lateral link = lower rear link |
 //! | `SemiTrailingArm` | `semi_trailing_arm` |
 //! | `ThreeLinkIRS` | `trailing_arm_two_links` |
 //! | `SolidAxle` | `solid_axle` on four links |
@@ -163,7 +163,7 @@ const LOWER_ENDS: [(&str, &str); 4] = [
 /// Points of a suspension of Project Chrono. `None` if the map is not such a suspension.
 ///
 /// # Errors
-/// The template has no counterpart here.
+/// The template corresponds to no topology of this program.
 pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
     let is_suspension = text(root, "Type") == Some("Suspension");
     let Some(template) = text(root, "Template").filter(|_| is_suspension) else {

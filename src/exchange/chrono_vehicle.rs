@@ -129,7 +129,7 @@ fn axle(path: &Path, node: &Node, number: usize) -> Result<Axle, String> {
     let table = match points_of(&root) {
         Ok(Some(table)) => table,
         Ok(None) => return Err(of(format!("{file} is not a suspension of Project Chrono"))),
-        // The other axle can still be imported.
+        // A topology that is not supported is no error here, because the other axle can still be imported.
         Err(reason) => PointTable {
             kinds: vec![(None, Kind::Other(format!("{file}: {reason}")))],
             ..PointTable::default()

@@ -32,7 +32,8 @@ pub(super) fn drop_incomplete(
             continue;
         }
         has_lost_rocker |= group.what == "the rocker";
-        // If two lists are equally complete, the first one is used: a pushrod.
+        // Chooses the most complete list of points. If two lists are equally complete, chooses the first one: the
+        // pushrod.
         let nearest = lists()
             .rev()
             .max_by_key(|list| list.iter().filter(given).count());
@@ -50,7 +51,7 @@ pub(super) fn drop_incomplete(
         hardpoints.retain(|h| !loose.contains(&h.name));
     }
     drop_from_rocker(has_lost_rocker, hardpoints, left_out);
-    // The user named these points, so they must not be dropped.
+    // Points that the user has named must not be dropped.
     let lost = before.iter().find(|was| {
         options.names.contains_key(was.name) && !hardpoints.iter().any(|h| h.name == was.name)
     });

@@ -142,7 +142,7 @@ impl Imported {
     ) -> Result<(String, Option<String>), String> {
         let read = |text: &str| Study::from_text(name, text, Path::new(""));
         let with = |travel: f64, outputs: &[&str]| self.text(origin, part, travel, outputs);
-        // This first read reports a fault of the points once, and not again for each output.
+        // This read without outputs reports a fault of the points once, and not again for each output.
         let explained = |reason: String| match self.slip(name, origin, part) {
             None => reason,
             Some(slip) => format!("{reason}\n{slip}"),
@@ -187,7 +187,7 @@ impl Imported {
         )))
     }
 
-    /// Note that the range of motion is shorter than usual. `reasons` are those of the next longer range.
+    /// Note that the range of motion is shorter than usual. `reasons` explain why the next longer range fails.
     fn shortened(&self, travel_mm: f64, reasons: &[String]) -> String {
         let unit = self.unit.symbol();
         let [travel, usual] = [travel_mm, TRAVELS[0]].map(|travel| self.travel(travel));
@@ -323,7 +323,7 @@ impl Imported {
             return;
         }
         *text += "\n[vehicle]\n";
-        // The points of an axle define its track.
+        // The points of an axle define its track, so only the study of one wheel needs the value.
         let track = self.track.filter(|_| matches!(part, Part::Wheel));
         for (key, length) in [
             ("wheelbase", self.wheelbase),
@@ -359,7 +359,7 @@ impl Imported {
                  heave = {{ from = -{travel:?}, to = {travel:?}, steps = 41 }}   # travel of both wheels"
             ),
             Part::Axle(_) | Part::Solid => {
-                // One degree of roll per 20 mm of travel, so that each wheel moves less than the travel.
+                // The roll range is one degree per 20 mm of travel. So each wheel moves less than the travel.
                 let (roll, heave) = (travel_mm / 20.0, self.travel(travel_mm / 2.0));
                 writeln!(
                     text,
@@ -371,7 +371,7 @@ impl Imported {
         };
     }
 
-    /// Round travel in the file's unit, near this number of millimetres.
+    /// Converts a travel from millimetres to the file's unit. In inches it is rounded down to a tenth.
     fn travel(&self, millimetres: f64) -> f64 {
         match self.unit {
             LengthUnit::Millimetre => millimetres,

@@ -84,7 +84,7 @@ fn convert(page: &mut Page, conversion: impl Fn(&str) -> ColumnConversion) {
     }
 }
 
-/// Tool whose names the curves can have.
+/// Other tool whose column names the exported curves can have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tool {
     /// Adams/Car, with the result names of its suspension analyses.

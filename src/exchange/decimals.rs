@@ -93,7 +93,7 @@ fn inches(sheet: &Sheet, columns: &Columns) -> Result<bool, String> {
             Cell::Text(text) => plain_number(text, true).is_ok(),
             Cell::Unusable(_) => false,
         };
-        // Zero is the same in every unit.
+        // Zero needs no inch mark, because it is the same in every unit.
         let is_zero = matches!(cell, Cell::Number(0.0)) || text(cell) == Some("0");
         if !is_coordinate(column) || !is_number || is_zero {
             continue;

@@ -46,7 +46,7 @@ pub(super) fn read(text: &str) -> Result<Sheet, String> {
     }
 }
 
-/// Finds line numbers of a text for increasing positions.
+/// Converts byte positions in a text to line numbers. The positions must increase from call to call.
 struct Lines<'a> {
     text: &'a str,
     at: usize,
@@ -116,7 +116,7 @@ fn with_titles(text: &str, separator: u8) -> Cow<'_, str> {
                 >= 3;
         if line.starts_with('#') && !title.contains('"') && !is_row {
             titles.extend(std::iter::repeat_n(' ', line.len() - title.len()));
-            // Commas separate the parts of a title in every table.
+            // Commas split a title in every table. So they are replaced by the separator of this table.
             titles += &title.replace(',', char::from(separator).encode_utf8(&mut [0; 4]));
         } else {
             titles += line;
@@ -135,7 +135,7 @@ fn lines_of(text: &str) -> impl Iterator<Item = &str> {
 const MOST_WORDS: usize = 4;
 
 /// Cells of a line with a name followed by at least three numbers, separated by spaces. Also the cells of a header that ends with
-/// x, y and z, each with further words such as its unit. `None` for any other line.
+/// x, y and z; each letter may be followed by words such as its unit. `None` for any other line.
 fn in_words(line: &str) -> Option<Vec<String>> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let is_number = |word: &&&str| !word.ends_with(',') && is_number(word);
@@ -277,7 +277,7 @@ mod tests {
         );
         let sheet = read("Front axle\n\nwheel centre 0 1 2\nstrut top 3 4 5\n").unwrap();
         assert_eq!(sheet.rows(), [0, 2, 3]);
-        // Commas separate these cells.
+        // In this table, commas separate the cells.
         assert_eq!(
             texts("wheel centre, 0, 1, 2\n")[0],
             ["wheel centre", "0", "1", "2"]

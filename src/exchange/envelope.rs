@@ -88,7 +88,7 @@ impl Envelope {
         let (travels, racks) = (travel.all(), rack.all());
         let is_rigid = outgoing.study.wheel().mechanism.rigid_axle.is_some();
         let both = if is_rigid { travels.len() } else { 1 };
-        // Numbers of values of each motion. The first motion varies fastest.
+        // Number of values of each motion. The first motion varies fastest.
         let values = [travels.len(), both, racks.len()];
         let of_wheels = match outgoing.study.axle() {
             Some(study) if is_rigid => poses_of_axle(outgoing, &study.axle, &travels, &racks)?,
@@ -192,7 +192,8 @@ fn poses(
     Ok(poses)
 }
 
-/// Poses of both wheels of a solid axle or a twist beam, in all combinations of their travels. The right one varies fastest.
+/// Poses of both wheels of a solid axle or a twist beam, in all combinations of their travels. The travel of the right wheel
+/// varies fastest.
 fn poses_of_axle(
     outgoing: &Outgoing<'_>,
     axle: &Axle,
@@ -208,7 +209,7 @@ fn poses_of_axle(
     let own = left.length_unit;
     let of_study = |length: &f64| own.convert(*length, outgoing.unit);
     let travels: Vec<f64> = travels.iter().map(of_study).collect();
-    // A positive rack moves to the left.
+    // A positive rack displacement is to the left.
     let along_rack = outgoing.frame(Side::Left).sign(Axis::Y);
     let racks = racks.iter().map(|rack| along_rack * of_study(rack));
     let motion = AxleMotion {

@@ -4,8 +4,9 @@ use super::outgoing::Outgoing;
 use super::workbook::{Page, Value};
 use crate::model::{PointId, Side, SpinAxis};
 
-/// Points of a study as a table. Each point has a row with wheel and axes, and with its body if another body is possible. Then
-/// come the wheel's radius, and static camber and toe if no point defines them. The header names the unit.
+/// Points of a study as a table. Each point has a row with its wheel and axes. The row also has the body that carries the
+/// point, if another body is possible. Rows for the wheel's radius follow, and for static camber and toe if no point defines
+/// them. The header names the unit.
 pub fn point_rows(outgoing: &Outgoing<'_>) -> Vec<Vec<Value>> {
     let unit = outgoing.unit.symbol();
     let text = |text: &str| Value::Text(text.to_owned());
@@ -45,7 +46,7 @@ enum Half<'a> {
     Left,
     /// Right half, as the mirror image of a point on the left. It has no row.
     MirrorImage,
-    /// Right half with its own row. The values are the point of the left half and its name.
+    /// Right half, with its own row. Contains the matching point of the left half and the name of that point.
     Right(PointId, &'a str),
 }
 

@@ -156,7 +156,7 @@ fn without_sign_remark(cut: &mut Vec<String>) {
     });
 }
 
-/// Splits off the axle that stands first or last among the words.
+/// Splits off the name of the axle if it is the first or the last word.
 fn without_axle_word(words: &[String]) -> (Option<AxlePosition>, &[String]) {
     match words {
         [first, rest @ ..] if end_of(first).is_some() => (end_of(first), rest),

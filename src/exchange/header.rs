@@ -124,8 +124,8 @@ pub(super) fn header(
     }))
 }
 
-/// Wheel and axle that all three headers name. If only one of the headers has a side, this side is the direction of its
-/// coordinate.
+/// Wheel and axle that all three headers name. A side in only one of the headers is the direction of its coordinate,
+/// not a wheel.
 fn marks_of_all(three: &[(u32, Coordinates)]) -> Marks {
     let first = three.first().map(|(_, header)| header.marks);
     let first = first.unwrap_or_default();
@@ -280,7 +280,7 @@ fn coordinate_header(text: &str) -> Option<Coordinates> {
     };
     let has_minus = (0..chars.len()).any(is_minus) && !text.contains('+');
     let direction = match direction {
-        // It is not certain if this minus is a sign or a dash, so only the axis is used.
+        // A minus in such a header may be a sign or a dash, so only the axis is used.
         Coordinate::Grows(way) if has_minus => Coordinate::Along(way.axis()),
         Coordinate::Grows(way) if is_flipped => Coordinate::Grows(way.opposite()),
         direction => direction,
@@ -303,8 +303,8 @@ fn along(word: &str) -> Option<usize> {
     }
 }
 
-/// In a row of titles, returns the words beside x, y and z, such as "um" in `x [um]`. If the row is not a header, at least one of
-/// these words is not known.
+/// Returns the words beside x, y and z in a row of titles, such as "um" in `x [um]`. For a row that is not a valid header, at
+/// least one of these words is not known.
 pub(super) fn unknown_beside_axes(sheet: &Sheet, row: u32) -> Option<String> {
     let beside = |axis: &str| {
         let mut cells = sheet.row(row).filter_map(|(_, cell)| text(cell));

@@ -10,7 +10,7 @@ use super::table::{Figure, Marks, NamedPoint, PointTable};
 use super::unit::FileUnit;
 use crate::model::LengthUnit;
 
-/// Values of a wheel, identified by the ends of their names.
+/// Names of the values in the file, or the ends of these names.
 const OFFSET: &str = "wheel offset";
 const RIM_DIAMETER: &str = "tire rim_diameter";
 const SECTION_WIDTH: &str = "tire section_width";

@@ -150,7 +150,7 @@ struct Selection {
     makes_wheel: bool,
 }
 
-/// Selects the points and the numbers of one wheel or axle. `roles` and `named` are those of all points of the table.
+/// Selects the points and the numbers of one wheel or axle. `roles` and `named` contain all points of the table.
 fn select(
     table: &PointTable,
     options: &ImportOptions<'_>,
@@ -174,7 +174,8 @@ fn select(
     if is_optimum {
         optimum::bar_axis(named, corner, &mut picked);
     }
-    // Missing names are reported first, because without points there is no size from which the unit could be determined.
+    // Missing hardpoints are reported before the unit is determined, because the unit follows from the size of the
+    // suspension.
     let wheel: &[&str] = if is_optimum { &["wheel_centre"] } else { &[] };
     refuse_missing(table, options, roles, &picked, wheel)?;
     let unit = unit::unit(table, options, &picked, notes)?;
@@ -303,8 +304,8 @@ pub(super) fn for_axle(
     Ok(imported)
 }
 
-/// Linkages that hold a solid axle sideways, and one hardpoint of each linkage. Such an axle has one upper link, with its
-/// actual y.
+/// Linkages that hold a solid axle sideways, and one hardpoint of each linkage. An axle with such a linkage has a single
+/// upper link, which need not be in the centre plane.
 const ACROSS: [(&str, &str); 2] = [
     ("panhard_axle", "a Panhard rod"),
     ("watt_axis", "a Watt linkage"),
@@ -431,9 +432,9 @@ fn in_order(topology: &Topology, picked: Vec<Picked>) -> Vec<Hardpoint> {
     hardpoints
 }
 
-/// Converts the points to the frame of the study. If studies know the file's frame, the study uses it, so that the coordinates
-/// stay equal to those of the file. Otherwise the study uses ISO 8855, and only the order and the signs of the coordinates
-/// change.
+/// Converts the points to the frame of the study. If the file's frame is a frame of studies, the study uses it, so that the
+/// coordinates stay equal to those of the file. Otherwise the study uses ISO 8855, and only the order and the signs of the
+/// coordinates change.
 fn to_study_frame(
     placed: Placed,
     hardpoints: [&mut Vec<Hardpoint>; 2],
@@ -472,7 +473,8 @@ fn contact_radius(
     };
     let contact = table.points.iter().find(is_contact)?;
     let mut position = contact.position.clone().ok()?;
-    // A point for both wheels is the point of the left wheel.
+    // A contact point for both wheels has the coordinates of the left wheel. So its lateral coordinate may need the
+    // other sign.
     let (across, _) = placed.axes.across();
     if position[across] * centre[across] < 0.0 {
         position[across] = -position[across];

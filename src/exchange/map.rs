@@ -1,10 +1,10 @@
 //! Points in JSON or YAML: a map from names to coordinates with any nesting.
 //!
-//! `{"LCA front": [1, 2, 3]}`, `{"lower arm": {"front": {"x": 1, "y": 2, "z": 3}}}` and `[{"name": "LCA front", "x": 1, "y": 2,
-//! "z": 3}]` are all the same point. Its name consists of the keys that lead to three numbers. A key that is a wheel or an axle
-//! (`left`, `FL`, `front_axle`) applies to all points below it. The reader skips keys with unknown words, such as a car's name,
-//! lists of other lengths, texts and truth values. A single number is a value with a name. [`chrono`] reads suspensions of
-//! Project Chrono.
+//! The following three texts give the same point: `{"LCA front": [1, 2, 3]}`,
+//! `{"lower arm": {"front": {"x": 1, "y": 2, "z": 3}}}` and `[{"name": "LCA front", "x": 1, "y": 2, "z": 3}]`. The name of a
+//! point consists of the keys that lead to three numbers. A key that is a wheel or an axle (`left`, `FL`, `front_axle`) applies
+//! to all points below it. The reader skips keys with unknown words, such as a car's name, lists of other lengths, texts and
+//! truth values. A single number is a value with a name. [`chrono`] reads suspensions of Project Chrono.
 
 use super::angle_unit::AngleUnit;
 use super::axes::{Axes, Declared};
@@ -214,7 +214,7 @@ impl Reader {
                     self.value_missing(keys, "a list");
                 }
                 for node in nodes {
-                    // Numbers in other lists have no names.
+                    // A number in a list that is not a point has no name, so it is skipped.
                     if !matches!(node, Node::Number(_)) {
                         self.visit(node, keys)?;
                     }
@@ -343,7 +343,7 @@ fn names_unit(keys: &[&str]) -> bool {
             .all(|word| LENGTH.split(' ').any(|known| known == word))
 }
 
-/// Directions of the axes in a text, when the key before it is about axes.
+/// Directions of the axes in a text whose key is about axes.
 fn in_words(text: &str) -> Declared {
     Declared::in_text(&format!("axes: {text}"))
 }

@@ -100,7 +100,7 @@ const SPELT: &[(&str, &str)] = &[
     ),
 ];
 
-/// Words that can occur in any name.
+/// Words that can occur in any name without a change of its meaning.
 const ANYWHERE: &[&str] = &["mount", "end"];
 
 /// Hardpoints with the words of their names. All words must occur, in any order; words after `?` are optional. If there are
@@ -282,7 +282,7 @@ pub(super) fn cut(text: &str) -> Vec<String> {
     if text.len() > LONGEST {
         return Vec::new();
     }
-    // "o/b" and "i/b" are single words.
+    // The abbreviations "o/b" and "i/b" are single words.
     let text = &text.replace("o/b", "outboard").replace("i/b", "inboard");
     let text = &text.replace("O/B", "OUTBOARD").replace("I/B", "INBOARD");
     let mut words = vec![String::new()];
@@ -370,7 +370,7 @@ impl Words {
         ends.next()
     }
 
-    /// Hardpoint of a topology with these words.
+    /// Hardpoint of a topology whose name has these words.
     pub(super) fn hardpoint(&self, topology: &Topology) -> Option<&'static str> {
         let mut fitting = PATTERNS
             .iter()

@@ -22,7 +22,8 @@ pub struct Outgoing<'s> {
 }
 
 impl<'s> Outgoing<'s> {
-    /// Prepares a study in a unit and axes, by default its own. If the unit is the same, coordinates keep their exact value.
+    /// Prepares a study for a file with this unit and these axes, by default those of the study. If the unit does not
+    /// change, the coordinates keep their exact values.
     pub fn of(
         study: &'s Study,
         unit: Option<LengthUnit>,
@@ -167,7 +168,7 @@ impl<'s> Outgoing<'s> {
         })
     }
 
-    /// Angles in the study's text. A missing angle is 0, or that of the left wheel.
+    /// Angles in the study's text. A missing angle equals the angle of the left wheel, or 0.
     fn written_angles(&self, side: Side) -> Option<[f64; 2]> {
         let document = Document::parse(self.study.text.as_str()).ok()?;
         let wheel = document.get("wheel");

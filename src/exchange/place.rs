@@ -2,13 +2,14 @@
 //!
 //! | axes given | side given | result |
 //! |---|---|---|
-//! | yes | yes | the points must not contradict either of them; `--side` for points without a side asks for that wheel, if necessary as mirror image |
+//! | yes | yes | the points must not contradict the axes or the side; `--side` mirrors points without a side if they show the other wheel |
 //! | yes | no | the side follows from the points, or left is assumed |
 //! | no | yes | the axes follow from the points, if they are right-handed |
-//! | no | no | as above, with the left wheel assumed: its mirror image would be a right wheel in left-handed axes |
+//! | no | no | the left wheel is assumed, and the axes follow from the points as above |
 //!
-//! Left-handed axes are refused unless `--axes` gives them. If the points do not show the axes clearly (see [`crate::report`]'s
-//! `orientation`), the importer asks.
+//! The last row assumes a side because the same points could also be a right wheel in left-handed axes. Left-handed axes are
+//! refused unless `--axes` gives them. If the points do not show the axes clearly (see [`crate::report`]'s `orientation`), the
+//! importer asks.
 
 use super::ImportOptions;
 use super::axes::{Axes, of_reading, reading_of};
@@ -60,7 +61,7 @@ pub(super) fn place(
     found(table, side, &directions, notes)
 }
 
-/// Uses axes that the user or the file states. `is_asked` is true if the user asks for the wheel `side`, and the file has points
+/// Uses axes that the user or the file states. `is_asked` is true if the user requests the wheel `side`, and the file has points
 /// without a side. [`mirror`] then makes the wheel from the other wheel.
 fn stated(
     axes: Axes,
@@ -400,7 +401,7 @@ mod tests {
                 let of_file = (Some(wheel), false);
                 let placed = stated(axes, true, of_file, &directions, &options, &mut notes);
                 assert_eq!(placed.is_ok(), !is_shown || wheel == side, "{cosine}");
-                // A wheel that the user asks for is mirrored from the wheel that the points show.
+                // The importer makes a requested wheel as the mirror image of the wheel that the points show.
                 let asked = (Some(wheel), true);
                 let placed = stated(axes, true, asked, &directions, &options, &mut notes);
                 assert_eq!(placed.unwrap().side, if is_shown { side } else { wheel });
@@ -410,7 +411,7 @@ mod tests {
 
     /// Reach is the lateral distance between the wheel centre and the arms' inner ends. If the wheel centre is nearer to
     /// the centre plane than half of this reach, the origin is at the wheel. The importer then moves the points outward
-    /// by the half track, on either side.
+    /// by the half track. This applies to left and right wheels.
     #[test]
     fn wheels_at_the_origin_are_moved_out() {
         let moved = |side: Side, wheel: f64, inner: f64, half_track: Option<f64>, asked: bool| {

@@ -80,7 +80,8 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
             reader.last_title = sheet.row(*row).map(|(column, _)| column).max();
             let above = place.checked_sub(1).map(|place| rows[place]);
             reader.columns = header(sheet, *row, above)?.map(|found| found.columns);
-            // Titles above two sets of coordinates belong to these columns.
+            // If a table has several sets of coordinates, a title above belongs to the columns of one set, not to the
+            // rows below.
             if reader.columns.as_ref().is_some_and(|c| c.triples.len() > 1) {
                 reader.section = Marks::default();
             }
@@ -126,7 +127,7 @@ impl Rows<'_> {
             return self.unit(row, word);
         }
         let own_name = sheet.cell(row, columns.name).and_then(text);
-        // Sheets write values of the wheel in their first column, also if the names of points are in another one.
+        // Files write values of the wheel in the first column, even if another column has the names of points.
         let first = texts.first().copied().filter(|text| figure(text).is_some());
         let Some(name) = own_name.or(first.filter(|_| has_number)) else {
             return if has_number {
@@ -219,8 +220,8 @@ impl Rows<'_> {
         Ok(())
     }
 
-    /// Refuses a row with more numbers than titles if a comma is probably not only the separator: it may be the decimal
-    /// sign, or a sign between groups of digits.
+    /// Refuses a row that has more numbers than the table has titles, if a comma in it is probably not a separator. The
+    /// comma may be the decimal sign, or may group the digits of a number.
     fn check_decimals(&self, row: u32) -> Result<(), String> {
         let Some(last) = self.last_title else {
             return Ok(());
@@ -232,7 +233,7 @@ impl Rows<'_> {
         });
         let numbers: Vec<(u32, f64)> = numbers.collect();
         let surplus = numbers.iter().filter(|(column, _)| *column > last).count();
-        // "1,130.5" in a table with commas between its cells: 1 and 130.5.
+        // If commas separate the cells, "1,130.5" is read as two numbers: 1 and 130.5.
         let mut pairs = numbers.windows(2).map(|pair| [pair[0].1, pair[1].1]);
         let groups = |[left, right]: [f64; 2]| {
             left != 0.0 && left.fract() == 0.0 && left.abs() < 1e3 && (0.0..1e3).contains(&right)

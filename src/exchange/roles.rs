@@ -2,8 +2,8 @@
 //!
 //! Sides are first or last in a name (`hpl_lca_front`, `LCA front R`, `FL lower ball joint`). "Front" and "rear" mean the pivot
 //! if the hardpoint needs one (`lca_front`), otherwise the axle (`front lower ball joint`). If a name has two of them, the first
-//! one is the axle (`FUCA aft`, `F_LCA_IF`). A single `R` is the right wheel, with two exceptions: the name would then mean no
-//! hardpoint (`LCA_R`), or the file also uses `F` but never `L`.
+//! one is the axle (`FUCA aft`, `F_LCA_IF`). A single `R` means the right wheel, with two exceptions. It means the rear if the
+//! name would otherwise mean no hardpoint (`LCA_R`), or if the file uses `F` but never `L`.
 
 use super::names::{Words, cut, marks_of};
 use super::table::{Marks, NamedPoint};

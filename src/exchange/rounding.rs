@@ -46,13 +46,14 @@ const SPRING: f64 = 1e-3;
 pub struct Rounded {
     /// Points in the kernel's frame and the study's unit.
     pub design: Vec<Vector3<f64>>,
-    /// Points in the study's axes, with exactly the digits of the grid's unit.
+    /// Coordinates of the points in the study's axes and the grid's unit. Rounded coordinates have exactly the digits
+    /// of the grid.
     pub coordinates: Vec<[f64; 3]>,
     /// Grid of the coordinates.
     pub grid: Grid,
     /// Change of the misfit by rounding, if the study has targets.
     pub loss: Option<Loss>,
-    /// Constraints that the rounded design violates, and ranges without a multiple.
+    /// Constraints that the rounded design violates, and ranges that contain no multiple of the grid.
     pub broken: Vec<Broken>,
 }
 
@@ -76,7 +77,7 @@ pub struct Broken {
     pub name: String,
     /// Distance between the value and the nearest limit.
     pub missed: f64,
-    /// The same distance before rounding. Zero if the constraint was satisfied.
+    /// Distance between the value and the nearest limit before rounding. Zero if the constraint was satisfied.
     pub missed_before: f64,
     /// Unit of both distances.
     pub unit: String,
@@ -209,7 +210,8 @@ struct Problem<'a> {
     free: &'a [bool],
     /// All coordinates in the study's axes, point by point, in the grid's unit.
     before: Vec<f64>,
-    /// Smallest and largest number of steps with which each coordinate is within its range. They are not whole numbers.
+    /// Range of each coordinate, in steps of the grid: smallest and largest number of steps. The numbers are not
+    /// rounded to integers.
     ranges: Vec<[f64; 2]>,
 }
 
@@ -232,7 +234,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Returns the neighbours of a coordinate on the grid, below and above its present value. A neighbour outside the
-    /// range is left out, unless both are outside.
+    /// range is left out, unless both neighbours are outside.
     fn neighbours(&self, coordinate: usize) -> (f64, f64) {
         let (below, above) = neighbours(self.grid.steps(self.before[coordinate]));
         let is_within = |steps: f64| self.outside(coordinate, steps) == 0.0;
@@ -247,7 +249,7 @@ impl<'a> Problem<'a> {
     fn outside(&self, coordinate: usize, steps: f64) -> f64 {
         let [least, most] = self.ranges[coordinate];
         let missed = (least - steps).max(steps - most);
-        // The ends of a range also have rounding errors.
+        // This tolerance allows for rounding errors in the ends of a range.
         let slack = 1e-9 * most.abs().max(least.abs()).max(1.0);
         if missed > slack { missed } else { 0.0 }
     }
@@ -287,7 +289,7 @@ impl<'a> Problem<'a> {
         within
     }
 
-    /// Steps of each coordinate, each rounded to its nearest multiple.
+    /// Coordinates in steps of the grid. Free coordinates are rounded to the nearest integer.
     fn nearest(&self) -> Vec<f64> {
         let coordinates = self.before.iter().zip(self.free);
         let steps = coordinates.map(|(x, free)| match free {
@@ -308,8 +310,8 @@ impl<'a> Problem<'a> {
         for (point, before) in suspension.design.iter().enumerate() {
             let of_study = suspension.frame.vector(*before).to_array();
             let numbers = [0, 1, 2].map(|axis| 3 * point + axis);
-            // If the units differ, the conversion of units has changed the last digit. So a coordinate on the grid is
-            // written with the grid's digits.
+            // A conversion from the study's unit to another unit of the grid changes the last digits. So a coordinate
+            // on the grid is written with the digits of the grid.
             let keeps_digits = |n: usize| !self.free[n] || stays(n) && own == self.grid.unit;
             let written = numbers.map(|n| {
                 if keeps_digits(n) {

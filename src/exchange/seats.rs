@@ -17,7 +17,7 @@ pub(super) struct Seat {
     is_assumed: bool,
 }
 
-/// Finds the bodies of all ends.
+/// Finds the bodies that carry the ends of springs and rods.
 ///
 /// # Errors
 /// A given body cannot carry the end, or it is not clear which rod carries the drop link.
@@ -102,8 +102,8 @@ fn stated(
 /// Ratio of distances below which a nearer body replaces the usual body.
 const NEARER: f64 = 0.5;
 
-/// Finds a body whose members are much nearer to an end than those of the usual body. Returns `None` to keep the usual
-/// body.
+/// Finds a body whose members are much nearer to an end than the members of the usual body. Returns `None` to keep the
+/// usual body.
 fn nearest(
     imported: &Imported,
     mechanism: &Mechanism,

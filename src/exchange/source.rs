@@ -1,5 +1,5 @@
-//! Reads a file of points in any format: a text table, a workbook, a map in JSON or YAML, a subsystem of Adams/Car, a vehicle of
-//! Project Chrono, or a `suspensions.ini` of Assetto Corsa.
+//! Reads a file of points. The formats are: text table, workbook, map in JSON or YAML, Adams/Car subsystem, Project Chrono
+//! vehicle, Assetto Corsa `suspensions.ini`.
 
 use super::adams::{self, Symmetry};
 use super::axes::{Axes, Declared};
@@ -53,7 +53,7 @@ pub fn read_map(json: &str) -> Result<PointTable, Refusal> {
 
 /// Points of a file that is not a workbook.
 fn of_plain_file(path: &Path, bytes: &[u8]) -> Result<PointTable, String> {
-    // These bytes begin old binary workbooks and encrypted ones.
+    // Old binary workbooks and encrypted workbooks begin with these bytes.
     if bytes.starts_with(&[0xd0, 0xcf, 0x11, 0xe0]) {
         return Err("it is an old or an encrypted workbook; save it as .xlsx or .csv".to_owned());
     }
@@ -165,7 +165,7 @@ fn of_subsystem(path: &Path, text: &str) -> Result<PointTable, String> {
         .map(|parameter| parameter.name.clone())
         .collect();
     for parameter in subsystem.parameters {
-        // Only these two parameters are geometry. A value of the left wheel alone applies to both wheels.
+        // Only camber and toe are parameters of the geometry. A value of the left wheel alone applies to both wheels.
         let is_angle = ["camber_angle", "toe_angle"].contains(&parameter.name.as_str());
         let side = match parameter.symmetry {
             Symmetry::Right => Some(Side::Right),

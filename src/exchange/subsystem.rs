@@ -110,7 +110,7 @@ pub fn into_subsystem(outgoing: &Outgoing<'_>, file: &[u8]) -> Result<Written, S
     })
 }
 
-/// Hardpoints that the names of a file mean.
+/// Hardpoint for each name in a file, if the name is known.
 fn meanings<'f>(
     suspension: &Suspension,
     subsystem: &'f adams::Subsystem,

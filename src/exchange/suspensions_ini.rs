@@ -8,8 +8,8 @@
 //! A solid axle is `TYPE=AXLE`. Its links are in a section `[AXLE]`, relative to the middle of both wheel centres: x to the left,
 //! y up, z forward. The game reads only one such section, for the rear axle.
 //!
-//! `SPRING_RATE` is the rate at the wheel in N/m in the design position: [`WheelQuantity::WheelRate`], or of a solid axle
-//! [`AxleQuantity::RideRateWithoutTyres`], the rate in heave per wheel. It excludes the anti-roll bar, because the game has a
+//! `SPRING_RATE` is the rate at the wheel in N/m in the design position ([`WheelQuantity::WheelRate`]). For a solid axle it is
+//! the rate in heave per wheel ([`AxleQuantity::RideRateWithoutTyres`]). It excludes the anti-roll bar, because the game has a
 //! separate value for the bar.
 
 use super::assetto_in::POINTS;

@@ -35,7 +35,7 @@ impl Marks {
 pub(super) struct NamedPoint {
     /// Name in the file, including the keys that lead to the point.
     pub name: String,
-    /// Part of the name that carries its meaning.
+    /// Part of the name that the importer interprets.
     pub read_as: String,
     /// Wheel and axle, if the file gives them with the name.
     pub marks: Marks,
@@ -54,7 +54,7 @@ pub(super) struct NamedPoint {
 pub(super) struct Figure {
     /// Name in the file.
     pub name: String,
-    /// Part of the name that carries its meaning.
+    /// Part of the name that the importer interprets.
     pub read_as: String,
     /// Value of the number.
     pub value: f64,

@@ -95,7 +95,7 @@ pub fn unit_of(word: &str) -> Option<LengthUnit> {
     found.map(|found| found.unit)
 }
 
-/// Copy of a table whose coordinates and lengths are in a unit of studies. `None` if they already are.
+/// Copy of a table whose coordinates and lengths are in a unit of studies. `None` if the file already has such a unit.
 pub(super) fn converted<'o>(
     table: &PointTable,
     options: &ImportOptions<'o>,
@@ -141,11 +141,13 @@ fn replaced(given: Option<FileUnit>, written: Option<FileUnit>, symbol: &str) ->
     differs.then(|| format!("--unit {symbol} replaces the unit stated in the file"))
 }
 
-/// Smallest and largest size of a wheel's suspension, in metres. They identify an unstated unit.
+/// Smallest and largest size of a wheel's suspension, in metres. If the file states no unit, the importer looks for a
+/// unit that gives a size in this range.
 const USUAL_SIZE: [f64; 2] = [0.15, 3.0];
 
 /// Smallest size in metres for which centimetres are as plausible as inches. The sample suspensions have sizes of 0.45 to 1.3 m,
-/// which are 18 to 50 inches or 45 to 130 cm. Below 30 units, a size in centimetres would be two thirds of the smallest sample.
+/// which are 18 to 50 inches or 45 to 130 cm. A size of 30 units in centimetres would be 0.3 m, two thirds of the smallest
+/// sample.
 const LEAST_IN_CENTIMETRES: f64 = 0.3;
 
 /// Finds the unit of the coordinates.

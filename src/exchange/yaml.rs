@@ -11,7 +11,7 @@ use std::path::Path;
 /// Deepest nesting. Files of points need less than a tenth of this depth.
 const DEEPEST: usize = 100;
 
-/// True if the name of the file ends like that of a YAML file.
+/// True if the file name has the extension of a YAML file.
 pub(super) fn is_named(path: &Path) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str());
     extension.is_some_and(|extension| {
@@ -96,7 +96,7 @@ fn scalar(text: &str, style: ScalarStyle) -> Node {
     if style != ScalarStyle::Plain {
         return Node::Text(text.to_owned());
     }
-    // The standard library also parses `inf` and `nan`, which are words here.
+    // The standard library also parses `inf` and `nan`, but in these files they are words.
     let is_decimal = text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c))
         && text.ends_with(|c: char| c.is_ascii_digit() || c == '.');
     match text.parse::<f64>() {

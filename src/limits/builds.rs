@@ -106,7 +106,7 @@ impl NearestEnd {
     }
 }
 
-/// Number of builds, and number of the first of these builds.
+/// Count of some builds, and the number of the first build among them.
 type Counted = (u64, Option<u64>);
 
 /// Nearest limits among some builds. If limits are equal, the first build counts.

@@ -1,7 +1,8 @@
 //! Limits of a study with elastic parts: the values beyond which there is no equilibrium.
 //!
-//! A range of travel or rack displacement ends where the stiffness against a motion of a part falls to zero. A load ends at the
-//! largest value that the suspension carries. The table also shows the limits of the mechanism with rigid parts.
+//! A range of travel or rack displacement ends where the stiffness against a motion of a part falls to zero. The range of a
+//! load ends at the largest load that the suspension can carry. The table also shows the limits of the mechanism with rigid
+//! parts.
 
 use super::row::{LOST, LimitRow, Row};
 use super::{Found, travel_rows};

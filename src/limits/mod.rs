@@ -86,7 +86,7 @@ impl LimitTable {
     }
 }
 
-/// Ranges of the motion in a study of one wheel, by the quantities of the table of limits.
+/// Ranges of the motion in a study of one wheel. Each range has the name of its quantity in the table of limits.
 pub(crate) fn motion_ranges(study: &Study) -> Vec<(String, [f64; 2])> {
     let Some(own) = study.one_wheel() else {
         return Vec::new();
@@ -132,7 +132,7 @@ impl<'s> WheelLimits<'s> {
         })
     }
 
-    /// Distance of the motion with these curves to the limits. `None` for the paper's drive.
+    /// Note on the distance between the motion with these curves and the limits. `None` for the drive of Attia's paper.
     fn note(&mut self, study: &Study, moved: &Curves) -> Result<Option<String>, DesignFault> {
         if study.motion().drive == Drive::PaperTheta {
             return Ok(None);
@@ -237,7 +237,8 @@ fn straight(limits: &Limits) -> &'static str {
     }
 }
 
-/// Range of each quantity while the others stay constant. Rockers have their own rows, because other parts limit the rockers.
+/// Range of each quantity while the other quantities stay constant. Rockers have their own rows, because other parts limit
+/// the rockers.
 fn ranges<'l>(
     study: &Study,
     limits: &'l Limits,
@@ -309,7 +310,7 @@ fn toggles(quantity: String, at: &str, range: &RockerRange, travel: &Range) -> L
     }
 }
 
-/// Rows of the table of limits, one for each quantity of a rigid wheel while the others stay constant.
+/// Rows of the table of limits, one for each quantity of a rigid wheel while the other quantities stay constant.
 fn wheel_rows(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Vec<LimitRow> {
     let ranges = ranges(study, limits, by_rack).into_iter();
     let mut rows: Vec<LimitRow> = ranges.map(|(row, range)| row.of(study, range)).collect();

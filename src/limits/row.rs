@@ -36,7 +36,7 @@ impl LimitEnd {
     }
 }
 
-/// Limits of a quantity while the others stay constant.
+/// Limits of a quantity while the other quantities stay constant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LimitRow {
     /// Quantity with its unit, such as `travel_mm`.
@@ -89,7 +89,7 @@ impl Row {
         self.between(study, &range.lower, &range.upper)
     }
 
-    /// Row with the limits at these ends.
+    /// Row with the lower and the upper limit at these ends of a range.
     pub(super) fn between(self, study: &Study, lower: &RangeEnd, upper: &RangeEnd) -> LimitRow {
         let beyond = match (lower, upper) {
             (RangeEnd::FullTurn, RangeEnd::FullTurn) => {

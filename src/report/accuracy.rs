@@ -149,8 +149,8 @@ impl ConditionSummary {
 /// Summary of the certificates of poses.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct CertificateSummary {
-    /// Number of stations with a certificate. It states that the pose exists and lies on the solution branch of the design
-    /// position.
+    /// Number of stations with a certificate. A certificate states that the pose exists and lies on the solution branch of
+    /// the design position.
     proved: usize,
     /// Number of stations whose pose could not be certified.
     unproved: usize,

@@ -147,7 +147,7 @@ impl Panel {
                 0 => chart.draw_series(LineSeries::new(line, grey.stroke_width(1)))?,
                 _ => chart.draw_series(DashedLineSeries::new(line, 5, 3, grey.stroke_width(1)))?,
             };
-            // Each mark has its own type, so a macro replaces a function.
+            // Each kind of mark has its own Rust type, so a macro is used instead of a function.
             macro_rules! marked {
                 ($mark:expr) => {
                     chart

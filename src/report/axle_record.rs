@@ -93,8 +93,8 @@ impl MotionRecord {
     }
 }
 
-/// Frames over the first coordinate that moves, for some values of the second. All other coordinates have their value nearest to
-/// zero.
+/// Frames over the first coordinate that moves, for some values of the second coordinate. All other coordinates have their value
+/// nearest to zero.
 fn frames(
     axle: &Axle,
     motion: &AxleMotion,
@@ -154,7 +154,7 @@ fn frames_of_rows(
     drawn(axle, &placements, places)
 }
 
-/// Frames of placements, each with its values of the first and the second coordinate.
+/// Frames at positions of the axle. `places` contains the values of the first and the second coordinate for each frame.
 fn drawn(
     axle: &Axle,
     placements: &[Placement],

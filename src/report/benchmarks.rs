@@ -54,7 +54,7 @@ pub fn throughput_table(throughput: &Throughput) -> Table {
     table.keyed(3)
 }
 
-/// Table of the cost of each effect, alone and added to the pose.
+/// Table of the computing time per pose for each effect: alone, and together with all previous effects.
 pub fn effects_table(effects: &Effects) -> Table {
     let mut table = Table::new([
         "effect",

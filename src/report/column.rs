@@ -102,7 +102,8 @@ enum Component {
 }
 
 impl ColumnAxes {
-    /// Relation of the column with this name, without its unit.
+    /// Finds how the axes of the study determine the values of a column. `stem` is the name of the column without its
+    /// unit.
     pub(super) fn of(stem: &str) -> Self {
         let is_motion = |by: &str| MOTIONS.iter().any(|motion| by.starts_with(motion));
         let (stem, by) = match stem.rsplit_once("_by_") {
@@ -125,7 +126,7 @@ impl ColumnAxes {
 
     /// Sign factor from the first axes to the second axes.
     pub(super) fn sign(self, axes: [FrameConvention; 2]) -> f64 {
-        // Both frames belong to the same wheel, so the side of the wheel has no effect.
+        // The old and the new frame belong to the same wheel, so the side of the wheel has no effect.
         let [from, to] = axes.map(|convention| Frame::new(convention, Side::Left));
         let along = |axis: Axis| from.sign(axis) * to.sign(axis);
         let by_rack = if self.is_by_rack { along(Axis::Y) } else { 1.0 };
@@ -153,7 +154,7 @@ impl Component {
         if ends_with(&["knuckle_omega_", "knuckle_alpha_", "beam_moment_"]) {
             Component::About(axis)
         } else if ends_with(&["_force_", "_torque_"]) && !rest.ends_with("_beam_force_") {
-            // Forces of bushings are along their own axes.
+            // The forces of a bushing are along the axes of the bushing, so the axes of the study do not matter.
             Component::None
         } else if ends_with(&["_", "_v", "_a"]) {
             Component::Along(axis)
@@ -163,7 +164,7 @@ impl Component {
     }
 }
 
-/// Words in units that are not lengths.
+/// Words in the names of units that are not units of length.
 const UNIT_WORDS: [&str; 12] = [
     "deg", "percent", "N", "kN", "lbf", "ft", "per", "rad", "s", "Hz", "g", "kg",
 ];
@@ -310,7 +311,7 @@ mod tests {
         }
     }
 
-    /// SAE J670 reverses y and z, the axes with x rearward reverse x and y. Both sets of axes differ from ISO 8855 by half a
+    /// SAE J670 reverses y and z. The axes with x rearward reverse x and y. Both sets of axes differ from ISO 8855 by half a
     /// turn. So the components of rotations change their signs like the components of vectors.
     #[test]
     fn components_follow_their_axes() {

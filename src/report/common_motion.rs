@@ -75,7 +75,7 @@ impl CommonMotion {
             repeated.extend(names.map(in_unit));
             repeated.extend(names.map(|name| format!("{name}_deg")));
             repeated.push("time_s".to_owned());
-            // At a given angle, the travel is a result.
+            // If an angle drives the wheel, the travel is a result.
             if ANGLES.iter().any(|angle| has(&tables[0], angle)) {
                 repeated.retain(|name| *name != in_unit("travel"));
             }
@@ -87,7 +87,7 @@ impl CommonMotion {
             }
         } else {
             required.extend([left, in_unit("travel_right")]);
-            // If heave gives the motion, the travels are outputs.
+            // If heave is a coordinate of the motion, the wheel travels are outputs.
             if let Some(other) = tables.iter().position(|t| has(t, &heave)) {
                 return Err(format!(
                     "the motion of {} is given by {heave}, that of {} by {}: run them over the same motion",

@@ -438,7 +438,7 @@ fn like_first(design: &Compared, first: &Compared) -> Result<CurveTable, String>
     Ok(table)
 }
 
-/// Error of a run without known axes.
+/// Error message for a run whose axes are not known, although the sign of a column depends on them.
 fn unknown_axes(label: &str, name: &str) -> String {
     format!(
         "{label}: the sign of {name} depends on the axes, but the run has no study.toml that states \

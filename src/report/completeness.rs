@@ -89,7 +89,8 @@ impl Completeness {
         Completeness { statuses, empty }
     }
 
-    /// Sentence with the number of solved stations and the statuses of the others. `None` if there are no stations.
+    /// Sentence with the number of solved stations and the statuses of the other stations. `None` if there are no
+    /// stations.
     pub fn headline(&self) -> Option<String> {
         let all: usize = self.statuses.iter().map(|count| count.stations).sum();
         let is_solved = |count: &&StatusCount| {

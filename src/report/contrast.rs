@@ -20,14 +20,15 @@ pub(crate) fn contrast(a: &str, b: &str) -> f64 {
     (a.max(b) + 0.05) / (a.min(b) + 0.05)
 }
 
-/// Colour of a transparent colour on a background.
+/// Resulting colour of a transparent colour on a background.
 pub(crate) fn mixed(colour: &str, background: &str, opacity: f64) -> String {
     let part = |text: &str, k: usize| f64::from(u8::from_str_radix(&text[k..k + 2], 16).unwrap());
     let mix = |k| (opacity * part(colour, k) + (1.0 - opacity) * part(background, k)).round() as u8;
     format!("#{:02x}{:02x}{:02x}", mix(1), mix(3), mix(5))
 }
 
-/// Colours of the custom properties of every block of a style that sets `--paper`, in the order of the blocks.
+/// Custom properties of a style with their colours: one map for each block that sets `--paper`, in the order of the
+/// blocks.
 pub(crate) fn palettes(style: &str) -> Vec<std::collections::BTreeMap<&str, &str>> {
     let blocks = style.split('}').filter_map(|rule| rule.rsplit_once('{'));
     blocks

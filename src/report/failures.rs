@@ -23,7 +23,8 @@ pub struct FailureRange {
 }
 
 impl FailureRange {
-    /// Failed ranges of curves, in the order of their stations. `wheel` is the wheel of a corner, or the left wheel of an axle.
+    /// Failed ranges of curves, in the order of their stations. `wheel` is the wheel of a study of one wheel, or the left wheel
+    /// of an axle.
     pub fn all(curves: &Curves, wheel: &Suspension) -> Vec<FailureRange> {
         let stations = &curves.stations;
         let mut stretches: Vec<FailureRange> = Vec::new();
@@ -67,7 +68,8 @@ impl fmt::Display for FailureRange {
     }
 }
 
-/// Index of the only given coordinate that differs between two stations. `None` if several differ.
+/// Index of the given coordinate in which two stations differ. `None` if they differ in several coordinates, or in the
+/// rack.
 fn moves_on(curves: &Curves, first: usize, last: usize) -> Option<usize> {
     let [first, last] = [first, last].map(|station| &curves.stations[station].at);
     let given = (0..curves.motion.len()).filter(|k| curves.motion[*k].is_given);

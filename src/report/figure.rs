@@ -102,7 +102,7 @@ pub fn with_minus_signs(text: &str) -> String {
     while let Some(c) = rest.next() {
         let begins = match before[1] {
             None => true,
-            // The power of ten of a number: 1e-9.
+            // A hyphen after "e" is the sign of an exponent, as in 1e-9.
             Some('e') => before[0].is_some_and(|digit| digit.is_ascii_digit()),
             Some(other) => other.is_whitespace() || "([{,:;=\u{00b1}".contains(other),
         };

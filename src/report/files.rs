@@ -53,8 +53,8 @@ pub fn curves_csv(curves: &Curves) -> Vec<u8> {
     })
 }
 
-/// Content of `sensitivities.csv`: one row for each station, output, hardpoint and axis. For a corner there is a column with the
-/// order of the derivative. For an axle there is a column with the side whose hardpoint moves.
+/// Content of `sensitivities.csv`: one row for each station, output, hardpoint and axis. For one wheel there is a column with
+/// the order of the derivative. For an axle there is a column with the side whose hardpoint moves.
 pub fn sensitivities_csv(study: &Study, curves: &Curves) -> Vec<u8> {
     let (wheel, is_axle) = (study.wheel(), study.axle().is_some());
     csv_of(|writer| {

@@ -16,12 +16,12 @@ pub enum FittedOffset {
         /// Highest offset.
         offset_upper: f64,
     },
-    /// The variable is at its lower bound, and at most this large.
+    /// The variable is at its lower bound, so the interval has only an upper end.
     AtMost {
         /// Highest offset.
         offset_upper: f64,
     },
-    /// The variable is at its upper bound, and at least this large.
+    /// The variable is at its upper bound, so the interval has only a lower end.
     AtLeast {
         /// Lowest offset.
         offset_lower: f64,
@@ -81,7 +81,8 @@ impl FittedOffset {
         }
     }
 
-    /// Number of useful decimals of the offset: two digits of a quarter of the interval. `None` if the interval has no limit.
+    /// Number of useful decimals of the offset. They show two digits of a quarter of the interval's width. `None` if the
+    /// interval has no limit.
     pub(super) fn decimals(&self, offset: Option<f64>) -> Option<usize> {
         let width = match (self.ends(), offset) {
             ([Some(lower), Some(upper)], _) => upper - lower,

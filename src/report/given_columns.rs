@@ -18,7 +18,7 @@ impl GivenColumns<'_> {
         given.map(|c| c.column(length)).collect()
     }
 
-    /// Values of these coordinates at a station of the motion, as in the study.
+    /// Values of the given coordinates at a station of the motion, in the form of the study.
     pub(super) fn values(&self, number: usize, placement: &Placement) -> Vec<f64> {
         let value = |coordinate: Coordinate| match coordinate {
             Coordinate::Roll => degrees(placement.along(coordinate)),
@@ -32,7 +32,7 @@ impl GivenColumns<'_> {
         self.coordinates().into_iter().map(value).collect()
     }
 
-    /// Values of these coordinates at a position that may be outside the motion.
+    /// Values of the given coordinates at a position that may be outside the motion.
     pub(super) fn values_anywhere(&self, placement: &Placement) -> Vec<f64> {
         let value = |coordinate: Coordinate| match coordinate {
             Coordinate::SteeringWheel | Coordinate::Roll => {

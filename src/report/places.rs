@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 /// Number of corners of a circle.
 const ROUND: usize = 36;
 
-/// Regions of constraints in the study's axes. They limit the point itself, so the clearances are already included.
+/// Regions of constraints in the study's axes. The regions apply to the point itself, so they already include the
+/// clearances.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Places {
     /// Boxes, spheres, cylinders and planes.
@@ -123,7 +124,7 @@ impl Places {
                 over,
                 normal,
             } => {
-                // A square part of the plane near the point.
+                // Shows only a square part of the plane, near the point.
                 let place = design[point.0];
                 let off = first.lower.or(first.upper).unwrap_or(0.0);
                 let foot = place - *normal * ((place - *over).dot(*normal) - off);

@@ -85,8 +85,8 @@ pub fn study_doubts(study: &Study) -> Result<Vec<String>, (Side, DesignFault)> {
     Ok(found)
 }
 
-/// Warnings about the variables and targets of a study, one per line: coordinates where the key expects offsets, offsets where it
-/// expects coordinates, or points far beyond the motion.
+/// Warnings about the variables and targets of a study, one per line. They report coordinates where the key expects offsets,
+/// offsets where it expects coordinates, and points far beyond the motion.
 pub fn variable_plausibility(study: &Study) -> Vec<String> {
     let mut remarks = PlausibilityRemarks {
         suspension: study.wheel(),
@@ -149,8 +149,8 @@ impl<'a> PlausibilityRemarks<'a> {
         ));
     }
 
-    /// Warnings about the direction of rods. They lead outboard from the body to the wheel carrier, and inboard from the wheel
-    /// carrier to a rocker.
+    /// Warnings about the direction of rods. Rods usually lead outboard from the body to the wheel carrier, and inboard from
+    /// the wheel carrier to a rocker.
     fn rods(&mut self) {
         let mechanism = &self.suspension.mechanism;
         if mechanism.rigid_axle.is_some() {
@@ -173,8 +173,8 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Warnings about bodies that the study does not name: the body of a drop link if there is a rocker, and bodies of points
-    /// that are clearly nearer to another body.
+    /// Warnings about bodies that the study does not name. If there is a rocker, one warning is about the body of the drop
+    /// link. Other warnings are about points that are clearly nearer to another body.
     fn seats(&mut self) {
         let Suspension {
             mechanism,
@@ -184,7 +184,7 @@ impl<'a> PlausibilityRemarks<'a> {
         } = self.suspension;
         let away = |seat: &Seat| {
             let (body, unit) = (seat.name.replace('_', " "), length_unit.symbol());
-            // Two digits are enough to show which body is meant.
+            // Two digits of a distance are enough to show which body is nearer.
             let decimals = (1.0 - seat.distance.log10().floor()).clamp(0.0, 12.0) as usize;
             format!(
                 "{body} ({} {unit} away)",

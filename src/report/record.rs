@@ -122,7 +122,7 @@ pub struct BandCurve {
 /// One design of the run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DesignRecord {
-    /// `design`, `before` or `after`.
+    /// Label of the design: `design`, `before` or `after`.
     pub label: String,
     /// Name of the file with its curves.
     pub curves: String,
@@ -222,7 +222,8 @@ impl MotionRecord {
     }
 }
 
-/// Targets that charts can show with the curves of a motion: values and curves that give no rack displacement of their own.
+/// Target values and target curves that charts can show with the curves of a motion. Targets with a rack displacement of
+/// their own are left out.
 fn targets(study: &Study, name: Option<&str>) -> Vec<TargetRecord> {
     let targets = study.optimise.iter().flat_map(|o| &o.targets);
     let record = |target: &Target| {
@@ -269,7 +270,7 @@ impl TargetRecord {
     }
 }
 
-/// Bands that charts can show with the curves of a motion: bands that give no rack displacement of their own.
+/// Bands that charts can show with the curves of a motion. Bands with a rack displacement of their own are left out.
 fn bands(study: &Study, name: Option<&str>) -> Vec<BandCurve> {
     let targets = study.optimise.iter().flat_map(|o| &o.targets);
     let bands = targets.filter(|target| {
@@ -298,7 +299,7 @@ pub(crate) fn wanted_between(
     let printed = |limit: f64| limit.is_finite().then_some(limit * factor);
     let samples = target.wanted.samples(stations).into_iter();
     let limits = samples.map(|sample| {
-        // If the study's axis points in the other direction, the limits are exchanged.
+        // If the axis of the study has the opposite direction, the lower and the upper limit are exchanged.
         let [low, high] = if factor < 0.0 {
             [sample.high, sample.low]
         } else {

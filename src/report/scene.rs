@@ -98,7 +98,8 @@ impl Scene {
     /// Axes of a view that point to the right and up: index of the study's axis, and sign of its direction.
     pub(super) fn axes(&self, sight: Sight) -> [(usize, f64); 2] {
         let [forward, outboard, up] = self.signs;
-        // Both frames are right-handed, so this direction is the car's left. For a right wheel, the car's left is inboard.
+        // Sign of the car's left along the study's lateral axis. It follows from the other two axes, because both frames
+        // are right-handed. For a right wheel, the car's left is inboard.
         let left = forward * up;
         match sight {
             Sight::Front => [(1, left), (2, up)],

@@ -205,7 +205,7 @@ impl TuningResults<'_> {
         ))
     }
 
-    /// Prints the ends of the starts, if there are several.
+    /// Prints the results of the starts. In text format, prints them only if there are several starts.
     fn say_starts(&self, output: &Output) -> Result<(), Stop> {
         let best = self.tuned.tuning.starts.best;
         let words = starts_in_words(&self.starts, best, self.tuned.fit.misfit());

@@ -6,7 +6,7 @@ use crate::study::Study;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// Characteristics that every topology has in an equilibrium.
+/// Characteristics that can be computed in equilibrium for every topology.
 const OUTPUTS: &str = "[\"camber\", \"toe\", \"camber_gain\", \"bump_steer\", \"half_track_change\", \"wheelbase_change\"]";
 
 /// Quantities of an axle in equilibrium, and results of its tests.

@@ -18,7 +18,7 @@ const SOLID_AXLE: &str = "solid_axle";
 const TARGETS: &str = r#"  { characteristic = "toe", points = [[-80.0, 0.1], [0.0, 0.1], [80.0, 0.1]], tolerance = 0.03 },
 "#;
 
-/// Targets for suspensions in which moves of the inner points can hardly keep the toe constant. The targets ask for a roll
+/// Targets for suspensions in which moves of the inner points can hardly keep the toe constant. The target is a roll
 /// centre at a given height.
 const ROLL_CENTRE_TARGETS: &str = r#"  { characteristic = "roll_centre_height", at = 0.0, value = 140.0, tolerance = 2.0 },
 "#;
@@ -110,7 +110,7 @@ pub(super) fn study(topology: &Topology, parts: &[Part]) -> Result<String, Strin
     }
 }
 
-/// Text of a template during the addition of parts.
+/// Text of a template while parts are added to it.
 struct Composed<'a> {
     topology: &'a Topology,
     parts: &'a [Part],

@@ -97,7 +97,7 @@ pub(super) const DRAG_LINK: Points = &[
     ("tie_rod_end", "tie rod at the knuckle"),
 ];
 
-/// Coordinates of the points of [`DRAG_LINK`] in the template of a solid axle, turned into a front axle.
+/// Coordinates of the points of [`DRAG_LINK`] in the template of a solid axle that is changed to a front axle.
 pub(super) const DRAG_LINK_PLACES: [[f64; 3]; DRAG_LINK.len()] = [
     [-12.0, 655.0, 430.0],
     [12.0, 680.0, 250.0],

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-/// First line of the template, and its first line with five links.
+/// Start of the first line of the template with four links. [`FIVE`] replaces it if the template gets five links.
 const FOUR: &str = "# A solid rear axle on four links. Every";
 const FIVE: &str = "# A solid rear axle on five elastic links: two lower and two upper links, and a Panhard rod.\n# Every";
 
@@ -10,12 +10,12 @@ const FIVE: &str = "# A solid rear axle on five elastic links: two lower and two
 const OUTPUTS: &str = "[\"axle_steer\", \"axle_lateral\", \"pinion_angle\", \"roll_centre_height\", \"wheel_load\", \"steer_by_roll\", \
                        \"compliant_roll_stiffness\", \"link_roll_stiffness\", \"lower_link_tension\", \"upper_link_tension\"";
 
-/// Motion that replaces roll on a plane ground.
+/// Motion of a template with elastic links. It replaces the roll motion on a plane ground.
 const MOTION: &str = "[motion]                         # every combination is a station: roll where the travels differ\n\
                       travel_left = { from = -50.0, to = 50.0, steps = 5 }\n\
                       travel_right = { from = -50.0, to = 50.0, steps = 5 }\n";
 
-/// Targets of the roll test instead of the targets of a rigid axle.
+/// Targets of the roll test. They replace the targets of a rigid axle.
 const TARGETS: &str =
     "  { figure = \"steer_by_roll\", between = [-0.02, 0.02], tolerance = 0.005 },\n";
 
@@ -49,7 +49,7 @@ pub(super) fn with_links(text: &str) -> String {
         } else if is_target && line.contains("\"roll_steer\"") {
             written += TARGETS;
         } else if !is_target && !is_of_spring(line) {
-            // Each group of omitted lines is between two empty lines. Only one of the two is written.
+            // Each group of omitted lines is between two empty lines. Only one of these two empty lines is written.
             let is_second = line.is_empty() && written.ends_with("\n\n");
             if !is_second {
                 let _ = writeln!(written, "{line}");

@@ -15,7 +15,7 @@ const AXLE_OUTPUTS: [&str; 8] = [
     "roll_steer",
 ];
 
-/// Changes the text of one wheel to that of an axle with two wheels, with the motion and the outputs of an axle.
+/// Changes the study text of one wheel into the study text of an axle, with the motion and the outputs of an axle.
 pub(super) fn with_axle(text: &str) -> String {
     let is_steered = text.lines().any(|line| line.starts_with("rack = "));
     let mut written = String::new();
@@ -82,8 +82,9 @@ const STEERED_AXLE_OUTPUTS: [&str; 11] = [
     "anti_dive",
 ];
 
-/// Changes the text of a solid rear axle to that of a steered front axle. All points change the sign of x. Points of the Panhard
-/// rod and of the Watt linkage also change the sign of y. The Panhard rod is then parallel to the drag link.
+/// Changes the study text of a solid rear axle into the study text of a steered front axle. All points change the sign of x.
+/// Points of the Panhard rod and of the Watt linkage also change the sign of y. The Panhard rod is then parallel to the drag
+/// link.
 pub(super) fn as_steered_front_axle(text: &str) -> String {
     let mut written = String::new();
     let mut within = false;

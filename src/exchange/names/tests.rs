@@ -6,7 +6,7 @@ fn named(topology: &str) -> &'static Topology {
 
 #[test]
 fn every_hardpoint_is_known_by_its_own_name_and_by_that_of_adams() {
-    // The importer never uses these topologies for a single wheel.
+    // The importer never uses topologies that carry both wheels for a single wheel.
     let wheels = Topology::ALL.iter().filter(|t| !t.carries_both_wheels());
     for topology in wheels {
         for known in topology.all_hardpoints() {

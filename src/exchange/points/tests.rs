@@ -42,7 +42,8 @@ fn sides_stand_in_columns_titles_and_headers() {
     }
 }
 
-/// A title that commas split may describe the axes. Its "right" is a direction, not a wheel. A comment is such a title, too.
+/// A title may describe the axes and contain commas that split it into cells. Its "right" is a direction, not a wheel. A
+/// comment can also be such a title.
 #[test]
 fn directions_in_a_title_name_no_wheel() {
     let title = "front suspension, LEFT side\nSAE axes: x fwd, y right, z down. All dims inches\n";
@@ -140,7 +141,7 @@ fn commas_between_and_inside_of_numbers_are_refused() {
     // A comma between groups of digits shifts the numbers of one row.
     let refused = refusal("name,x,y,z\na,110,5,240\nb,1,130.5,385,225\nc,90,5,240\n");
     assert!(refused.contains("groups the digits"), "{refused}");
-    // Numbers of a sheet in addition to the points, with or without a title.
+    // A sheet may have further numbers beside the points, in a column with or without a title.
     assert_eq!(table("name,x,y,z,mass\na,110,5,240,3\n").points.len(), 1);
     assert_eq!(table("name,x,y,z\na,110,5,240,3\n").points.len(), 1);
 }

@@ -15,7 +15,7 @@ pub(super) fn unit_above(texts: &[&str]) -> Option<FileUnit> {
     words.find_map(|word| FileUnit::named(&word).filter(|_| word != "in" && word != "m"))
 }
 
-/// Unit of length in the lines above a header that is not known: `units, parsec`.
+/// Unknown unit of length in the lines above a header, such as `units, parsec`.
 pub(super) fn unknown_above<'t>(texts: &[&'t str]) -> Option<&'t str> {
     let word = value_of_unit(texts)?;
     let is_word = word.chars().all(char::is_alphabetic);

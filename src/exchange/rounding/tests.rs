@@ -27,7 +27,8 @@ fn decimals_of_any_length_are_the_shortest() {
     }
 }
 
-/// A number counts as an integer if it is within a relative 1e-9 of one, or within 1e-9 for numbers below 1.
+/// A number counts as an integer if its relative distance from an integer is at most 1e-9. For numbers below 1, this
+/// limit applies to the distance itself.
 #[test]
 fn whole_numbers_have_no_neighbours() {
     for (at, expected) in [
@@ -87,7 +88,7 @@ fn nearest_plane_loses_no_more_than_ordinary_rounding() {
             );
             assert_eq!(grid.length((after / step).round()), *after);
         }
-        // The curves belong to the points in the file.
+        // The rounded design and the written coordinates describe the same points.
         let own = study.wheel().length_unit;
         for (point, written) in rounded.design.iter().zip(&rounded.coordinates) {
             let point = study.wheel().frame.vector(*point).to_array();
@@ -182,8 +183,8 @@ fn a_range_without_a_multiple_is_named() {
     assert!((broken.missed - 1.0).abs() < 1e-9, "{}", broken.missed);
 }
 
-/// No rounding of one or two other coordinates is better than the chosen one. This also holds if bands are inactive at
-/// the design, where the method nearest plane sees no derivative.
+/// No change of one or two coordinates to their other neighbours improves the chosen rounding. This also holds if bands
+/// are inactive at the design, where the method nearest plane sees no derivative.
 #[test]
 fn no_flip_of_one_or_two_coordinates_is_better() {
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");

@@ -97,7 +97,7 @@ impl<R: BufRead> Markup<R> {
         }
     }
 
-    /// Reads the text up to the end of the current element, which has this name. Tags inside are removed.
+    /// Reads the text up to the end of the current element `name`. Tags inside are removed.
     pub(super) fn text_of(&mut self, name: &str) -> Result<String, String> {
         let mut text = String::new();
         loop {

@@ -134,7 +134,7 @@ impl Workbook {
                         is_formula = true;
                         markup.text_of("f")?;
                     }
-                    // This element holds the pronunciation of a text.
+                    // The element `rPh` contains the pronunciation of a text, which is not needed.
                     "rPh" => drop(markup.text_of("rPh")?),
                     _ => (),
                 },
@@ -264,7 +264,7 @@ fn date_styles(archive: &Archive) -> Result<Vec<bool>, String> {
                     "cellXfs" => in_cell_styles = true,
                     "xf" if in_cell_styles => {
                         let number = id.as_deref().and_then(|id| id.parse::<u32>().ok());
-                        // Section 18.8.30 lists the built-in formats.
+                        // Section 18.8.30 of the standard lists the built-in number formats.
                         let built_in = matches!(number, Some(14..=22 | 45..=47));
                         let own = formats.iter().any(|(known, date)| *known == id && *date);
                         styles.push(built_in || own);
@@ -331,7 +331,7 @@ fn merge(sheet: &mut Sheet, range: &str) -> Result<(), String> {
             Cell::Unusable(format!("one number for the merged cells {range}"))
         }
     };
-    // Merged areas larger than this are decoration, not tables of points.
+    // Fills only the first rows and columns of a large merged area. Such an area is decoration, not a table of points.
     for row in top..=bottom.min(top.saturating_add(1000)) {
         for column in left..=right.min(left.saturating_add(20)) {
             sheet.put(row, column, shared.clone())?;

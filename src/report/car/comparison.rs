@@ -179,7 +179,7 @@ fn in_first_units(moves: &Moves, first: &Car, car: &Car, value: f64) -> f64 {
                 AxleParameter::SpringRate
                 | AxleParameter::HeaveSpringRate
                 | AxleParameter::TyreRate => from.convert(value, to),
-                // Force times length per angle.
+                // The other rates are force times length per angle.
                 _ => to.convert(value, from),
             }
         }

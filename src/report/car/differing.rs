@@ -1,4 +1,4 @@
-//! Values that the study of an axle gives for the whole car, and that differ from those of the car.
+//! Values of the whole car in the study of an axle that differ from those in the study of the car.
 
 use super::{CarResults, CarState};
 use crate::car::{AXLE_NAMES, CarQuantity, GRAVITY, Moves, WheelPlace, WheelResult, WholeResult};
@@ -9,7 +9,7 @@ const SHARE: f64 = 1e-3;
 /// Relative difference from which a length or a mass differs noticeably. Studies often give rounded values.
 const ROUNDED: f64 = 0.01;
 
-/// A value of an axle's study, and the value of the car.
+/// A value in the study of an axle, and the same value in the study of the car.
 struct Compared {
     key: &'static str,
     own: Option<f64>,

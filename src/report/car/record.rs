@@ -23,7 +23,7 @@ pub struct CarRecord {
     pub version: String,
     /// Command that made the run.
     pub command: String,
-    /// `car`. It distinguishes this record from records of suspensions.
+    /// Always `car`. This value distinguishes the record from records of suspensions.
     pub kind: String,
     /// Name of the study.
     pub study: String,

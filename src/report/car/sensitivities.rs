@@ -71,7 +71,8 @@ impl<'s> CarResults<'s> {
         for (number, end) in crate::car::AXLE_NAMES.into_iter().enumerate() {
             let axle = &car.axles[number].left;
             for (k, by) in gradient.hardpoints[number].iter().enumerate() {
-                // The derivatives with respect to points of the near half include those of the far half.
+                // Only the near half of a solid axle has rows. Its derivatives include the motion of the far half,
+                // which follows the near half.
                 if axle.mechanism.is_far(PointId(k)) {
                     continue;
                 }

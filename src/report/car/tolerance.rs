@@ -174,7 +174,7 @@ impl CarToleranceSummary {
         ))
     }
 
-    /// Table of the values that have bands. Without bands, of all values that scatter.
+    /// Table of the values that have bands. If there are no bands, the table has all values that scatter.
     pub fn values_table(&self) -> Table {
         let numbers = ["mean", "sigma", "linear", "p5", "p95", "linear holds"].map(Column::from);
         let head = [

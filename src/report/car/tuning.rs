@@ -137,7 +137,8 @@ impl CarResults<'_> {
         }
     }
 
-    /// Targets of a tuning. `before` has the results of the study's own car; `x` has the values of the variables.
+    /// Targets of a tuning. `before` contains the results of the car before the tuning; `x` contains the tuned values
+    /// of the variables.
     pub fn target_records(
         &self,
         wanted: &CarOptimise,
@@ -185,7 +186,8 @@ impl CarResults<'_> {
         records
     }
 
-    /// Constraints of a tuning with their `prices`. The other arguments are those of [`CarResults::target_records`].
+    /// Constraints of a tuning with their `prices`. The other arguments are the same as in
+    /// [`CarResults::target_records`].
     pub fn constraint_records(
         &self,
         wanted: &CarOptimise,
@@ -276,7 +278,7 @@ pub fn car_variables_table(records: &[CarVariableRecord]) -> Table {
     table
 }
 
-/// Status of a constraint with this margin. `visible` is a visible unit in the unit of the margin.
+/// Status of a constraint with this margin. `visible` is the size of a visible violation, in the unit of the margin.
 fn status(margin: Option<f64>, visible: f64) -> Option<ConstraintStatus> {
     margin.map(|margin| ConstraintStatus::of(margin / visible))
 }

@@ -1,9 +1,9 @@
 //! Outlines of the letters of a TrueType font, as commands of an SVG path.
 //!
 //! A table directory lists the tables of a font (OpenType specification 1.9.1, chapters otff, cmap, head, hhea, hmtx, loca,
-//! glyf): `cmap` maps characters to glyphs, `hmtx` has advance widths, `loca` the positions of outlines in `glyf`. An outline
-//! consists of closed contours, or of other glyphs that are moved and scaled. A contour has points on and off the curve. Between
-//! two points off the curve there is an implied point on the curve, halfway:
+//! glyf). `cmap` maps characters to glyphs, `hmtx` has the advance widths, and `loca` has the positions of outlines in `glyf`.
+//! An outline consists of closed contours, or of other glyphs that are moved and scaled. A contour has points on and off the
+//! curve. Between two points off the curve there is an implied point on the curve, halfway:
 //!
 //! ```text
 //! p = (a + b) / 2                                                                       (1)
@@ -148,7 +148,7 @@ impl<'a> Font<'a> {
             if flags & OFFSETS == 0 {
                 part.offset = [0.0; 2];
             }
-            // A 16-bit number with 14 fractional bits.
+            // A scale is a 16-bit number with 14 fractional bits.
             let mut scale = || {
                 let value = f32::from(outline.i16(at)?) / 16384.0;
                 at += 2;

@@ -1,11 +1,11 @@
 //! Words on a picture: as text, for which an SVG uses the reader's fonts, or as outlines.
 //!
-//! A PNG must not depend on the fonts of a machine, because it may have none. Its letters come from DejaVu Sans. The licence of
-//! this font (Bitstream Vera's) is permissive, and its crate contains nothing else. Most other fonts in crates have the Open Font
-//! License, or are part of a crate for user interfaces. [`glyphs`](super::glyphs) reads the outlines, and they are drawn as paths
-//! before `resvg` gets the picture. The text feature of `resvg` also supports shaping and right-to-left scripts. It needs a dozen
-//! more crates, and `resvg` then takes three times as long to compile. Labels of axes and names of designs do not need it. A
-//! character that the font does not have becomes a box.
+//! A PNG must not depend on the fonts of a machine, because a machine may have no fonts. Its letters come from DejaVu Sans. The
+//! licence of this font (Bitstream Vera's) is permissive, and its crate contains nothing else. Most other fonts in crates have
+//! the Open Font License, or are part of a crate for user interfaces. [`glyphs`](super::glyphs) reads the outlines, and they are
+//! drawn as paths before `resvg` gets the picture. The text feature of `resvg` also supports shaping and right-to-left scripts.
+//! It needs a dozen more crates, and `resvg` then takes three times as long to compile. Labels of axes and names of designs do
+//! not need it. A character that the font does not have becomes a box.
 
 use super::glyphs::{Command, Font};
 use super::mark::number;

@@ -9,7 +9,7 @@ use crate::report::record::{MotionRecord, OutputRecord, Record};
 
 /// Largest number of curves per design and wheel in one chart.
 const MOST_FAMILIES: usize = 9;
-/// Largest number of curves of each wheel that all have labels.
+/// Largest number of curves per wheel for which every curve has a label.
 const MOST_OF_EACH_WHEEL: usize = 3;
 
 /// Outputs that share a chart: one output, or the same output of both wheels.
@@ -48,7 +48,7 @@ pub(in crate::report) fn chart_groups(outputs: &[OutputRecord]) -> Vec<ChartGrou
     }
     for group in groups.iter_mut().filter(|g| g.outputs.len() > 1) {
         let name = side_of(&group.key).map_or("", |(_, name)| name);
-        // The axle may have an output of the same name, such as roll steer.
+        // The axle and its wheels may have outputs of the same name, such as roll steer.
         let is_of_axle = outputs.iter().any(|own| own.column == name);
         let more = if is_of_axle { "_of_each_wheel" } else { "" };
         group.key = format!("{name}{more}");
@@ -64,7 +64,7 @@ fn side_of(column: &str) -> Option<(&'static str, &str)> {
     })
 }
 
-/// Curves of a run over one of its motions, for charts.
+/// Curves of a run over one of its motions, as the input of charts.
 #[derive(Clone, Copy)]
 pub(in crate::report) struct Charted<'r> {
     /// Command of the run.
@@ -201,7 +201,7 @@ impl Chart {
                     .push(("", format!("{} of {all} values of {name}", families.len())));
             }
             let several = families.len() > 1;
-            // Short labels leave out a long name.
+            // A long column name does not fit into a short label, so a remark contains it instead.
             let unnamed = moving
                 .first()
                 .filter(|name| several && !has_short_name(name));
@@ -340,8 +340,8 @@ fn has_short_name(column: &str) -> bool {
     split(column).0.len() <= 5
 }
 
-/// Columns of the coordinates that move in addition to the coordinate on the horizontal axis: the rack for a wheel, all other
-/// coordinates for an axle.
+/// Columns of the coordinates that move in addition to the coordinate on the horizontal axis. For a wheel it is the rack; for
+/// an axle it is every other coordinate.
 pub(in crate::report) fn moving_beside<'r>(
     motion: &'r MotionRecord,
     abscissa: &str,
@@ -351,9 +351,9 @@ pub(in crate::report) fn moving_beside<'r>(
     all.filter(|name| *name != abscissa).collect()
 }
 
-/// Groups rows by the first moving column that is not on the horizontal axis; all other moving columns are nearest to zero. Also
-/// returns the number of values of that column. If there are too many values, it keeps the first, the last, the one nearest to
-/// zero, and evenly spaced others.
+/// Groups the rows of a table by the values of the first column in `moving`. Uses only rows in which all other columns of
+/// `moving` have their value nearest to zero. Also returns the number of values of the first column. If there are too many
+/// values, it keeps the first, the last, the one nearest to zero, and evenly spaced others.
 pub(in crate::report) fn families(moving: &[&String], table: &CurveTable) -> (Vec<Family>, usize) {
     let mut columns = moving.iter().filter_map(|name| table.column(name));
     let apart = columns.next();
@@ -424,7 +424,7 @@ fn outside(
     limits: impl Iterator<Item = (f64, Option<f64>, Option<f64>)>,
     tolerance: f64,
 ) -> Vec<[f64; 2]> {
-    // Targets of an axle depend on several coordinates, so only the tables show which are missed.
+    // Targets of an axle depend on several coordinates, so only the tables show which targets are missed.
     if record.command != "optimise" || !record.motion.further.is_empty() {
         return Vec::new();
     }
@@ -455,7 +455,7 @@ fn outside(
     places.collect()
 }
 
-/// Colour class of one design among several distinct ones.
+/// CSS class for the colour of the design with this index.
 pub(in crate::report) fn hue(design: usize) -> String {
     format!("hue{}", design % HUES)
 }

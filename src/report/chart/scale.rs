@@ -30,7 +30,7 @@ impl Scale {
         // For a constant, the range is wide enough that rounding errors do not look like a slope.
         let least = 1e-6 * low.abs().max(high.abs()).max(1e-3);
         let (low, high) = if low == 0.0 && high == 0.0 {
-            // Exact zeros do not determine a scale.
+            // If all values are exactly zero, they do not determine a scale.
             (-1.0, 1.0)
         } else if high - low < least {
             (low - least, high + least)
@@ -130,7 +130,7 @@ impl Scale {
         (0..=count)
             .map(|i| {
                 let value = (first + i as f64) * self.step;
-                // This avoids a negative zero from rounding.
+                // A tick near zero gets the value 0, because rounding could give a negative zero.
                 let value = if value.abs() < 0.5 * self.step {
                     0.0
                 } else {

@@ -45,7 +45,7 @@ const COLOURS: [(&str, &str, &str); 29] = [
     (".shade6", "#4b2a83", "#b582dc"),
     (".shade7", "#332a7e", "#9a88e5"),
     (".shade8", "#1b2a7a", "#7f8fee"),
-    // A missed value has this colour instead of the colour of the curve.
+    // The colour of a missed value replaces the colour of the curve.
     (".failed,.missed,.bad", "#b3261e", "#ff8a80"),
 ];
 

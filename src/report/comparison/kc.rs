@@ -41,7 +41,7 @@ struct Sheet {
 }
 
 impl KcComparison {
-    /// Compares runs. Results have the order of the first run that has them.
+    /// Compares runs. Results keep the order of the first run in which they occur.
     ///
     /// # Errors
     /// The reason in words, with the label: a text is not a `kc.csv`, runs have different columns, or unknown axes determine the
@@ -107,7 +107,7 @@ impl KcComparison {
         csv_of_rows(std::iter::once(header).chain(rows))
     }
 
-    /// Table of the results whose four-digit values differ.
+    /// Table of the results that differ between the runs after rounding to four digits.
     pub fn table(&self) -> Table {
         let shown: Vec<&Figure> = self.figures.iter().filter(|f| f.differs()).collect();
         // A column with the same cell in all rows contains no information. The last column names the quantity.
@@ -210,7 +210,7 @@ impl Sheet {
         }
     }
 
-    /// First name of a value that is not 0 and whose sign depends on the axes.
+    /// Name of the first value that is not 0 and whose sign depends on the axes.
     fn component(&self) -> Option<&str> {
         let matters = |name: &str| ColumnAxes::of(split_unit(name).0).matter();
         let is_number = |cell: &str| cell.parse::<f64>().is_ok_and(|number| number != 0.0);

@@ -51,13 +51,14 @@ pub(super) fn moved(designs: &[Compared]) -> Vec<Moved> {
 /// of the units and the product are rounded once.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// Points of one wheel at different positions.
+/// Points of one wheel whose positions differ between the designs.
 fn moved_of(designs: &[Compared], wheel: usize, side: Option<Side>) -> Vec<Moved> {
     let first = &designs[0];
     let Some(reference) = first.points.as_ref().map(|points| points.wheel(wheel)) else {
         return Vec::new();
     };
-    // A mirror image is in the frame of a left wheel.
+    // If the first design has the points of one wheel only, its right wheel is the mirror image. The mirror image is
+    // stored in the frame of a left wheel, so the sign of y changes.
     let is_mirror_image = matches!(first.points, Some(ComparedPoints::OneWheel(_)));
     let mut signs = reference.signs;
     if side == Some(Side::Right) && is_mirror_image {

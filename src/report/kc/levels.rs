@@ -8,7 +8,7 @@ use crate::compliance::{
 use crate::model::{Axis, Frame};
 use crate::number::Vector3;
 
-/// Columns of a wheel before those of bushings and links.
+/// Number of columns of a wheel before the columns of its bushings and links.
 const WHEEL_CELLS: usize = 12;
 /// Columns of a bushing.
 const BUSHING_CELLS: usize = 12;

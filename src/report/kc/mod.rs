@@ -37,7 +37,7 @@ pub struct KcResults<'a> {
     pub stations: Vec<KcStation>,
     /// Rate of the tyre, force per length.
     pub tyre_rate: Option<f64>,
-    /// Program whose names and values are added to ours.
+    /// Program whose results are added, with their names and definitions, to the results of hardpoint.
     pub other: Option<OtherProgram>,
 }
 

@@ -1,13 +1,13 @@
 //! Results of `kc` tests with the names and definitions of other programs.
 //!
 //! Both programs define their results by the compliance matrix C of the two wheel centres, with free springs. C(i,j) is
-//! displacement i by force or moment j; both count from 1: x, y, z and rotations about them at the left wheel, then the same at
-//! the right wheel. Here the axes are x rearward, y to the right, z up. Terms of the other wheel vanish for a single wheel. `slr`
-//! is the loaded radius: a vertical lever, which neglects camber. So the values differ from ours for the same test. Our tests
-//! hold the height by default, and apply the force at the lowest point of the tilted disc.
+//! displacement i by force or moment j. Both indices count from 1: x, y, z and rotations about them at the left wheel, then the
+//! same at the right wheel. Here the axes are x rearward, y to the right, z up. Terms of the other wheel vanish for a single
+//! wheel. `slr` is the loaded radius: a vertical lever, which neglects camber. So the values differ from ours for the same test.
+//! Our tests hold the height by default, and apply the force at the lowest point of the tilted disc.
 //!
-//! With s = 1 for parallel and s = -1 for converging loads, r = i for the left and r = i + 6 for the right wheel, and
-//! B(i,j) = C(r,j) + s C(r,j+6), in mm and N:
+//! Let s = 1 for parallel and s = -1 for converging loads. Let r = i for the left and r = i + 6 for the right wheel. The results
+//! contain the sum B(i,j) = C(r,j) + s C(r,j+6), in mm and N:
 //!
 //! ```text
 //! MotionView   Lateral Force Steer             1000 (B(6,2) + B(6,4) slr) 180/pi   deg/kN        (1)
@@ -37,8 +37,8 @@
 //!
 //! Sources: Altair MotionView reference, pages of these names; Adams Car, "Output of Suspension Analyses" and the appendix
 //! "Static Vehicle Characteristics", pages of these names. MotionView prints the formulas for two orientations, A and B. In A, x
-//! points rearward and y to the right. This follows from four facts in A: camber is positive with the top outboard; the ride
-//! camber of a left wheel is (10); converging forces point to the inside; the tread widens by C(8,3) - C(2,3). B is turned by
+//! points rearward and y to the right. This follows from four facts in A. Camber is positive with the top outboard. The ride
+//! camber of a left wheel is (10). Converging forces point to the inside. The tread widens by C(8,3) - C(2,3). B is turned by
 //! half a turn about z, and its signs give the same values.
 
 use crate::compliance::{KcSubject, KcTest, TestLoad, TestMode, TestPlace};
@@ -99,7 +99,8 @@ impl StationMatrix<'_> {
         let value = place(row)
             .zip(place(column))
             .and_then(|(row, column)| entry(row, column));
-        // Both frames belong to the whole vehicle, so they differ by a rotation, not by a mirror image.
+        // The study's frame and the frame of the formulas both belong to the whole vehicle. So they differ by a
+        // rotation, not by a mirror image.
         let [own, rearward] =
             [convention, FrameConvention::XRear].map(|of| Frame::new(of, Side::Left));
         let sign = |index: usize| {
@@ -108,7 +109,7 @@ impl StationMatrix<'_> {
         };
         let is_turn = |index: usize| (index - 1) % 6 >= 3;
         let row_unit = if is_turn(row) { 1.0 } else { self.mm() };
-        // A moment of 1 N mm is smaller than 1 N times the length unit.
+        // The matrix has results per moment of 1 N times the study's length unit. The formulas need results per 1 N mm.
         let column_unit = if is_turn(column) { self.mm() } else { 1.0 };
         value.unwrap_or(0.0) * sign(row) * sign(column) * row_unit / column_unit
     }
@@ -334,7 +335,7 @@ fn capital(side: Side) -> &'static str {
     }
 }
 
-/// Words between the wheel and the name of a result of MotionView.
+/// Words that MotionView puts between the wheel and the name of a result.
 fn wording(test: &KcTest, sign: f64) -> &'static str {
     match (test.load, sign > 0.0) {
         (TestLoad::Lateral | TestLoad::Aligning, true) => "Parallel ",

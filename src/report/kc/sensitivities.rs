@@ -215,7 +215,7 @@ impl KcResults<'_> {
             let Ok(outcomes) = &station.outcomes else {
                 continue;
             };
-            // This station has an equilibrium, so its results exist.
+            // Gradients exist for a station that has an equilibrium.
             let Some(found) = gradients(station, outcomes) else {
                 continue;
             };

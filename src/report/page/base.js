@@ -1,4 +1,4 @@
-// Used by several parts of the page: the run's data, its errors, and common texts.
+// Data and functions that several parts of the page use: the run's data, its errors, and common texts.
 const root = document.documentElement;
 const run = JSON.parse(byId('run').textContent);
 // Designs of a sweep with drawings and curves. Null if the page has none of these designs.

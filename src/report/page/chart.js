@@ -188,7 +188,7 @@ class LiveChart {
       const id = `clip-${clips += 1}`;
       this.clip = svg('clipPath', { id }, svg('rect', { x: left, y: top, width, height }));
       this.svg.append(this.clip);
-      // This group clips the curves. It does not move when the zoom moves the curves inside it.
+      // The group `holder` clips the curves. It does not move when the zoom moves the curves inside it.
       const holder = svg('g', { 'clip-path': `url(#${id})` });
       this.inner.replaceWith(holder);
       holder.append(this.inner);

@@ -7,7 +7,7 @@ for (const id of ['what', 'over']) byId(id).addEventListener('change', choose);
 choose();
 if (record) {
   setUpStage();
-  // Each design in the colour of its curves.
+  // Colour of a design in the drawing, equal to the colour of its curves.
   const hue = (design) => `var(--hue${design % 7})`;
   const paint = (paths, design) => paths.forEach((path) => { path.style.stroke = hue(design); });
   stage.former.forEach(({ bodies, rim: wheel }, k) => paint([...bodies, wheel], stage.designs.slice(0, -1).slice(-3)[k] ?? 0));

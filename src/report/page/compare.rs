@@ -116,8 +116,8 @@ fn figures(comparison: &Comparison, moving: &[String], charts: &mut Charts) -> S
     figures
 }
 
-/// Curves of a design, without the columns. For each value of the second moving coordinate, there is one curve with the rows of
-/// the table. The name of the design is given in full and in short form.
+/// Curves of a design, each with its rows of the table. The columns of the axes are not set yet. There is one curve for each
+/// value of the second moving coordinate. `label` and `short` are the full and the short name of the design.
 fn lines_of_design(
     table: &CurveTable,
     apart: &[&String],

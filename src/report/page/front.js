@@ -28,7 +28,7 @@ const sayPoint = () => {
     chart.ring ??= chart.inner.appendChild(svg('path', { class: 'ring' }));
     set(chart.ring, { d: `M${(left + share(0, a) * width).toFixed(1)} ${(top + (1 - share(1, b)) * height).toFixed(1)}h.01` });
   }
-  // Shows the curves of the point beside those of the kept design.
+  // Shows the curves of the point beside the curves of the kept design.
   for (const { figure } of charts) {
     if (!figure.dataset.over) continue;
     figure.classList.forEach((name) => { if (name.startsWith('shows-')) figure.classList.remove(name); });

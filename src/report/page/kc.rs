@@ -70,7 +70,7 @@ pub fn kc_page(study: &str, results: &KcResults<'_>) -> String {
     sheet(study, "kc", &verdict(results), &sections)
 }
 
-/// Main results. Each comes from the nearest station to the design position among those that have the result.
+/// Main results. Each result comes from the station that is nearest to the design position and has the result.
 fn verdict(results: &KcResults<'_>) -> String {
     let failed = match results.failures().len() {
         0 => "Every state has an equilibrium.".to_owned(),
@@ -92,8 +92,8 @@ fn verdict(results: &KcResults<'_>) -> String {
     }
 }
 
-/// Charts for one station, and the position of this station. Among the stations with load levels, it is the nearest to the
-/// design position.
+/// Charts for one station, and the position of this station. The function takes the station with load levels that is
+/// nearest to the design position.
 fn charts(results: &KcResults<'_>) -> (String, String) {
     let stations = results.nearest_stations();
     let found = stations

@@ -1,5 +1,4 @@
-// Tables in shades, and ranked bars.
-// Text without line breaks within the unit in brackets.
+// Tables with shaded cells, and ranked bars. `unbroken` keeps the unit in brackets on one line.
 const unbroken = (text) => {
   const at = text.lastIndexOf(' [');
   return at < 0 ? [text] : [text.slice(0, at + 1), html('span', { class: 'unit', text: text.slice(at + 1) })];
@@ -28,7 +27,7 @@ const drawShades = (element, { rows, columns, cell, pick, picked }) => {
   noteDrawn(element);
 };
 
-// Bars with their names and numbers, the first the longest.
+// Bars with their names and numbers. The caller has sorted the bars, the longest first.
 const drawBars = (element, title, bars) => {
   const most = Math.max(1e-300, ...bars.map(({ value }) => Math.abs(value)));
   element.replaceChildren(html('p', { class: 'note', text: title }), ...bars.map(({ name, value, text, more }) => {

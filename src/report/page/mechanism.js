@@ -218,7 +218,7 @@ const valuesOf = (name) => (name === record.drive
   : racks);
 const nearestIn = (values, wanted) => values.reduce((best, v, k) => (Math.abs(v - wanted) < Math.abs(values[best] - wanted) ? k : best), 0);
 
-// First station and rack. The address chooses them, for example `#station=5`.
+// Station or rack displacement at the start. The address of the page can choose it, as in `#station=5`.
 const wished = (name, most, otherwise) => {
   const number = parseInt(wishes.get(name), 10);
   return number >= 0 && number < most ? number : otherwise;

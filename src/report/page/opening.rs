@@ -29,7 +29,7 @@ pub(super) fn opening(tuning: &TuningSummary, record: &Record) -> String {
     let (title, moved) = if moved.rows().next().is_some() {
         (format!("Moved points [{unit}]"), moved.html())
     } else {
-        // Without moved points, the variables are rates, or nothing moved.
+        // No point moved. Either the variables are rates, or the tuning changed nothing.
         ("Variables".to_owned(), tuning.variables_table().html())
     };
     let picture = pictures(record);
@@ -148,7 +148,8 @@ fn nearest(design: &DesignRecord) -> Option<&Placement> {
     nearest.map(|(_, placement)| placement)
 }
 
-/// Both designs from the front and from the side. The first design is dashed, the last one has colours.
+/// Pictures of the first and the last design, from the front and from the side. The first design is dashed, the last
+/// design has colours.
 fn pictures(record: &Record) -> String {
     let [Some(first), Some(last)] = [record.motion.designs.first(), record.motion.designs.last()]
         .map(|design| design.and_then(nearest))

@@ -1,7 +1,7 @@
 //! Content security policy of a page: it runs its own scripts and loads nothing.
 
-/// Policy of a page with these scripts and this style. It contains their hashes, so that no other text can run as a script or act
-/// as a style.
+/// Policy of a page with these scripts and this style. The policy contains the hashes of the scripts and the style. So no other
+/// text can run as a script or act as a style.
 pub(super) fn policy(scripts: &[&str], style: &str) -> String {
     let hash = |text: &str| {
         format!(

@@ -174,7 +174,8 @@ fn with_design(run: &Run, design: Option<&PageDesign>) -> String {
     page.html()
 }
 
-/// Sections of the run's own results: those of a tuning, and those of other commands.
+/// Sections with the results of the command. The first text is for a tuning, the second text for all other commands.
+/// One of the texts is empty.
 fn of_summary(run: &Run, charts: &mut Charts) -> (String, String) {
     let record = &run.record;
     match &run.summary {
@@ -333,7 +334,7 @@ fn facts(run: &Run) -> Vec<(&'static str, String)> {
     facts
 }
 
-/// Designs over every motion, each with its label. The label of a named motion contains its name.
+/// Designs over every motion, each with its label. If the motion has a name, the label contains it.
 fn labelled(run: &Run) -> impl Iterator<Item = (String, &DesignRecord)> {
     let own = run.record.motion.designs.iter();
     let own = own.map(|design| (design.label.clone(), design));

@@ -326,7 +326,7 @@ fn end_labels(now: f64, ends: [f64; 2], x: &impl Fn(f64) -> f64) -> [EndLabel; 2
 mod tests {
     use super::*;
 
-    /// A long name has two lines with all of its letters, and minus signs.
+    /// A long name is split into two lines and keeps all of its letters. Its negative numbers have minus signs.
     #[test]
     fn a_long_name_has_two_lines() {
         let words = |svg: &str| -> Vec<String> {

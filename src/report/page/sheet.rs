@@ -102,7 +102,7 @@ pub struct LimitsSheet<'a> {
     pub study: &'a str,
     /// Quantities with lower limit, upper limit and causes.
     pub limits: &'a Table,
-    /// Ranges of the study's motion. The names are those of the table of limits.
+    /// Ranges of the study's motion. The names are the same as in the table of limits.
     pub motion: &'a [(String, [f64; 2])],
     /// Remarks on the limits.
     pub notes: &'a [String],

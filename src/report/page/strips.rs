@@ -6,7 +6,7 @@ use crate::report::chart::mark::{number, path};
 use crate::report::{brief, to_digits, with_minus_signs};
 use std::fmt::Write;
 
-/// Width of the picture, equal to that of a chart.
+/// Width of the picture, equal to the width of a chart.
 const WIDTH: f64 = 420.0;
 /// Space left and right of the scale.
 const MARGIN: f64 = 34.0;

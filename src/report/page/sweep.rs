@@ -157,7 +157,7 @@ fn figures(record: &Record, charts: &mut Charts) -> String {
     figures
 }
 
-/// Advice how to get curves of a design, if the page does not contain them.
+/// Advice on how to get curves of a design, if the page does not contain them.
 fn not_drawn(run: &SweepRun) -> &'static str {
     match &run.drawn {
         Some(_) => {

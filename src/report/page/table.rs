@@ -40,7 +40,8 @@ fn written(table: &Table, class: impl Fn(usize) -> Option<&'static str>, kind: &
     )
 }
 
-/// Row that is a heading of the rows below it: it has a text in its first cell only. `None` for another row.
+/// HTML of a heading for the rows below it. A row is a heading if only its first cell has a text. `None` for any other
+/// row.
 fn group(cells: &[&Cell]) -> Option<String> {
     let [title, others @ ..] = cells else {
         return None;

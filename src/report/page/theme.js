@@ -1,4 +1,4 @@
-// Controls that every page has. `#theme=dark&station=5` and the like set them from the address.
+// Controls that every page has. Parameters in the address set the controls, as in `#theme=dark&station=5`.
 const wishes = new URLSearchParams(location.hash.slice(1));
 const option = (select, value, text) => select.add(new Option(text, value));
 

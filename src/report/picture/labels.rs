@@ -27,9 +27,9 @@ type Area = [f64; 4];
 /// Both ends of a line.
 type Segment = [[f64; 2]; 2];
 
-/// Places names one after the other. Each name takes the position of lowest cost. These situations add to the cost, the most
-/// expensive first: an overlap with other names, with points, with lines; a position nearer to another point; the distance from
-/// the name's own point. A line leads to a name that is far from its point, or nearer to another point.
+/// Places names one after the other. Each name takes the position of lowest cost. Overlaps cost most: with other names, then
+/// with points, then with lines. A position nearer to another point costs less. The distance from the name's own point costs
+/// least. A line leads to a name that is far from its point, or nearer to another point.
 pub(super) fn place_labels<'a>(
     names: &[(&'a str, [f64; 2])],
     dots: &[[f64; 2]],
@@ -54,7 +54,7 @@ pub(super) fn place_labels<'a>(
             let away = distance(&area, *dot);
             let outside = if is_inside { 0.0 } else { 1e6 };
             let leader = leader(&area, *dot, dots);
-            // A leader through another point seems to come from that point.
+            // A leader that passes through another point would seem to belong to that point.
             let through = |d: &&[f64; 2]| {
                 apart(**d, *dot) && leader.is_some_and(|ends| crosses(&around(**d), &ends))
             };
@@ -101,7 +101,7 @@ fn is_nearer_to_another(area: &Area, dot: [f64; 2], dots: &[[f64; 2]]) -> bool {
     others.any(|other| distance(area, *other) < own + CLEARLY)
 }
 
-/// True if two points are not drawn on each other.
+/// True if two points are drawn at different positions.
 fn apart(a: [f64; 2], b: [f64; 2]) -> bool {
     (a[0] - b[0]).hypot(a[1] - b[1]) > 1.0
 }
@@ -110,7 +110,7 @@ fn candidates(dot: [f64; 2], width: f64) -> impl Iterator<Item = Area> {
     let at = move |(away, step): (f64, usize)| {
         let angle = std::f64::consts::TAU * step as f64 / DIRECTIONS as f64;
         let [c, s] = [angle.cos(), angle.sin()];
-        // This is the distance between the point and the nearest part of the name.
+        // Distance between the point and the nearest part of the name.
         let middle = [
             dot[0] + away * c + width / 2.0 * c.signum() * f64::from(c.abs() > 0.01),
             dot[1] + away * s + LETTER[1] / 2.0 * s,
@@ -204,8 +204,8 @@ mod tests {
         assert!(!crosses(&area, &[[11.0, -5.0], [20.0, 9.0]]));
     }
 
-    /// If points are so close that every free position for a name is near another point, a line leads from the name to its own
-    /// point.
+    /// Points may be so close together that every free position for a name is near another point. Then a line leads from the
+    /// name to its own point.
     #[test]
     fn a_name_near_another_point_has_a_line() {
         let dots = [

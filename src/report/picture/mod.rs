@@ -197,7 +197,7 @@ struct Layouts<'a> {
 /// Makes the pictures of a run, each as SVG and as PNG:
 ///
 /// - one for each output, or for the same output of both wheels;
-/// - `overview` with the outputs that have targets, or with all if none has;
+/// - `overview` with the outputs that have targets, or with all outputs if there are no targets;
 /// - `mechanism`;
 /// - for a tuning also `tuning`.
 ///
@@ -249,7 +249,7 @@ fn chart(run: &Run, group: &ChartGroup<'_>) -> Layout {
     chart.layout(&run.curves)
 }
 
-/// Distinct file names of charts. Letter case does not distinguish files.
+/// Distinct file names of charts. Names that differ only in letter case count as equal.
 fn file_names(groups: &[ChartGroup<'_>]) -> Vec<String> {
     let mut taken: Vec<String> = Vec::new();
     let mut free = |name: String| {

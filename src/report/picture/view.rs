@@ -84,7 +84,7 @@ impl<'r> View<'r> {
         let Some((last, earlier)) = poses.split_last() else {
             return String::new();
         };
-        // Percentile curves of builds are not designs.
+        // A tolerance analysis has percentile curves, which are not designs. So only its last pose is drawn.
         let earlier = match self.record.command.as_str() {
             "tolerance" => &[],
             _ => earlier,
@@ -218,7 +218,7 @@ fn wheels(scene: &Scene, pose: &Placement) -> Vec<Vec<[f64; 3]>> {
     let both = [Some((scene.wheel_centre, pose.spin_axis)), right];
     let circle = |(centre, spin): (usize, [f64; 3])| {
         let centre = *pose.points.get(centre)?;
-        // The spin axis is never vertical, so these two directions span the wheel's plane.
+        // The spin axis is never vertical, so the next two directions span the wheel's plane.
         let first = unit([spin[1], -spin[0], 0.0]);
         let second = cross(spin, first);
         let place = |step: usize| {

@@ -12,8 +12,8 @@ const WHEEL_AT_CENTRE: f64 = 0.5;
 pub(super) const FAR: f64 = 12.0;
 /// Plausible range of the distance of the farthest point from the wheel centre, in metres, for a study without a wheel radius.
 const REACH: [f64; 2] = [0.05, 4.0];
-/// Distance of the wheel centre from the centre plane in wheel radii. The sample suspensions have 2.0 to 2.6. It replaces the
-/// wheel radius of a study without one.
+/// Usual distance of the wheel centre from the centre plane, in wheel radii (2.0 to 2.6 in the sample suspensions). It gives
+/// an estimate of the wheel radius if the study has none.
 const HALF_TRACK_IN_RADII: f64 = 2.4;
 
 impl PlausibilityRemarks<'_> {

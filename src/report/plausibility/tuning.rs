@@ -8,7 +8,8 @@ const SPAN: f64 = 4.0;
 /// Smallest part outside of the motion that counts, relative to the span of the motion.
 const ROUNDING: f64 = 1e-9;
 
-/// Warnings about targets whose points are partly outside of the motion, one per line. This part of a target has no effect.
+/// Warnings about targets whose points are partly outside of the motion, one per line. The part of a target outside of the
+/// motion has no effect.
 pub(super) fn target_doubts(study: &Study) -> Vec<String> {
     let targets = study.optimise.iter().flat_map(|o| &o.targets);
     targets

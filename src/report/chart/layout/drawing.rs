@@ -157,8 +157,8 @@ impl Layout {
                 .class("axis-text"),
         );
         svg.push('\n');
-        // If the title is longer than the height of the plot, the load is omitted, because the other axis shows it. If that is
-        // not enough, only the unit stays.
+        // A title such as "rise by vertical force" may be longer than the height of the plot. Then the words after "by" are
+        // omitted, because the other axis names this load. If the title is still too long, only the unit stays.
         let fits =
             |title: &String| title.chars().count() as f64 * TITLE_LETTER <= bottom - top + 30.0;
         let beside = in_power(&self.y_title(), y.power());

@@ -134,7 +134,8 @@ fn gaps_stay_gaps() {
     assert!(svg.contains("not solved"));
 }
 
-/// If a title is longer than its axis, the load is omitted, because the other axis shows it. The unit stays.
+/// If a title such as "rise by vertical force" is longer than its axis, the words after "by" are omitted, because the
+/// other axis names this load. The unit stays.
 #[test]
 fn a_long_title_keeps_its_unit() {
     let titled = |name: &str| {

@@ -12,13 +12,15 @@
 //!
 //! Constraints also hold between the stations: see [`extremes`](super::extremes).
 
+mod margins;
+
 use super::axle::{Moved, RowsBeside, ScatteredRate, axle_rows, moved_points};
 use super::carried::AlongVariables;
 use super::constrained::{Assessment, Constrained, Shape};
 use super::elastic::elastic_rows;
 use super::extremes::{self, FAR, SEARCHES, Search};
 use super::lane_rows::{Checked, LaneRows};
-use super::layout::{Beside, Extremes, Leg, Margin, TargetLayout};
+use super::layout::{Beside, Extremes, Leg, TargetLayout};
 use super::moved_wheel::MovedWheel;
 use super::robust::Robust;
 use super::station_reader::{
@@ -28,7 +30,7 @@ use super::{Infeasible, LeastSquares, Linearisation};
 use crate::characteristics::{Constants, WheelReading};
 use crate::mechanism::DesignFault;
 use crate::model::{PointId, Side, Suspension};
-use crate::number::{Vector3, Width};
+use crate::number::Width;
 use crate::solve::{Solver, StationOrder, Toggles};
 use crate::study::{Scatter, Variable, Vehicle};
 use nalgebra::DVector;
@@ -237,47 +239,6 @@ impl<'a> Objective<'a> {
         let found = found.and_then(|()| robust.evaluate(self, x, into));
         self.robust = Some(robust);
         found
-    }
-
-    /// Assesses the design at `x` and returns the margin of each constraint. Unlike a search step, this computes the extremes
-    /// between stations for all limits, also for those with a large margin.
-    pub fn margins(
-        &mut self,
-        x: &DVector<f64>,
-        into: &mut Assessment,
-    ) -> Result<Vec<Margin>, Infeasible> {
-        self.move_to(x);
-        self.margins_here(x, into)
-    }
-
-    /// Assesses a given design like [`Objective::margins`]. The variables of this problem move no points. `left` contains the
-    /// points of the wheel, or of the left wheel of an axle. `right` contains the points of the right wheel; it is empty if
-    /// the right wheel is a mirror image. The variables, which are rates, have the values `x`.
-    pub(super) fn margins_of_design(
-        &mut self,
-        [left, right]: [&[Vector3<f64>]; 2],
-        x: &DVector<f64>,
-        into: &mut Assessment,
-    ) -> Result<Vec<Margin>, Infeasible> {
-        self.wheel.design.copy_from_slice(left);
-        if let Some(wheel) = &mut self.right {
-            wheel.design.copy_from_slice(right);
-        }
-        self.margins_here(x, into)
-    }
-
-    /// Assesses the design to which the wheels have been moved, like [`Objective::margins`].
-    fn margins_here(
-        &mut self,
-        x: &DVector<f64>,
-        into: &mut Assessment,
-    ) -> Result<Vec<Margin>, Infeasible> {
-        self.far = f64::INFINITY;
-        let assessed = self.evaluate_here(x, &mut into.goal, Some(&mut into.rows));
-        self.far = FAR;
-        assessed?;
-        let values = into.rows.residuals.as_slice();
-        Ok(self.layout.margins(values, &self.extremes))
     }
 
     /// Writes the rows of an axle or of elastic parts for the moved design. `scattered` holds the scattered elastic rates of

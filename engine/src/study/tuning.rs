@@ -110,12 +110,6 @@ impl Optimise {
     pub fn ranking_targets(&self) -> &[Target] {
         if self.fit { &[] } else { &self.targets }
     }
-
-    /// Reasons why a sweep does not rank its designs by the targets. Empty if it does.
-    pub fn not_swept(&self) -> Vec<String> {
-        let reason = || "fit = true, so the targets are measurements".to_owned();
-        self.fit.then(reason).into_iter().collect()
-    }
 }
 
 /// Design variable: a coordinate, several coordinates together, a displacement of points along a direction, a rotation, or a

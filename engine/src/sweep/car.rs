@@ -356,7 +356,7 @@ fn describe(study: &CarStudy, sweep: &CarSweep, targets: &[CarTarget]) -> SweepR
         variables: variables.collect(),
         outputs: Vec::new(),
         targets: targets.chain(of_rigs).collect(),
-        not_swept: Vec::new(),
+        is_fit: false,
         unchecked_constraints: if sweep.constraints {
             Vec::new()
         } else {

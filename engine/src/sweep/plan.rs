@@ -1,7 +1,9 @@
 //! Plan of a sweep: the results for each design, and the workers that compute them.
 
+mod description;
 mod goals;
 mod requests;
+mod targets;
 mod worker;
 
 pub use worker::Worker;
@@ -26,10 +28,12 @@ use crate::study::{
     AxleSample, AxleStudy, ComplianceStudy, DesignTable, Designs, FileFormat, Optimise, Sample,
     Study, StudyErrors, Sweep, Target, TargetKind, Vehicle, WheelStudy,
 };
+use description::describe;
 use goals::{GoalAssessor, GoalValues, Goals};
 use requests::{is_figure, of_axle, of_corner, of_elastic, with_gains};
 use std::borrow::Cow;
 use std::ops::{ControlFlow, Range};
+use targets::{SweptTarget, SweptWish, TargetStations};
 
 /// Plan of a sweep: the results to compute for each design.
 #[derive(Clone, Debug)]
@@ -58,57 +62,6 @@ struct Gain {
     factor: f64,
     /// Index of the derivative among the slopes of a block.
     slope: usize,
-}
-
-/// A target with its target value at each station.
-#[derive(Clone, Debug)]
-struct SweptTarget {
-    /// Name of the target in column names.
-    name: String,
-    tolerance: f64,
-    weight: f64,
-    stations: TargetStations,
-}
-
-/// Stations at which a target is compared.
-#[derive(Clone, Debug)]
-enum TargetStations {
-    /// Stations of the sweep.
-    OfSweep(Vec<SweptWish>),
-    /// Own stations of the target, which has this index among the targets of [`Goals`].
-    Own(usize),
-}
-
-/// Target value of a quantity at a station. Quantity and station are given by their indices.
-#[derive(Clone, Copy, Debug)]
-struct SweptWish {
-    quantity: usize,
-    station: usize,
-    wanted: Sample,
-}
-
-impl SweptWish {
-    /// Target values of one wheel at the stations of the target: at each of its drive values and rack displacements.
-    fn of(
-        target: &Target,
-        wanted: &[Sample],
-        quantity: usize,
-        stations: &Stations,
-        frame: &Frame,
-    ) -> Vec<Self> {
-        let sign = frame.sign(Axis::Y);
-        let racks: Vec<f64> = target.site.racks.iter().map(|rack| rack * sign).collect();
-        let at = |wanted: &Sample| {
-            let stations = stations.at_racks(wanted.drive, &racks).into_iter();
-            let wanted = *wanted;
-            stations.map(move |station| SweptWish {
-                quantity,
-                station,
-                wanted,
-            })
-        };
-        wanted.iter().flat_map(at).collect()
-    }
 }
 
 /// Reason why a sweep cannot start.
@@ -446,102 +399,4 @@ impl<'s> SweepPlan<'s> {
             into[*design] = Some(Failing::degenerate(fault, mechanism, all));
         }
     }
-}
-
-fn describe(study: &Study, sweep: &Sweep, samples: &Samples, stations: &Stations) -> SweepRecord {
-    let (suspension, motion) = (study.wheel(), study.motion());
-    let unit = suspension.length_unit;
-    let (method, seed) = match samples {
-        Samples::Sampled(sampled) => (sampled.method.name(), Some(sampled.seed)),
-        Samples::Table(_) => ("file", None),
-    };
-    let variables = samples.variables().iter().map(|v| VariableRecord {
-        column: v.column(unit),
-        low: v.range[0],
-        high: v.range[1],
-        steps: v.steps.filter(|_| method == "grid"),
-        at_design: v.at_design(suspension) + 0.0,
-        moves: v
-            .moves
-            .iter()
-            .map(|m| MoveRecord {
-                hardpoint: suspension.mechanism.name(m.point).to_owned(),
-                axis: m.axis.name().to_owned(),
-                factor: m.factor,
-            })
-            .collect(),
-    });
-    let tuning = study.optimise.as_ref();
-    let targets = tuning.map_or(&[][..], |o| o.ranking_targets());
-    let targets = targets.iter().map(|t| {
-        let factor = t.of.factor();
-        let stations = match &t.site.axle {
-            Some(site) => t.stations_among(&site.values),
-            None => t.stations_in(motion),
-        };
-        // The page with the results shows the curves at the rack displacement of the design position.
-        let home = motion.design_rack();
-        let is_shown = t.site.racks.is_empty() || t.site.racks.contains(&home);
-        let wanted = t.wanted.at_stations(&stations).into_iter();
-        let wanted = wanted.filter(|_| is_shown && t.is_in_sweep(motion));
-        TargetColumn {
-            column: t.of.column.clone(),
-            tolerance: t.tolerance * factor,
-            weight: t.weight,
-            points: wanted
-                .map(|(drive, value)| [t.printed_at(motion.drive, drive), value * factor])
-                .collect(),
-        }
-    });
-    SweepRecord {
-        form: FORM,
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        digest: digest(study, sweep, samples),
-        study: study.name.clone(),
-        topology: suspension.mechanism.topology.name.to_owned(),
-        length_unit: unit.symbol().to_owned(),
-        method: method.to_owned(),
-        seed,
-        designs: samples.designs(),
-        blocks_of_part: BLOCKS_OF_PART,
-        drive: match study.axle() {
-            Some(both) => both.plan.motion.moving()[0].column(unit),
-            None => motion.drive.column(unit),
-        },
-        stations: stations.count(),
-        variables: variables.collect(),
-        outputs: Vec::new(),
-        targets: targets.collect(),
-        not_swept: tuning.map_or_else(Vec::new, |o| o.not_swept()),
-        unchecked_constraints: tuning
-            .filter(|_| !sweep.constraints)
-            .map_or_else(Vec::new, |o| {
-                o.constraints.iter().map(|own| own.name.clone()).collect()
-            }),
-        curves: sweep.curves,
-        format: match sweep.format {
-            FileFormat::Csv => "csv".to_owned(),
-            FileFormat::Parquet => "parquet".to_owned(),
-        },
-    }
-}
-
-/// SHA-256 digest of everything that determines the results. The digest covers the meaning of the study, not its text, so
-/// that comments may change.
-fn digest(study: &Study, sweep: &Sweep, samples: &Samples) -> String {
-    let meaning = format!(
-        "{} {:?} {:?} {:?} {:?}",
-        env!("CARGO_PKG_VERSION"),
-        study.vehicle,
-        study.optimise.as_ref().map(|o| {
-            let constraints = sweep.constraints.then_some(&o.constraints);
-            (&o.targets, constraints.filter(|own| !own.is_empty()))
-        }),
-        (sweep.curves, sweep.format),
-        match samples {
-            Samples::Sampled(sampled) => format!("{:?}", sampled.meaning()),
-            Samples::Table(table) => format!("{:?}", table.digest),
-        },
-    );
-    super::digest_of(&meaning)
 }

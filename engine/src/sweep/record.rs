@@ -56,9 +56,9 @@ pub struct SweepRecord {
     pub outputs: Vec<OutputColumn>,
     /// Targets with which designs are compared.
     pub targets: Vec<TargetColumn>,
-    /// Targets for which the sweep cannot compute a misfit, each with its name and the reason.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub not_swept: Vec<String>,
+    /// True if the study is a fit (`fit = true`). Its targets are measurements, so they do not rank the designs.
+    #[serde(default)]
+    pub is_fit: bool,
     /// Names of the constraints of `[optimise]` that the sweep does not evaluate, because of `constraints = false`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unchecked_constraints: Vec<String>,

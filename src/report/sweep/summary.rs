@@ -1,14 +1,13 @@
 //! Summary of a sweep.
 
-use crate::axle::Quantity;
-use crate::characteristics::Characteristic;
+mod notes;
+
 use crate::report::figure::{brief, resolution};
 use crate::report::table::{Cell, Column, Table};
 use crate::report::text::counted;
 use crate::sweep::csv::{append_candidate, rows_header};
-use crate::sweep::{
-    Candidate, Effects, FailureCount, KEPT, Kind, OutputColumn, SweepRecord, SweepStatistics,
-};
+use crate::sweep::{Candidate, Effects, FailureCount, SweepRecord, SweepStatistics};
+use notes::notes;
 use serde::{Deserialize, Serialize};
 
 /// Content of `summary.json` of a sweep.
@@ -271,176 +270,6 @@ impl SweepSummary {
     pub fn on_front(&self) -> Option<usize> {
         self.pareto.as_ref().map(Vec::len)
     }
-}
-
-/// Notes about outputs without a value in some solved designs, with the reason; and about the meaning of the variance shares if
-/// designs fail.
-fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
-    let mut notes = Vec::new();
-    if !record.not_swept.is_empty() {
-        notes.push(format!(
-            "warning: the sweep has no deviations from the targets, no misfit and no best designs, because it cannot evaluate \
-             every target: {}",
-            record.not_swept.join("; ")
-        ));
-    }
-    notes.extend(unchecked(record, statistics));
-    notes.extend(violated(record, statistics));
-    notes.extend(fixed_values(record));
-    notes.extend(unranked(record, statistics));
-    for (output, range) in record.outputs.iter().zip(&statistics.ranges) {
-        let lacking = statistics.solved - range.map_or(0, |r| r.count).min(statistics.solved);
-        if lacking == 0 {
-            continue;
-        }
-        let reason = undefined_where(record, output).unwrap_or("it is not a finite number there");
-        let column = &output.column;
-        notes.push(if lacking == statistics.solved {
-            format!("warning: {column} has no value in any solved design: {reason}")
-        } else {
-            format!(
-                "{} {} {column}: {reason}",
-                counted(lacking, "solved design"),
-                if lacking == 1 { "lacks" } else { "lack" }
-            )
-        });
-    }
-    // In each of Saltelli's groups, only the first two designs are independent.
-    let (count, designs) = (statistics.moments.count, statistics.designs);
-    let drawn = record.group().map_or(designs, |group| {
-        designs / group * 2 + (designs % group).min(2)
-    });
-    if drawn < designs {
-        notes.push(format!(
-            "Means, standard deviations and changes refer to the {count} designs that were \
-             sampled independently; the other {} are used for the indices.",
-            designs - drawn
-        ));
-    }
-    if count == 0 && statistics.solved > 0 {
-        let lacking = record.outputs.iter().zip(&statistics.ranges);
-        let lacking = lacking.filter(|(_, range)| range.is_none());
-        let mut names: Vec<&str> = lacking.map(|(o, _)| o.output.as_str()).collect();
-        names.dedup();
-        let without = if names.is_empty() {
-            String::new()
-        } else {
-            format!("; leave out {} to get them", names.join(", "))
-        };
-        notes.push(format!(
-            "Main effects are not known: they need designs that have a value for every output, and no design \
-             has all values{without}."
-        ));
-    }
-    if count > 0 && count < drawn && record.method != "file" {
-        notes.push(format!(
-            "Percentages refer to the {count} of {drawn} designs that have every output. In these the variables are not \
-             independent of each other, so percentages may sum up to more than 100."
-        ));
-    }
-    notes
-}
-
-/// Sentence about constraints that best designs and designs on the front may violate.
-fn unchecked(record: &SweepRecord, statistics: &SweepStatistics) -> Option<String> {
-    let constraints = &record.unchecked_constraints;
-    (!constraints.is_empty() && !statistics.best.is_empty()).then(|| {
-        format!(
-            "warning: the sweep does not check the constraints of [optimise], so the best designs may violate them: {}. \
-             Remove constraints = false to check them",
-            constraints.join("; ")
-        )
-    })
-}
-
-/// Sentence about designs that violate constraints.
-fn violated(record: &SweepRecord, statistics: &SweepStatistics) -> Option<String> {
-    let counts = record.outputs.iter().zip(&statistics.violating);
-    let counts = counts.filter(|(_, count)| **count > 0);
-    let list: Vec<String> = counts
-        .map(|(output, count)| format!("{} ({count})", output.output))
-        .collect();
-    let (designs, violators) = (statistics.solved, statistics.violators);
-    let ranked = match record.misfit() {
-        None => "",
-        Some(_) if violators == designs => ", so no design is ranked",
-        Some(_) => " and are not ranked",
-    };
-    (violators > 0).then(|| {
-        format!(
-            "{violators} of {} violate a constraint{ranked}: {}.",
-            counted(designs, "solved design"),
-            list.join("; ")
-        )
-    })
-}
-
-/// Sentence about constraints that fix a value. Samples do not satisfy them.
-fn fixed_values(record: &SweepRecord) -> Option<String> {
-    let fixes = |output: &&OutputColumn| output.kind == Kind::Margin && output.least.is_none();
-    let fixed: Vec<&str> = record
-        .outputs
-        .iter()
-        .filter(fixes)
-        .map(|output| output.output.as_str())
-        .collect();
-    (!fixed.is_empty() && record.misfit().is_some()).then(|| {
-        format!(
-            "Designs are ranked without the constraints that fix a value, because samples do not satisfy them: {}.",
-            fixed.join("; ")
-        )
-    })
-}
-
-/// Sentence about designs with a smaller misfit than the best design. They are not ranked because they are not solved everywhere.
-fn unranked(record: &SweepRecord, statistics: &SweepStatistics) -> Option<String> {
-    let everywhere = if record.is_of_car() {
-        "in every load case"
-    } else {
-        "at every station"
-    };
-    let first = record.misfit().zip(statistics.best.first());
-    let Some((misfit, best)) = first else {
-        let has_misfits = !statistics.unranked.is_empty();
-        return has_misfits.then(|| {
-            format!("No design is ranked by its misfit, because none is solved {everywhere}.")
-        });
-    };
-    let is_smaller = |other: &&f64| **other < best.outputs[misfit];
-    let count = statistics.unranked.iter().filter(is_smaller).count();
-    let (are, they) = if count == 1 {
-        ("is", "it is")
-    } else {
-        ("are", "they are")
-    };
-    let number = match count {
-        0 => return None,
-        // The statistics store at most [`KEPT`] of these misfits.
-        KEPT => format!("At least {KEPT} designs"),
-        _ => counted(count as u64, "design"),
-    };
-    Some(format!(
-        "{number} with a smaller misfit than design {} {are} not ranked, because {they} not solved {everywhere}.",
-        best.design
-    ))
-}
-
-/// Reason why an output may have no value.
-fn undefined_where(record: &SweepRecord, output: &OutputColumn) -> Option<&'static str> {
-    if record.is_of_car() {
-        return None;
-    }
-    if record.is_of_axle() {
-        let names = Quantity::names().into_iter();
-        let mut all =
-            names.flat_map(|name| Quantity::named(name).into_iter().map(move |q| (name, q)));
-        let found = all.find(|(name, q)| *name == output.output || q.name() == output.output);
-        return found.map(|(_, quantity)| quantity.undefined_where());
-    }
-    let named = |c: &&Characteristic| output.column.starts_with(c.info().name);
-    let longest = Characteristic::ALL.iter().filter(named);
-    let longest = longest.max_by_key(|c| c.info().name.len());
-    longest.map(|c| c.undefined_where())
 }
 
 /// Content of `pareto.csv`, if there are several targets: the rows of the designs on the Pareto front.

@@ -81,6 +81,13 @@ pub(super) fn run_study(arguments: &SweepArguments, study: &Study) -> Result<Exi
                 "The results number the designs from 0, in the order of the file. The column `design` of the file is not read.\n",
             );
         }
+        let results = plan.results_in_designs();
+        if results > 0 {
+            let columns = counted(results as u64, "column");
+            terminal::note(&format!(
+                "The file of designs is a result of a sweep. Its {columns} with results are not read.\n"
+            ));
+        }
         if let Some(why) = super::check::one_by_one(&plan) {
             terminal::note(&format!("{why}\n"));
         }

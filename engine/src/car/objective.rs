@@ -71,6 +71,33 @@ impl Objective<'_> {
         (equalities, count)
     }
 
+    /// For each row that is a component of a distance, returns the row of the other component.
+    pub(super) fn other_components(&self) -> Vec<Option<usize>> {
+        let of_cases = self.rows_of_cases().1;
+        let (mut equality, mut other) = (0, self.equalities() + of_cases);
+        let (mut equalities, mut others) = (Vec::new(), vec![None; of_cases]);
+        for rig in &self.rigs {
+            let shape = rig.shape();
+            let own = shape.equalities;
+            let place = |row: usize| match row.checked_sub(own) {
+                None => equality + row,
+                Some(row) => other + row,
+            };
+            for (row, component) in rig.other_components().enumerate() {
+                let into = if row < own {
+                    &mut equalities
+                } else {
+                    &mut others
+                };
+                into.push(component.map(place));
+            }
+            equality += own;
+            other += shape.rows - own;
+        }
+        equalities.extend(others);
+        equalities
+    }
+
     /// Returns the violation of each constraint that counts as 1 in its rows, in the unit of the constraint. Its size
     /// is visible in practice, such as 1 mm or 1 degree.
     pub(super) fn visible_units(&self) -> Vec<f64> {

@@ -45,6 +45,11 @@ impl<'a> RigRows<'a> {
         self.layout.labels().iter().map(|label| label.constraint)
     }
 
+    /// For each row that is a component of a distance, the row of the other component.
+    pub(super) fn other_components(&self) -> impl Iterator<Item = Option<usize>> {
+        (0..self.layout.labels().len()).map(|row| self.layout.other_component(row))
+    }
+
     /// Number of the axle's constraints.
     pub(super) fn constraints(&self) -> usize {
         self.goals.optimise.constraints.len()

@@ -238,12 +238,22 @@ fn limits(objective: &Objective<'_>, fit: &Fit) -> (Vec<Price>, Vec<usize>) {
         if row < equalities { value.abs() } else { value }
     };
     let (of_rows, _) = objective.constraints_of_rows();
+    let others = objective.other_components();
     let units = objective.visible_units();
+    // The first component of a distance counts for both.
+    let limit = |row: usize| match others[row] {
+        Some(other) if other < row => None,
+        other => Some(Limit {
+            rows: [Some(row), other],
+            violation: match other {
+                None => violation(row, state.values[row]),
+                Some(other) => state.values[row].hypot(state.values[other]),
+            },
+        }),
+    };
     let price = |(number, visible): (usize, &f64)| {
-        let rows = of_rows.iter().enumerate();
-        let rows = rows.filter(|(_, of)| **of == number);
-        let limits = rows.map(|(row, _)| Limit::of_row(row, violation(row, state.values[row])));
-        Price::of(fit, limits, *visible)
+        let rows = (0..of_rows.len()).filter(|row| of_rows[*row] == number);
+        Price::of(fit, rows.filter_map(limit), *visible)
     };
     (
         units.iter().enumerate().map(price).collect(),

@@ -20,16 +20,6 @@ pub(crate) struct Limit {
     pub violation: f64,
 }
 
-impl Limit {
-    /// Limit with one row.
-    pub(crate) fn of_row(row: usize, violation: f64) -> Self {
-        Limit {
-            rows: [Some(row), None],
-            violation,
-        }
-    }
-}
-
 /// Price of a limit: reduction of the misfit, in multiples of the tolerance, if the limit moves outwards by one unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Price {

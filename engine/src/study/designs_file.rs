@@ -3,6 +3,8 @@
 //! The first line names the columns. A column `tie_rod_inner_z` has coordinates, and a column `tie_rod_inner_dz` has offsets
 //! from the design. Coordinates and offsets are in the study's axes and unit. A name may end with the unit
 //! (`tie_rod_inner_z_mm`). A column `design` is not read, because designs are numbered by their rows, starting with 0.
+//!
+//! A file can also be a result of a sweep, such as `pareto.csv`. Its columns with results are not read.
 
 use super::curve_file::at_record;
 use super::error::{Source, StudyError, StudyErrors};
@@ -27,6 +29,8 @@ pub struct DesignTable {
     pub digest: [u8; 32],
     /// True if the file has a column `design` with numbers other than 0, 1, 2 and so on.
     pub has_other_numbers: bool,
+    /// Number of columns with results of a sweep, which are not read.
+    pub results: usize,
 }
 
 impl DesignTable {
@@ -73,7 +77,9 @@ impl DesignTable {
         let at = |record: &_, message: String| at_record(&source, record, message);
         let mut variables: Vec<SweepVariable> = Vec::new();
         let mut places = Vec::new();
-        for (place, column) in header.iter().enumerate().filter(|(_, c)| *c != "design") {
+        let is_of_sweep = header.iter().last() == Some("status");
+        let is_read = |column: &str| column != "design" && !(is_of_sweep && is_result(column));
+        for (place, column) in header.iter().enumerate().filter(|(_, c)| is_read(c)) {
             let variable = variable(column, suspension).map_err(|m| at(&header, m))?;
             let same = |v: &SweepVariable| v.moves == variable.moves;
             if let Some(other) = variables.iter().find(|v| same(v)) {
@@ -93,6 +99,7 @@ impl DesignTable {
         }
         let mut values = Vec::new();
         let numbers = header.iter().position(|column| column == "design");
+        let results = header.len() - variables.len() - usize::from(numbers.is_some());
         let mut has_other_numbers = false;
         for (row, record) in records.enumerate() {
             let record = record.map_err(text_error)?;
@@ -124,6 +131,7 @@ impl DesignTable {
             values,
             digest,
             has_other_numbers,
+            results,
         })
     }
 
@@ -181,6 +189,7 @@ impl DesignTable {
             values,
             digest: hash.finalize(),
             has_other_numbers: false,
+            results: 0,
         })
     }
 
@@ -194,6 +203,17 @@ impl DesignTable {
         let width = self.variables.len();
         &self.values[design as usize * width..][..width]
     }
+}
+
+/// Returns true for the name of a column with results of a sweep, for example `camber_min_deg`.
+fn is_result(column: &str) -> bool {
+    let is_kind = |word: &str| ["min", "max", "design", "gain"].contains(&word);
+    let is_of_row = ["misfit", "reason", "status"].contains(&column);
+    is_of_row
+        || ["rms_", "margin_", "failed_"]
+            .iter()
+            .any(|start| column.starts_with(start))
+        || column.split('_').skip(1).any(is_kind)
 }
 
 /// Variable of a column, by the column's name.
@@ -255,6 +275,24 @@ mod tests {
         assert_eq!(table.variables[1].range, [-1.5, 2.0]);
         assert_eq!((table.designs(), table.row(1)), (2, &[241.0, 2.0][..]));
         assert!(table.has_other_numbers);
+    }
+
+    /// Results of a sweep can be designs of another sweep. A column with an unknown name remains an error.
+    #[test]
+    fn results_of_a_sweep_are_designs() {
+        let text = "design,tie_rod_inner_dz_mm,camber_min_deg,bump_steer_gain_deg_per_mm2,rms_toe,misfit,\
+                    margin_length_tie_rod_kept_mm,failed_stations,failed_at_mm,reason,status\n\
+                    7,2.5,-1,0,1,1,0,0,,,ok\n";
+        let table = table(text).unwrap();
+        assert_eq!((table.row(0), table.results), (&[2.5][..], 9));
+        let unknown = text.replace("tie_rod_inner_dz_mm", "rack_height_mm");
+        assert!(
+            self::table(&unknown)
+                .unwrap_err()
+                .contains("rack_height_mm")
+        );
+        let without_status = "tie_rod_inner_dz_mm,misfit\n1,2\n";
+        assert!(self::table(without_status).unwrap_err().contains("misfit"));
     }
 
     #[test]

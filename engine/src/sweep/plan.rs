@@ -223,6 +223,14 @@ impl<'s> SweepPlan<'s> {
         matches!(&self.samples, Samples::Table(table) if table.has_other_numbers)
     }
 
+    /// Number of columns in the file of designs that are results of another sweep. They are not read.
+    pub fn results_in_designs(&self) -> usize {
+        match &self.samples {
+            Samples::Table(table) => table.results,
+            Samples::Sampled(_) => 0,
+        }
+    }
+
     /// Points of the design with this number, in the kernel's frame.
     pub fn design(&self, number: u64) -> Vec<Vector3<f64>> {
         let Suspension { design, frame, .. } = self.study.wheel();

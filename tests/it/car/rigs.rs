@@ -161,6 +161,43 @@ fn planted_bump_steer_and_distribution_are_found() {
     }
 }
 
+/// A car whose goals belong to one axle has the same price of a constraint as the study of this axle. Three points on a line
+/// are a constraint with two components.
+#[test]
+fn a_constraint_of_one_axle_has_the_price_of_the_axle() {
+    let goals = r#"
+variables = [
+  { axle = "front", hardpoint = "tie_rod_inner", axis = "y", range = [-60.0, 60.0] },
+  { axle = "front", hardpoint = "tie_rod_inner", axis = "z", range = [-60.0, 60.0] },
+  { axle = "front", hardpoint = "tie_rod_outer", axis = "x", range = [-10.0, 10.0] },
+]
+targets = [
+  { axle = "front", characteristic = "toe", side = "left", over = "roll", points = [[-3.0, 0.03], [0.0, 0.0], [3.0, -0.04]], tolerance = 0.01 },
+]
+constraints = [{ axle = "front", line = ["lower_arm_front", "lower_arm_rear", "tie_rod_inner"] }]
+"#;
+    let directory = tempfile::tempdir().unwrap();
+    car(directory.path(), &format!("[optimise]\n{goals}"));
+    let front = std::fs::read_to_string(studies().join("car_front.toml")).unwrap();
+    let goals = goals.replace("axle = \"front\", ", "");
+    let axle = format!("{front}\n[optimise]\n{goals}");
+    std::fs::write(directory.path().join("axle.toml"), axle).unwrap();
+    let price = |study: &str| {
+        hardpoint(
+            directory.path(),
+            &["optimise", study, "--out", "tuned", "--force"],
+        );
+        let summary = std::fs::read_to_string(directory.path().join("tuned/summary.json")).unwrap();
+        let summary: Value = serde_json::from_str(&summary).unwrap();
+        summary["constraints"][0]["price"].as_f64().unwrap()
+    };
+    let [of_car, of_axle] = ["car.toml", "axle.toml"].map(price);
+    assert!(
+        of_axle > 1.0 && (of_car / of_axle - 1.0).abs() < 1e-6,
+        "{of_car} {of_axle}"
+    );
+}
+
 /// The terminal lists targets of cases, targets of axles, and constraints. The JSON output contains them.
 #[test]
 fn the_command_reports_both_kinds() {

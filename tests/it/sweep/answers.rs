@@ -217,7 +217,7 @@ fn targets_beside_the_motion_have_the_deviations_of_a_tuning() {
 /// Only designs with a positive margin are ranked.
 #[test]
 fn a_sweep_ranks_only_designs_that_satisfy_the_constraints() {
-    let constraint = "optimise.constraints=[{ length = \"tie_rod\", at_most = 360.0 }, { length = \"tie_rod\", keep = true }]";
+    let constraint = "optimise.constraints=[{ length = \"tie_rod\", at_most = 360.0 }, { length = \"tie_rod\", kept = true }]";
     let bench = Bench::new(&STUDY.replace("samples = 700", "samples = 60"));
     let (stdout, _) = said(&bench.sweep("run", &["--set", constraint]).success());
     let designs = bench.designs("run");

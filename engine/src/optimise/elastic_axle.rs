@@ -134,7 +134,9 @@ impl RowsBeside for Rows<'_> {
                 continue;
             }
             let at = placement.on_level_pads().ok_or_else(|| {
-                Infeasible::Refused(format!("{placement} is available for rigid axles only"))
+                Infeasible::Refused(format!(
+                    "this position is available for rigid axles only: {placement}"
+                ))
             })?;
             let used = used_by(station, layout.quantities.len(), into.is_some());
             let reads = used.iter().map(|k| layout.quantities[*k].into());

@@ -124,6 +124,7 @@ impl RowsBeside for Rows<'_> {
         let equilibria = axle.equilibria(moved.wheels.each(|(design, _)| design), parts);
         let equilibria = equilibria
             .map_err(|(side, fault)| Infeasible::Refused(axle.describe_fault((side, fault))))?;
+        let unit = axle.left.length_unit.symbol();
         for station in &layout.stations {
             let AxleStation {
                 placement,
@@ -135,7 +136,7 @@ impl RowsBeside for Rows<'_> {
             }
             let at = placement.on_level_pads().ok_or_else(|| {
                 Infeasible::Refused(format!(
-                    "this position is available for rigid axles only: {placement}"
+                    "this position is available for rigid axles only: {placement} ({unit})"
                 ))
             })?;
             let used = used_by(station, layout.quantities.len(), into.is_some());
@@ -174,12 +175,12 @@ impl RowsBeside for Rows<'_> {
             };
             if let Err(why) = found {
                 let why = NoPose::from(why);
-                let message = format!("the axle has no equilibrium at {placement}: {why}");
+                let message = format!("the axle has no equilibrium at {placement} ({unit}): {why}");
                 return Err(Infeasible::Refused(message));
             }
             if let Some(missing) = is_found.iter().position(|found| !found) {
                 let name = reads[missing].quantity.name();
-                let message = format!("{name} has no value at {placement}");
+                let message = format!("{name} has no value at {placement} ({unit})");
                 return Err(Infeasible::Refused(message));
             }
         }

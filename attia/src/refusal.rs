@@ -34,10 +34,14 @@ impl Singular {
     pub fn words(self) -> &'static str {
         match self {
             Singular::HorizontalStrut => "the strut is horizontal",
-            Singular::CoplanarKnuckle => "the points 5, 6, 7 and 8 of the knuckle lie in one plane",
+            Singular::CoplanarKnuckle => {
+                "lower_ball_joint, tie_rod_outer and the strut axis lie in one plane"
+            }
             Singular::BallJointOnStrutAxis => "the ball joint lies on the axis of the strut",
-            Singular::StrutPointsCoincide => "the points 6 and 7 of the strut's axis coincide",
-            Singular::RodPointsCoincide => "the points 4 and 9 of the strut's rod coincide",
+            Singular::StrutPointsCoincide => "the two points that define the strut axis coincide",
+            Singular::RodPointsCoincide => {
+                "strut_top and the second point of the strut's rod coincide"
+            }
             Singular::NoStrutLength => {
                 "the strut has no length: strut_top is at the foot of the perpendicular from the \
                  ball joint to the strut axis"
@@ -47,7 +51,7 @@ impl Singular {
                 "tie-rod toggle: the tie rod and the steering axis lie in one plane"
             }
             Singular::DeadCentre => {
-                "the lower arm is at its highest or lowest position, where the paper's drive is singular"
+                "the lower arm is at its highest or lowest position, where the drive \"paper_theta\" is singular"
             }
             Singular::TravelLimit => "the wheel centre is at its highest or lowest position",
         }

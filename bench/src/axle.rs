@@ -21,7 +21,7 @@ const FEW: u64 = 16;
 
 const ANGLES: &str = "four angles of both wheels";
 const OUTPUTS: &str = "outputs of the study";
-const JACOBIAN: &str = "four angles of both wheels by every hardpoint";
+const JACOBIAN: &str = "derivatives of four angles of both wheels by every hardpoint";
 const ONE_BY_ONE: &str = "one by one";
 
 /// Quantities of one benchmark, with a sweep of many designs and a sweep of few designs.

@@ -159,7 +159,7 @@ impl Cars {
                     _ = black_box(own.balance(&step.case, &found));
                 }
             };
-            jobs.push(("state from its neighbour", each(&followers, work)));
+            jobs.push(("state started at its neighbour", each(&followers, work)));
             let mut own = solver()?;
             let work = move |step: &Step| {
                 if let Some(before) = &step.before
@@ -168,7 +168,7 @@ impl Cars {
                     printed(&mut own, quantities, &step.case, &found);
                 }
             };
-            let name = "state from its neighbour with all results";
+            let name = "state started at its neighbour with all results";
             jobs.push((name, each(&followers, work)));
         }
         let mut own = solver()?;

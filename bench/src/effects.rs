@@ -50,7 +50,7 @@ const CHANGES: [Change; 12] = [
         apply: |_| (),
     },
     Change {
-        name: "all outputs declared, none requested",
+        name: "inputs of all outputs given, no output requested",
         apply: |study| {
             study.suspension.vehicle = VehicleFigures {
                 wheelbase: Some(2600.0),
@@ -80,11 +80,11 @@ const CHANGES: [Change; 12] = [
         apply: |study| study.outputs.order = Order::Acceleration,
     },
     Change {
-        name: "sensitivities by one point",
+        name: "sensitivities to one point",
         apply: |study| study.outputs.sensitivities = hardpoints(&study.suspension)[..1].to_vec(),
     },
     Change {
-        name: "sensitivities by every point",
+        name: "sensitivities to every point",
         apply: |study| study.outputs.sensitivities = hardpoints(&study.suspension),
     },
     Change {

@@ -129,7 +129,7 @@ impl Equilibria {
         let names = [
             "equilibrium, started at the design position",
             "equilibrium, started at the previous load",
-            "sheet of one wheel with all derivatives",
+            "rig tests of one wheel with all derivatives",
         ];
         let works: [Box<dyn FnMut()>; 3] =
             [Box::new(from_design), Box::new(levels), Box::new(sheet)];
@@ -211,7 +211,7 @@ impl Equilibria {
         let names = [
             "equilibrium of both wheels, started at the design position",
             "equilibrium of both wheels, started at the previous load",
-            "sheet of both wheels with all derivatives",
+            "rig tests of both wheels with all derivatives",
         ];
         let works: [Box<dyn FnMut()>; 3] =
             [Box::new(from_design), Box::new(levels), Box::new(sheet)];

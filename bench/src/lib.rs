@@ -37,12 +37,11 @@ pub struct JobTime {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Unmeasurable {
     /// The design cannot be solved.
-    #[error("the design cannot be solved: {0:?}")]
+    #[error("the design cannot be solved: {0}")]
     Design(DesignFault),
     /// Fewer stations have a pose than a curve needs.
     #[error(
-        "the motion has {solved} stations of different travel with a pose; measuring a curve \
-         needs {needed}"
+        "only {solved} stations with different travels have a pose; measuring a curve needs {needed}"
     )]
     FewStations {
         /// Number of stations that have a pose.

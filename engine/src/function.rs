@@ -251,8 +251,16 @@ impl<'f> Evaluation<'f> {
         let f = self.function;
         let width = f.variables.len();
         let count = status.len();
-        assert_eq!(x.len(), count * width, "a row of variables for each design");
-        assert_eq!(values.len(), count * f.len(), "room for each design");
+        assert_eq!(
+            x.len(),
+            count * width,
+            "x needs a row of variables for each design"
+        );
+        assert_eq!(
+            values.len(),
+            count * f.len(),
+            "values needs a number per output and station of each design"
+        );
         let mut first = 0;
         while first < count {
             let now = (count - first).min(BLOCK);
@@ -299,12 +307,20 @@ impl<'f> Evaluation<'f> {
     ) {
         let f = self.function;
         let (width, count) = (f.variables.len(), status.len());
-        assert_eq!(x.len(), count * width, "a row of variables for each design");
-        assert_eq!(values.len(), count * f.len(), "room for each design");
+        assert_eq!(
+            x.len(),
+            count * width,
+            "x needs a row of variables for each design"
+        );
+        assert_eq!(
+            values.len(),
+            count * f.len(),
+            "values needs a number per output and station of each design"
+        );
         assert_eq!(
             jacobian.len(),
             values.len() * width,
-            "room for each derivative"
+            "jacobian needs a number per value and variable"
         );
         let make = || f.gradients().expect("the function has a workspace");
         let (mut evaluator, mut found) = self.gradients.take().unwrap_or_else(make);

@@ -33,7 +33,7 @@ from ._tuning import Tuning, optimise
 from ._view import view
 
 STATUS: tuple[str, ...] = tuple(_STATUS)
-"""Words of the codes in `status`, by code. New ones are appended."""
+"""Names of the status codes: `STATUS[code]` is the name of a code. Later versions add new codes at the end only."""
 
 __all__ = [
     "STATUS",

@@ -62,11 +62,12 @@ class CarTuning:
     variables: tuple[str, ...]
     """Columns of the variables (k)."""
     targets: Frame
-    """A row for each target: output, case, tolerance, deviation divided by the tolerance, target value and values. The last
-    ones are pairs (before, after)."""
+    """A row for each target: output, case, tolerance, deviation of the tuned car divided by the tolerance, target value, and
+    values before and after."""
     side_effects: Frame
-    """Changes without a target, those beyond a customary tolerance first: output, unit, before_min, before_max, after_min,
-    after_max, largest_change, case, wheel, at, tolerance, flagged, lost. Empty with side_effects = false in [optimise]."""
+    """Changes of quantities that have no target. Changes beyond a customary tolerance come first. Columns: output, unit,
+    before_min, before_max, after_min, after_max, largest_change, case, wheel, at, tolerance, flagged, lost. Empty with
+    side_effects = false in [optimise]."""
     studies: dict[str, str]
     """Texts of the tuned studies by file name: optimised.toml, optimised_front.toml, optimised_rear.toml."""
 

@@ -82,9 +82,10 @@ def setup(study: Study | Place) -> Results:
 def tolerance(
     study: Study | Car | Place, *, threads: int | None = None, progress: Callable[[int, int], object] | None = None
 ) -> Results:
-    """Computes the effect of the scatter of [tolerance]: tables "tolerance", "contributors", "curves", and percentiles of
-    them. `progress(done, all)` is called about twenty times a second. `study.built(number)` is the study of one build. For
-    a `Car` the tables are "tolerance" and "contributors"."""
+    """Computes the effect of the scatter of [tolerance]. Tables: "tolerance", "contributors", "curves" of the nominal
+    design, and percentile curves of the builds: "curves_p1", "curves_p5", "curves_p95", "curves_p99". For a `Car` the
+    tables are "tolerance" and "contributors". `progress(done, all)` is called about twenty times a second.
+    `study.built(number)` is the study of one build."""
     if is_car(study):
         return Results(_hardpoint.car_tolerance(study._car, threads, progress))
     study = study_of(study)

@@ -42,7 +42,7 @@ def rows_of(x: Designs, names: list[str], units: str | Sequence[str] = "") -> tu
             raise TypeError(kind)
         array = np.ascontiguousarray(array, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise HardpointError(f"x is no array of real numbers ({error}); expected float64") from None
+        raise HardpointError(f"x is not an array of real numbers ({error}); expected float64") from None
     if array.ndim not in (1, 2) or array.shape[-1] != k or np.ndim(x) == 0:
         raise HardpointError(f"x has shape {np.shape(x)}; expected ({k},) or (n, {k}), a column for each of {names}")
     return np.atleast_2d(array), array.ndim == 1
@@ -73,9 +73,9 @@ def _numbers(column: Any, name: str) -> Floats:
         found = [np.nan if gone else float(v) for v, gone in zip(array.flat, missing, strict=True)]
         array = np.array(found).reshape(array.shape)
     if array.dtype.kind not in "biuf" and array.size:
-        raise HardpointError(f"column {name} of x has no real numbers (dtype {array.dtype}); expected float64")
+        raise HardpointError(f"column {name} of x does not contain real numbers (dtype {array.dtype}); expected float64")
     if array.ndim > 1:
-        raise HardpointError(f"x has {array.shape[-1]} columns {name}; expected one")
+        raise HardpointError(f"x has {array.shape[-1]} columns named {name}; expected one")
     numbers: Floats = array.astype(np.float64)
     if mask is not None:
         numbers[mask] = np.nan

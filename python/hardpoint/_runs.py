@@ -145,7 +145,7 @@ class Run(Mapping[str, Frame]):
         return found
 
     def _check_designs(self, rows: int) -> None:
-        """Refuses a finished sweep from which rows are missing."""
+        """Raises an error if rows of a finished sweep are missing."""
         designs = self.summary.get("designs") if self.command == "sweep" else None
         if isinstance(designs, int) and designs != rows:
             raise HardpointError(f"{self.path}: the directory has only {rows} of {designs} designs: parts are missing or cut off")

@@ -79,7 +79,7 @@ def _positions(values: ArrayLike, name: str) -> Floats:
     """Coordinates as an array of numbers."""
     array = np.asarray(values)
     if array.dtype.kind not in "iuf":
-        raise HardpointError(f"{name} is no array of real numbers (dtype {array.dtype}); expected float64")
+        raise HardpointError(f"{name} is not an array of real numbers (dtype {array.dtype}); expected float64")
     if np.ma.is_masked(values):
         raise HardpointError(f"{name} has masked numbers; expected finite coordinates")
     if name == "design" and array.ndim != 2:
@@ -95,7 +95,7 @@ def load(path: str | PathLike[str], overrides: Overrides | None = None) -> Study
 def loads(
     text: str, overrides: Overrides | None = None, *, name: str = "study.toml", directory: str | PathLike[str] | None = None
 ) -> Study:
-    """Reads the study in a text. `directory` is the directory of the files that it names."""
+    """Reads a study from a text. `directory` contains the files that the study names."""
     study = Study(_hardpoint.Study.loads(text, name, directory))
     return study.replace(overrides) if overrides else study
 

@@ -35,7 +35,7 @@ class Tuning:
     """True if all constraints are satisfied, all curves of the tuned design exist, and no target is missed for lack of a
     variable. Otherwise `hardpoint optimise` ends with exit code 1."""
     message: str
-    """Outcome in words: misfit, violated constraints, how the kept start ended."""
+    """Outcome in words: misfit, violated constraints, and the end of the start that gave the result."""
     misfit: float
     """Root of the weighted mean of squared deviations, each divided by its tolerance; NaN if no start succeeded."""
     before: float | None
@@ -50,12 +50,12 @@ class Tuning:
     constraints: Frame
     """A row for each constraint: margin (negative if violated), status "kept", "binds" or "violated", price."""
     side_effects: Frame
-    """A row for each change without a target, flagged ones first: output, unit, before_min .. after_max, largest_change,
-    at, tolerance, flagged, lost. Empty with side_effects = false in [optimise]."""
+    """A row for each quantity that changed although it has no target. Flagged rows come first. Columns: output, unit,
+    before_min .. after_max, largest_change, at, tolerance, flagged, lost. Empty with side_effects = false in [optimise]."""
     front: Frame | None
     """Trade-off of `front` in [optimise], with a row for each design; None without it."""
     prices: Frame | None
-    """Smallest misfit for each size of the move, with `prices=True`."""
+    """Smallest misfit for each size of the change, if `prices=True`; otherwise None."""
     history: Frame
     """A row for each iteration of each start."""
     starts: Frame

@@ -34,7 +34,7 @@ def parts(study: Study) -> int:
 
 
 class Refused(HardpointError):
-    """Error that no worker can avoid: the study or the directory is wrong."""
+    """Error that every worker would have: the study or the directory is wrong."""
 
 
 def sweep_part(text: str, name: str, out: str, part: int, of: int) -> int:

@@ -158,7 +158,11 @@ fn every_topology_can_be_measured() {
             let mut found = effects.measurements.iter();
             found.find(|m| m.effect.starts_with(name)).unwrap().work
         };
-        assert_eq!(work("position"), work("all outputs declared"), "{name}");
+        assert_eq!(
+            work("position"),
+            work("inputs of all outputs given"),
+            "{name}"
+        );
         assert!(work("rates").right_hand_sides > work("position").right_hand_sides);
     }
 }
@@ -220,7 +224,7 @@ fn the_command_writes_table_picture_and_circumstances() {
     let to = ["--out", out.to_str().unwrap(), "--samples", "1"];
     let said = hardpoint(&[&["bench", "effects"], &to[..]].concat()).success();
     let said = String::from_utf8(said.get_output().stdout.clone()).unwrap();
-    assert!(said.contains("sensitivities by every point"), "{said}");
+    assert!(said.contains("sensitivities to every point"), "{said}");
     let csv = std::fs::read_to_string(out.join("effects.csv")).unwrap();
     assert!(csv.starts_with("effect,alone_ns,"), "{csv}");
     let machine = std::fs::read_to_string(out.join("effects_machine.json")).unwrap();
@@ -243,8 +247,8 @@ fn cars_and_equilibria_are_timed() {
             "cars",
             "car.toml",
             &[
-                "state from its neighbour",
-                "state from its neighbour with all results",
+                "state started at its neighbour",
+                "state started at its neighbour with all results",
                 "state without a neighbour",
                 "all results of a state",
                 "member loads of a state",
@@ -260,7 +264,7 @@ fn cars_and_equilibria_are_timed() {
             &[
                 "equilibrium, started at the design position",
                 "equilibrium, started at the previous load",
-                "sheet of one wheel with all derivatives",
+                "rig tests of one wheel with all derivatives",
             ],
         ),
         (
@@ -269,7 +273,7 @@ fn cars_and_equilibria_are_timed() {
             &[
                 "equilibrium of both wheels, started at the design position",
                 "equilibrium of both wheels, started at the previous load",
-                "sheet of both wheels with all derivatives",
+                "rig tests of both wheels with all derivatives",
             ],
         ),
     ] {
@@ -286,7 +290,7 @@ fn cars_and_equilibria_are_timed() {
         // The benchmark measures the times of an elastic wheel in SIMD lanes of every width except AVX-512. It measures the
         // times of the map of a car in one lane width.
         let widths = Width::available().filter(|width| *width != Width::Avx512);
-        let is_wheel = jobs.contains(&"sheet of one wheel with all derivatives");
+        let is_wheel = jobs.contains(&"rig tests of one wheel with all derivatives");
         let expected = match kind {
             "cars" => 1,
             _ if is_wheel => 2 * widths.count(),

@@ -667,7 +667,7 @@ fn loads_without_support_are_reported() {
             .ends_with(",kerb_spring_N,status")
     );
     assert!(csv.lines().nth(2).unwrap().ends_with(",,,,unsupported"));
-    let warning = "warning: loads cannot be carried at 1 station, the first at travel 0 mm: the spring (or the support instead of it) has almost no leverage";
+    let warning = "warning: loads cannot be carried at 1 station, the first at travel 0 mm: the spring, or the support that replaces it, has almost no leverage";
     assert!(text(said).contains(warning), "{}", text(said));
 }
 

@@ -303,7 +303,7 @@ fn mistakes_are_named() {
         ),
         (
             "clearances = [[\"upper_arm_front\", \"upper_arm_rear\"]]",
-            "meet in a joint",
+            "share a joint",
         ),
         (
             "articulations = [\"upper_arm_front\"]",

@@ -531,7 +531,7 @@ fn mistakes_are_named() {
             "wheel_centre = \"rocker\"",
             "wheel_centre =",
             &[
-                "wheel_centre has the same body in every double_wishbone",
+                "wheel_centre has a fixed body in every double_wishbone",
                 "outer ends",
             ],
         ),
@@ -619,10 +619,7 @@ fn every_topology_takes_an_anti_roll_bar() {
         assert!(design.abs() < 1e-12, "{name}: {angles:?}");
         let effects = plan.effects(&study);
         let effect = effects.iter().find(|e| e.name == "anti-roll bar").unwrap();
-        let from = format!(
-            "turned by the drop link from the {}",
-            body.replace('_', " ")
-        );
+        let from = format!("turned by the drop link on the {}", body.replace('_', " "));
         assert_eq!(effect.what, from, "{name}");
     }
 }

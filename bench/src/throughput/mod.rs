@@ -67,8 +67,9 @@ const ONE_BY_ONE: &str = "one by one";
 const GAINS: &str = "four angles and their gains";
 const POINTS: &str = "four angles and two points";
 const MOTION_RATIO: &str = "motion ratio of the spring";
-const JACOBIAN: &str = "four angles by every hardpoint";
-const DEVIATION: &str = "sum of squared deviations of four angles by every hardpoint";
+const JACOBIAN: &str = "derivatives of four angles by every hardpoint";
+const DEVIATION: &str =
+    "gradient of the sum of squared deviations of four angles by every hardpoint";
 
 impl Throughput {
     /// Measures the suspension of a study over its travels, on up to `threads` threads. An axle is measured over its whole
@@ -229,7 +230,12 @@ impl<'a> Planned<'a> {
         }
         self.add(JACOBIAN, one_by_one(), 1, sweep.gradients::<1>(angles));
         let job = sweep.gradients::<3>(angles);
-        self.add("all of these by every hardpoint", one_by_one(), 1, job);
+        self.add(
+            "derivatives of four angles, rates, curvatures by every hardpoint",
+            one_by_one(),
+            1,
+            job,
+        );
     }
 
     /// Measures the computing times of the jobs. Jobs with several threads run alone. During the samples of other jobs, the

@@ -42,7 +42,7 @@ impl NoValue {
             NoValue::NoPlane => "the wheels stand on pads of different heights, not on a plane",
             NoValue::Toggle => "its rocker is at a toggle",
             NoValue::Unsupported => {
-                "the spring (or the support instead of it) has almost no leverage there"
+                "the spring, or the support that replaces it, has almost no leverage there"
             }
             NoValue::NotHeld => "the elastic parts have no equilibrium under the load",
             NoValue::NotFinite => "its formula divides by zero there",

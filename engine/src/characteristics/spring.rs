@@ -34,7 +34,7 @@ formulas! {
     SpringInclination {
         name: "spring_inclination",
         unit: Unit::Angle,
-        positive: "always: 0 upright, 90 degrees level, 180 with the upper end below",
+        positive: "always: 0 deg upright, 90 deg level, 180 deg with the upper end below",
         formula: "atan2(hypot(s_x, s_y), s_z), where s points from the lower to the upper end of spring or strut",
         source: "the angle of a line with the vertical",
         reads: &[Slot::Spring],

@@ -72,7 +72,7 @@ pub enum Error {
     #[error("{0}")]
     File(StudyErrors),
     /// Two columns of a sweep's rows would have this name.
-    #[error("two columns would be named {0}; give a variable another name")]
+    #[error("two columns would have the name {0}; give a variable another name")]
     TwoColumns(String),
     /// The system could not start the threads.
     #[error("cannot start {threads} threads: {reason}")]

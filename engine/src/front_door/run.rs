@@ -156,6 +156,9 @@ impl Study {
     }
 }
 
+// The message of `refuse_wrong` contains this number.
+const _: () = assert!(MOST_EXCHANGED == 126);
+
 /// Returns an error if the sampling has a fault that the reader of studies would also refuse.
 fn refuse_wrong(sampled: &Sampled) -> Result<(), Error> {
     let variables = &sampled.variables;
@@ -198,7 +201,7 @@ fn refuse_wrong(sampled: &Sampled) -> Result<(), Error> {
         Sampling::Saltelli if variables.len() > MOST_EXCHANGED => number(
             "the number of variables for the method \"saltelli\"",
             count,
-            "no more than a block of designs contains",
+            "at most 126",
         ),
         _ => Ok(()),
     }

@@ -268,7 +268,7 @@ impl DesignFault {
                 )
             }
             DesignFault::NoSteering { end } => format!(
-                "{} lies on the steering axis, so the tie rod does not hold the wheel's heading",
+                "{} lies on the steering axis, so the tie rod does not hold the wheel's steer angle",
                 name(end)
             ),
             DesignFault::Coincident { first, second } => format!(

@@ -43,7 +43,8 @@ pub enum NoPose {
     Unproven,
     /// The elastic parts have no equilibrium.
     #[error(
-        "no equilibrium: equilibria exist for {share:.6} of the path from the design position; \
+        "no equilibrium: equilibria exist only up to {share:.6} of the change from the design \
+         position (1 = full change); \
          `hardpoint kc` names the part that limits them"
     )]
     NoEquilibrium {

@@ -26,7 +26,7 @@ pub(super) static DOUBLE_WISHBONE: Topology = Topology {
         required("lower_ball_joint", "joint of lower arm and knuckle"),
         required(
             "tie_rod_inner",
-            "joint of tie rod and rack; of the toe rod and the body where the axle is not steered",
+            "joint of tie rod and rack; if the axle is not steered, joint of toe rod and body",
         ),
         required("tie_rod_outer", "joint of tie rod and knuckle"),
         WHEEL_CENTRE,

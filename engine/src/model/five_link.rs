@@ -30,7 +30,7 @@ pub(super) static FIVE_LINK: Topology = Topology {
         required("lower_rear_link_outer", "lower rear link at the knuckle"),
         required(
             "toe_link_inner",
-            "toe link at the rack; at the body where the axle is not steered",
+            "toe link at the rack; at the body if the axle is not steered",
         ),
         required("toe_link_outer", "toe link at the knuckle"),
         WHEEL_CENTRE,

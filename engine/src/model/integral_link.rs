@@ -23,7 +23,7 @@ pub(super) static INTEGRAL_LINK: Topology = Topology {
         UPPER_LINK_OUTER,
         required(
             "toe_link_inner",
-            "toe link at the rack; at the body where the axle is not steered",
+            "toe link at the rack; at the body if the axle is not steered",
         ),
         required("toe_link_outer", "toe link at the knuckle"),
         WHEEL_CENTRE,

@@ -10,7 +10,7 @@ use super::{Arm, Body, Constraint, Mechanism, Topology};
 /// The semi-trailing arm.
 pub(super) static SEMI_TRAILING_ARM: Topology = Topology {
     name: "semi_trailing_arm",
-    summary: "Semi-trailing arm: wheel carrier on one hinge; a trailing arm where its axis is transverse",
+    summary: "Semi-trailing arm: wheel carrier on one hinge; a trailing arm if the hinge axis is transverse",
     hardpoints: &[
         required("arm_pivot_inner", "inboard pivot of the arm on the body"),
         required("arm_pivot_outer", "outboard pivot of the arm on the body"),

@@ -16,8 +16,14 @@ use super::{Body, Constraint, Mechanism, RockerId, Topology};
 static PANHARD: Group = Group {
     what: "the Panhard rod",
     hardpoints: &[
-        optional("panhard_chassis", "Panhard rod at the body; actual y"),
-        optional("panhard_axle", "Panhard rod at the axle; actual y"),
+        optional(
+            "panhard_chassis",
+            "Panhard rod at the body; actual y (not mirrored)",
+        ),
+        optional(
+            "panhard_axle",
+            "Panhard rod at the axle; actual y (not mirrored)",
+        ),
     ],
     complete: &[&["panhard_chassis", "panhard_axle"]],
     beside: &[],
@@ -29,25 +35,37 @@ static WATT: Group = Group {
     what: "the Watt linkage",
     beside: &[],
     hardpoints: &[
-        optional("watt_pivot", "pivot of the Watt rocker; actual y"),
-        optional("watt_axis", "a second point of the rocker's axis; actual y"),
+        optional(
+            "watt_pivot",
+            "pivot of the Watt rocker; actual y (not mirrored)",
+        ),
+        optional(
+            "watt_axis",
+            "a second point of the rocker's axis; actual y (not mirrored)",
+        ),
         optional(
             "watt_upper_chassis",
-            "upper Watt link at the body; actual y",
+            "upper Watt link at the body; actual y (not mirrored)",
         ),
-        optional("watt_upper_axle", "upper Watt link at the axle; actual y"),
+        optional(
+            "watt_upper_axle",
+            "upper Watt link at the axle; actual y (not mirrored)",
+        ),
         optional(
             "watt_upper_rocker",
-            "upper Watt link at the rocker; actual y",
+            "upper Watt link at the rocker; actual y (not mirrored)",
         ),
         optional(
             "watt_lower_chassis",
-            "lower Watt link at the body; actual y",
+            "lower Watt link at the body; actual y (not mirrored)",
         ),
-        optional("watt_lower_axle", "lower Watt link at the axle; actual y"),
+        optional(
+            "watt_lower_axle",
+            "lower Watt link at the axle; actual y (not mirrored)",
+        ),
         optional(
             "watt_lower_rocker",
-            "lower Watt link at the rocker; actual y",
+            "lower Watt link at the rocker; actual y (not mirrored)",
         ),
     ],
     complete: &[
@@ -90,11 +108,11 @@ pub(super) static SOLID_AXLE: Topology = Topology {
         required("lower_link_axle", "lower link at the axle"),
         required(
             "upper_link_chassis",
-            "upper link at the body; actual y if it is single",
+            "upper link at the body; actual y (not mirrored) if it is single",
         ),
         required(
             "upper_link_axle",
-            "upper link at the axle; actual y if it is single",
+            "upper link at the axle; actual y (not mirrored) if it is single",
         ),
         WHEEL_CENTRE,
         SPINDLE_INNER,

@@ -52,11 +52,11 @@ pub(super) static STEERING: Group = Group {
     hardpoints: &[
         optional(
             "drag_link_body",
-            "drag link at the steering gear on the body; actual y",
+            "drag link at the steering gear on the body; actual y (not mirrored)",
         ),
         optional(
             "drag_link_knuckle",
-            "drag link at the left knuckle; actual y",
+            "drag link at the left knuckle; actual y (not mirrored)",
         ),
         optional("kingpin_upper", "upper end of the kingpin, on the axle"),
         optional("kingpin_lower", "lower end of the kingpin, on the axle"),

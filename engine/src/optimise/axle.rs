@@ -11,7 +11,7 @@ use super::{Infeasible, Linearisation};
 use crate::axle::{Axle, AxleSolver, Hold, Placement, Quantity};
 use crate::compliance::{AxleParameter, Parameter};
 use crate::evaluate::index_or_push;
-use crate::mechanism::DesignFault;
+use crate::mechanism::{DesignFault, NoPose};
 use crate::model::PointId;
 use crate::number::{Each, Vector3};
 use crate::study::{Limited, Optimise, Variable};
@@ -272,12 +272,15 @@ impl<const N: usize> RowsBeside for Rows<'_, N> {
         let placements: Vec<Placement> = layout.stations.iter().map(|s| s.placement).collect();
         let placed = solver.place_all(&placements);
         let mut pulling: Vec<&TargetSample> = Vec::new();
+        let (unit, frame) = (axle.left.length_unit, axle.left.frame);
         for (station, placed) in layout.stations.iter().zip(placed) {
             let AxleStation {
                 placement, samples, ..
             } = station;
-            let unreached = |failure| {
-                Infeasible::Refused(format!("the axle does not reach {placement}: {failure}"))
+            let place = || format!("{placement} ({})", unit.symbol());
+            let unreached = |failure: NoPose| {
+                let (place, reason) = (place(), failure.describe(unit, frame));
+                Infeasible::Refused(format!("the axle does not reach {place}: {reason}"))
             };
             let placed = placed.map_err(unreached)?;
             let read = solver.read(&placed).map_err(unreached)?;
@@ -286,8 +289,8 @@ impl<const N: usize> RowsBeside for Rows<'_, N> {
             for target_sample in samples {
                 let quantity = quantities[target_sample.of];
                 let found = read.value(quantity).map_err(|void| {
-                    let (name, why) = (quantity.name(), void.reason());
-                    Infeasible::Refused(format!("{name} has no value at {placement}: {why}"))
+                    let (name, place, why) = (quantity.name(), place(), void.reason());
+                    Infeasible::Refused(format!("{name} has no value at {place}: {why}"))
                 })?;
                 let row = first + target_sample.row;
                 if target_sample.write_residual(row, found, into) {

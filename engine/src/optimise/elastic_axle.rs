@@ -124,6 +124,7 @@ impl RowsBeside for Rows<'_> {
         let equilibria = axle.equilibria(moved.wheels.each(|(design, _)| design), parts);
         let equilibria = equilibria
             .map_err(|(side, fault)| Infeasible::Refused(axle.describe_fault((side, fault))))?;
+        let unit = axle.left.length_unit.symbol();
         for station in &layout.stations {
             let AxleStation {
                 placement,
@@ -134,7 +135,9 @@ impl RowsBeside for Rows<'_> {
                 continue;
             }
             let at = placement.on_level_pads().ok_or_else(|| {
-                Infeasible::Refused(format!("{placement} is available for rigid axles only"))
+                Infeasible::Refused(format!(
+                    "this position is available for rigid axles only: {placement} ({unit})"
+                ))
             })?;
             let used = used_by(station, layout.quantities.len(), into.is_some());
             let reads = used.iter().map(|k| layout.quantities[*k].into());
@@ -172,12 +175,12 @@ impl RowsBeside for Rows<'_> {
             };
             if let Err(why) = found {
                 let why = NoPose::from(why);
-                let message = format!("the axle has no equilibrium at {placement}: {why}");
+                let message = format!("the axle has no equilibrium at {placement} ({unit}): {why}");
                 return Err(Infeasible::Refused(message));
             }
             if let Some(missing) = is_found.iter().position(|found| !found) {
                 let name = reads[missing].quantity.name();
-                let message = format!("{name} has no value at {placement}");
+                let message = format!("{name} has no value at {placement} ({unit})");
                 return Err(Infeasible::Refused(message));
             }
         }

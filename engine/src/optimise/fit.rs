@@ -158,9 +158,13 @@ impl fmt::Display for Termination {
             Termination::MovedTargetsMet => {
                 "converged: all targets that a variable affects are met, the others are missed"
             }
-            Termination::NoFurtherDescent => "converged: no further descent",
-            Termination::StepBelowResolution => "converged: the step is below resolution",
-            Termination::Stationary => "converged: stationary between the bounds",
+            Termination::NoFurtherDescent => "converged: no step improves the design any further",
+            Termination::StepBelowResolution => {
+                "converged: the next step is too small to change the result"
+            }
+            Termination::Stationary => {
+                "converged: no small move within the ranges improves the design"
+            }
             Termination::NoFeasibleStep(reason) => return write!(f, "no feasible step: {reason}"),
             Termination::NearestGoodEnough => {
                 "converged: smallest change with a misfit below good_enough"

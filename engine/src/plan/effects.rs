@@ -115,9 +115,10 @@ impl Plan {
         };
         let steering_axis = reasons(&Slot::is_of_steering_axis).map(|because| {
             let (what, cost) = match mechanism.steering_axis {
-                Some(SteeringAxis::Instantaneous) => {
-                    ("by a velocity analysis of the rack", cost::SCREW_AXIS)
-                }
+                Some(SteeringAxis::Instantaneous) => (
+                    "from the velocities under a movement of the rack",
+                    cost::SCREW_AXIS,
+                ),
                 _ => ("through two joints", 0.0),
             };
             (what.to_owned(), because, cost)
@@ -162,7 +163,7 @@ impl Plan {
         };
         Some((
             format!(
-                "{}: forces in links and joints, against {support}",
+                "{}: forces in links and joints, supported by {support}",
                 names.join(", ")
             ),
             written(study, &["outputs", "loads"], "outputs.loads"),
@@ -206,7 +207,7 @@ impl Plan {
         }
         let rocker = mechanism.rocker(id);
         let what = format!(
-            "turned by the {} from the {}",
+            "turned by the {} on the {}",
             rocker.rod,
             mechanism.seat(&rocker)
         );

@@ -261,7 +261,7 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
     let c_factor = match given.and_then(|steering| steering.c_factor.as_ref()) {
         None => Some(None),
         Some(zero) if zero.value == 0.0 => {
-            let message = "a c_factor of 0 never moves the rack";
+            let message = "with c_factor = 0 the steering wheel never moves the rack: expected another number";
             problems.refuse(zero.span.clone(), message)
         }
         Some(c_factor) => Some(Some(c_factor.value * left.frame.sign(Axis::Y))),
@@ -319,8 +319,9 @@ fn track_agrees(file: &File, axle: &Axle, problems: &mut Problems) -> Option<()>
     if (track.value - design).abs() <= tenth {
         return Some(());
     }
+    let unit = axle.left.length_unit.symbol();
     let message = format!(
-        "the wheel centres of this axle are {design} apart, not {}",
+        "the wheel centres of this axle are {design} {unit} apart, but track is {} {unit}",
         track.value
     );
     problems
@@ -457,7 +458,8 @@ fn check_needs(file: &File, axle: &Axle, plan: &AxlePlan, problems: &mut Problem
         let place = made_of_most.map_or(file.motion.span(), Text::span);
         let name = made_of_most.map_or("an output", |text| text.get_ref());
         let message = format!(
-            "{name} contains second derivatives, but derivatives of an axle are available up to the third order only"
+            "{name} contains second derivatives; with this order it needs derivatives above the \
+             third order, which an axle does not have"
         );
         let error = problems.add(place, message);
         error.help("use order = \"velocity\"");

@@ -50,7 +50,7 @@ pub(super) fn refusal(
     let none_at_rear = |share: Option<f64>| share == Some(1.0);
     match need {
         Need::FrontBraking if !front => Some((
-            "applies to a front axle in braking, and position is \"rear\"",
+            "applies to a front axle in braking, but position is \"rear\"",
             Some("for a rear axle in braking use anti_lift"),
         )),
         Need::RearDrive if front && none_in_front(vehicle.drive_share_front) => Some((
@@ -58,7 +58,7 @@ pub(super) fn refusal(
             None,
         )),
         Need::RearDrive if front => Some((
-            "applies to a rear axle under drive, and position is \"front\"",
+            "applies to a rear axle under drive, but position is \"front\"",
             Some("for a driven front axle use anti_lift"),
         )),
         _ => match (of_drive(need, vehicle)?, front) {

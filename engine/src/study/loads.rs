@@ -155,7 +155,7 @@ fn all(
             |one: &&file::Load| one.name == load.name && apart(one) && one.hold != load.hold;
         if let Some(first) = written[..i].iter().find(differs) {
             let message = format!(
-                "{:?} holds another quantity at the other wheel",
+                "the loads {:?} on both wheels act together: expected the same hold for both",
                 load.name.get_ref()
             );
             let error = problems.add(load.name.span(), message);
@@ -207,7 +207,7 @@ fn name(written: &file::Load, problems: &mut Problems) -> Option<String> {
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
     if name.is_empty() || !name.chars().all(plain) {
         let message = format!(
-            "expected a name of letters, digits and _, with which column names begin; found {name:?}"
+            "column names begin with the name of the load: expected only letters, digits and _, found {name:?}"
         );
         return problems.refuse(written.name.span(), message);
     }

@@ -112,8 +112,10 @@ pub(super) fn motion(
     let rack = rack?;
     let stations = drive_values.len().saturating_mul(rack.len());
     if stations > MOST_STATIONS {
-        let message =
-            format!("{stations} stations with those of the rack; expected at most {MOST_STATIONS}");
+        let message = format!(
+            "the motion has {stations} stations (drive values times rack displacements); \
+                     expected at most {MOST_STATIONS}"
+        );
         return problems.refuse(place, message);
     }
     let written_rack = section.rack.as_ref().map(Spanned::get_ref);
@@ -202,7 +204,7 @@ pub(super) fn check_drive(
     let place = written.map_or(section.span(), Spanned::span);
     let Some(arm) = mechanism.arms.first() else {
         let message = format!(
-            "{} has no arm whose angle could drive it",
+            "{} has no arm whose angle could drive the motion; expected drive = \"travel\"",
             mechanism.topology.name
         );
         problems.add(place, message);
@@ -214,9 +216,7 @@ pub(super) fn check_drive(
             "the arm is at dead centre in the design position: a small turn moves {outer} \
              horizontally, so neither direction of the turn raises it"
         );
-        problems
-            .add(place, message)
-            .help("drive it by the travel of the wheel");
+        problems.add(place, message).help("use drive = \"travel\"");
     }
 }
 
@@ -290,8 +290,8 @@ pub(super) fn check_sensitivities(
     let asked = stations.saturating_mul(hardpoints);
     if asked > MOST_STATIONS {
         let message = format!(
-            "{stations} stations with sensitivities to {hardpoints} hardpoints are {asked}; expected at most \
-             {MOST_STATIONS} stations times hardpoints"
+            "{stations} stations times {hardpoints} hardpoints for sensitivities make {asked}; \
+             expected at most {MOST_STATIONS}"
         );
         let error = problems.add(place, message);
         error.help("request fewer stations, or name fewer hardpoints in outputs.sensitivities");

@@ -59,8 +59,8 @@ pub(super) fn right_wheel(
     }
     let centre = right.design[right.mechanism.wheel_centre.0];
     if centre.y < 0.0 {
-        let message = "the right wheel's wheel_centre is on the left side: its hardpoints are in \
-                       the study's axes, with their actual y";
+        let message = "the right wheel's wheel_centre is on the left side: give its hardpoints in \
+                       the study's axes, with their actual (not mirrored) y";
         return problems.refuse(place, message);
     }
     if let Some(fault) = GeometryFault::first_of(&right) {
@@ -98,7 +98,7 @@ fn spin_axis(
         let message = format!("{name} already gives camber and toe of the design position");
         let error = problems.add(wheel.span(), message);
         error.help(format!(
-            "{name} in [axle.right.hardpoints] gives those of the right wheel"
+            "{name} in [axle.right.hardpoints] gives camber and toe of the right wheel"
         ));
         return None;
     }

@@ -102,7 +102,7 @@ fn adjustment_of_wheel(
 ) -> Option<Adjustment> {
     if let Some(side) = &written.get_ref().side {
         let message = "the key \"side\" is for axles that are set up as a whole: solid axles, and axles with elastic parts and wheels that differ. \
-                       Other wheels are set up alike, or one by one";
+                       Here each adjustment applies to every wheel: remove the key \"side\"";
         return problems.refuse(side.span(), message);
     }
     adjustment(written, context.suspension, problems)

@@ -142,7 +142,8 @@ fn of_sheet(
     ];
     for (key, span) in others {
         if let Some(span) = span {
-            let message = format!("the sheet has travel, rack and values: expected no {key}");
+            let message =
+                format!("the sheet already gives travel, rack and values: remove the key {key}");
             return problems.refuse(span, &message);
         }
     }
@@ -356,7 +357,7 @@ impl Reader<'_> {
                 "no test of the study gives {quantity} by {load} with these {columns}: add such a test to tests in [compliance]"
             )),
             _ => row.wrong(format!(
-                "several tests of the study give {quantity} by {load}: expected {columns}"
+                "several tests of the study give {quantity} by {load}: fill in {columns} to select one"
             )),
         }
     }
@@ -372,7 +373,7 @@ impl Reader<'_> {
         for name in ["mode", "wheel", "anti_roll_bar", "steering"] {
             if !row.cell(name).is_empty() {
                 return row.wrong(format!(
-                    "{name} belongs to the axle; expected an empty cell"
+                    "{name} applies to axles only, and this study describes one wheel; expected an empty cell"
                 ));
             }
         }

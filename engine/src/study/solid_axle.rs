@@ -30,7 +30,7 @@ pub(super) fn steer(
     let direction = three(written, "components [x, y, z]", problems)?;
     let length = direction.norm();
     if length == 0.0 || !length.is_finite() {
-        let message = "the direction of the drag link is a zero vector";
+        let message = "the direction of the drag link has length 0";
         return problems.refuse(written.span(), message);
     }
     // A displacement is positive along the study's y axis, which may point opposite to the kernel's y axis.
@@ -293,8 +293,8 @@ pub(super) fn wheels(
         };
         let error = problems.add(file.suspension.hardpoints.span(), message);
         error.help(
-            "links that are parallel from above let the axle move freely sideways: splay the \
-             upper links, or give a single upper link and a Panhard rod",
+            "links that are parallel from above let the axle move freely sideways: give the upper \
+             links different directions, or give a single upper link and a Panhard rod",
         );
         return None;
     }
@@ -335,7 +335,7 @@ fn differences(
         rigid.put_far(*far, left.frame.vector(position), &mut left.design);
         if left.design[far.0].y > 0.0 {
             let message = format!(
-                "{} is on the left side: the right half is given with its actual y",
+                "{} is on the left side: give points of the right half with their actual (not mirrored) y",
                 text.get_ref()
             );
             problems.add(text.span(), message);

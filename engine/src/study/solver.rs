@@ -170,8 +170,8 @@ fn check_derivatives(
         if takes > given {
             let (name, order) = (text.get_ref(), outputs.order.name());
             let message = format!(
-                "{name} with order = \"{order}\" needs {takes} derivatives; formulation = \"{}\" \
-                 gives {given}",
+                "{name} with order = \"{order}\" needs derivatives up to order {takes}; \
+                 formulation = \"{}\" gives order {given}",
                 formulation.name()
             );
             problems.add(text.span(), message);

@@ -85,7 +85,12 @@ pub(super) fn pair(
         return None;
     };
     if first.iter().any(|end| second.contains(end)) {
-        let message = format!("{} and {} meet in a joint", a.get_ref(), b.get_ref());
+        let message = format!(
+            "{} and {} share a joint: expected two members without a common \
+                               joint",
+            a.get_ref(),
+            b.get_ref()
+        );
         return problems.refuse(names.span(), message);
     }
     let names = [a.get_ref().clone(), b.get_ref().clone()];

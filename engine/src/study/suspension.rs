@@ -231,7 +231,7 @@ pub(super) fn bodies(
             Some(_) => {
                 sound = false;
                 let message = format!(
-                    "{name} has the same body in every {}",
+                    "{name} has a fixed body in every {}",
                     mechanism.topology.name
                 );
                 let error = problems.add(text.span(), message);
@@ -334,8 +334,9 @@ fn extra_points(
             problems.add(text.span(), message);
         } else if name.is_empty() || !name.chars().all(plain) {
             sound = false;
-            let message =
-                format!("{name:?} is to be part of column names; expected letters, digits and _");
+            let message = format!(
+                "{name:?} becomes part of column names; expected only letters, digits and _"
+            );
             problems.add(text.span(), message);
         }
         match (position, body) {

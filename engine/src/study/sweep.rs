@@ -454,7 +454,7 @@ fn distinct(
                 && (variable.absolute || variables[first].absolute)
             {
                 let message = format!(
-                    "{} of {} is set by one variable and moved by another",
+                    "one variable sets {} of {}, and another variable moves it: remove one of them",
                     m.axis.name(),
                     suspension.mechanism.name(m.point)
                 );

@@ -224,7 +224,7 @@ fn an_axle_is_timed_by_its_positions() {
         "four angles of both wheels,\"lanes, ",
         "four angles of both wheels,one by one,1,",
         "outputs of the study,one by one,1,",
-        "four angles of both wheels by every hardpoint,one by one,1,",
+        "derivatives of four angles of both wheels by every hardpoint,one by one,1,",
     ] {
         assert!(csv.contains(row), "{row}: {csv}");
     }

@@ -168,7 +168,7 @@ fn what_is_not_there_for_an_axle_is_refused_by_name() {
             "contains second derivatives",
         ),
         ("steering.c_factor=0.0", "never moves the rack"),
-        ("vehicle.track=1500.0", "apart, not 1500"),
+        ("vehicle.track=1500.0", "but track is 1500"),
         ("vehicle.position=\"middle\"", "unknown position"),
         (
             "spring.force_curve=[[0.0, 1.0], [0.0, 2.0]]",

@@ -240,7 +240,7 @@ fn mistakes_in_a_right_wheel_are_named() {
             STEEP,
             "[axle.right.bodies]\ntie_rod_outer = \"knuckle\"\n",
             SOFT,
-            "has the same body",
+            "has a fixed body",
         ),
         (
             STEEP,

@@ -63,7 +63,7 @@ fn mistakes_are_named_by_line() {
             rear,
             "cubic = [1.0, 1.0, 1.0, 1.0, 1.0, 1.0]",
             "[bushings.lower_arm_rear]",
-            "or six curves",
+            "or the six curves",
         ),
         (
             rear,

@@ -306,13 +306,13 @@ fn constraints_are_added_by_clicking_members() {
         json!("clearance of tie_rod and lower_arm_front")
     );
 
-    // Two members that meet in a joint have no clearance: the dialog stays open with the reason.
+    // Two members that share a joint have no clearance: the dialog stays open with the reason.
     begin("Clearance");
     browser.run(&click_member("top", "lower_arm_rear"));
     browser.run(&click_member("top", "lower_arm_front"));
     browser.wait("document.getElementById('dialog').open");
     add();
-    browser.wait("document.querySelector('#dialog .bad').textContent.includes('meet in a joint')");
+    browser.wait("document.querySelector('#dialog .bad').textContent.includes('share a joint')");
     browser.run(&click_button("#dialog", "Cancel"));
     browser.wait("!document.getElementById('dialog').open");
 

@@ -151,7 +151,7 @@ fn mistakes_in_the_sweep_are_named() {
         (
             first,
             r#"{ hardpoint = "strut_top", axis = "y", range = [570, 580], absolute = true }"#,
-            &["set by one variable and moved by another"],
+            &["another variable moves it"],
         ),
         (
             first,

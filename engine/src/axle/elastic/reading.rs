@@ -34,8 +34,7 @@ pub fn not_in_equilibrium(
 ) -> Option<[&'static str; 2]> {
     use AxleQuantity as A;
     use WheelQuantity as W;
-    const REMOVE: &str =
-        "with [compliance] use a test result; without [compliance] the mechanism is rigid";
+    const REMOVE: &str = "use a test result, or remove [compliance] to compute the rigid mechanism";
     let rigid = Some(["applies to the rigid mechanism only", REMOVE]);
     let once = if is_derivative {
         Some([

@@ -89,7 +89,11 @@ impl std::fmt::Display for Placement {
             }
             Placement::AtLoad { heave, roll, .. } => {
                 let roll = roll.to_degrees();
-                write!(f, "roll {roll:.6} deg at the load of heave {}", heave + 0.0)?;
+                write!(
+                    f,
+                    "roll {roll:.6} deg at the wheel load of heave {}",
+                    heave + 0.0
+                )?;
             }
             Placement::Travels {
                 travels: [left, right],

@@ -292,7 +292,8 @@ impl Resolver<'_> {
     ) -> Option<()> {
         let own = written.get_ref();
         let Some(text) = &own.axle else {
-            let message = "expected the key \"axle\" with the key of one part of the axle, or the key \"car\"";
+            let message =
+                "expected the key \"axle\" together with a part of this axle, or the key \"car\"";
             return self.problems.refuse(written.span(), message);
         };
         let axle = choose(text, "axle", &ENDS, self.problems)?;

@@ -45,8 +45,7 @@ impl Resolver<'_> {
         ];
         for (need, key) in needed {
             if !axle.meets(need) {
-                let message =
-                    format!("a car needs {key} of its {name} axle, which the study does not give");
+                let message = format!("the {name} study does not give {key}, which a car needs");
                 return self.problems.refuse(place, message);
             }
         }
@@ -262,12 +261,14 @@ impl Resolver<'_> {
             let list = &force.get_ref().downforce;
             let count = list.get_ref().len();
             if !(1..=6).contains(&count) {
-                let message =
-                    format!("expected 1 to 6 factors of 1, hf, hr, hf2, hf hr, hr2, found {count}");
+                let message = format!(
+                    "expected 1 to 6 coefficients, in the order of the terms 1, hf, hr, \
+                             hf2, hf hr, hr2; found {count}"
+                );
                 return self.problems.refuse(list.span(), message);
             }
             if count > 1 && points.iter().any(Option::is_none) {
-                let message = "factors of ride heights need ride_height_point_front and ride_height_point_rear in [car]";
+                let message = "coefficients of ride heights need ride_height_point_front and ride_height_point_rear in [car]";
                 return self.problems.refuse(list.span(), message);
             }
             let mut area = [0.0; 6];

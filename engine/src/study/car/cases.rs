@@ -191,7 +191,7 @@ impl Resolver<'_> {
                 let message = format!("this case needs {key} in [car]");
                 let error = self.problems.add(place, message);
                 error.help(
-                    "drag and the drag of steered tyres need longitudinal force also at ax = 0",
+                    "even at ax = 0 the wheels need a longitudinal force against drag and the drag of steered tyres",
                 );
                 None
             }

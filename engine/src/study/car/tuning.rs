@@ -230,7 +230,8 @@ impl Resolver<'_> {
         match name {
             Some(name) => Some(name),
             None => {
-                let message = "expected the key \"characteristic\": the result of the case";
+                let message =
+                    "expected the key \"characteristic\": the name of a result of the case";
                 self.problems.refuse(place, message)
             }
         }
@@ -244,7 +245,8 @@ impl Resolver<'_> {
                 span: place,
             }),
             OneOr::Many(_) => {
-                let message = "a limit of a case is one number";
+                let message =
+                    "a target of a case has one value, so its limit is one number, not a curve";
                 self.problems.refuse(place, message)
             }
         };
@@ -400,7 +402,8 @@ impl Resolver<'_> {
         match quantities.iter().find(depends) {
             Some(_) if variables.iter().any(moves) => {
                 let message = format!(
-                    "this target depends on rates of the {} axle, which are variables here: use a target of a case",
+                    "this target depends on rates of the {} axle, which are variables here: use a \
+                     target with the key \"case\"",
                     ENDS[end].0
                 );
                 self.problems.refuse(place, message)

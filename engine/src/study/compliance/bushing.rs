@@ -112,8 +112,10 @@ pub(super) fn rubber(
         Some(written) => {
             let v = three(written, "components [x, y, z]", problems)?;
             if v == Vector3::default() {
-                return problems
-                    .refuse(written.span(), "expected a direction, found a null vector");
+                return problems.refuse(
+                    written.span(),
+                    "expected a direction, found a vector of length 0",
+                );
             }
             Some(Some(suspension.frame.vector(v)))
         }
@@ -158,7 +160,11 @@ fn shapes(
     let part = written.get_ref();
     let curves = [&part.fx, &part.fy, &part.fz, &part.tx, &part.ty, &part.tz];
     if part.stiffness.is_none() && curves.iter().any(|curve| curve.is_none()) {
-        let message = format!("expected stiffness of {:?}, or six curves", name.get_ref());
+        let message = format!(
+            "expected the key stiffness for {:?}, or the six curves fx, fy, fz, \
+                               tx, ty and tz",
+            name.get_ref()
+        );
         return problems.refuse(written.span(), &message);
     }
     let not_negative = |number: f64| number >= 0.0;
@@ -180,7 +186,7 @@ fn shapes(
         if stiffness[k] != 0.0 || cubic[k] != 0.0 {
             let key = ["fx", "fy", "fz", "tx", "ty", "tz"][k];
             let message = format!(
-                "{key} is the law of this axis; expected 0.0 as entry {} of stiffness and cubic",
+                "{key} already gives the curve of this axis; expected 0.0 as entry {} of stiffness and cubic",
                 k + 1
             );
             return problems.refuse(curve.span(), &message);
@@ -298,7 +304,7 @@ fn shapes_of_file(
     for (key, span) in others {
         if let Some(span) = span {
             let message = format!(
-                "the file has the laws of {:?}: expected no {key}",
+                "the file already gives the curves of {:?}: remove the key {key}",
                 name.get_ref()
             );
             return problems.refuse(span, &message);

@@ -247,7 +247,8 @@ pub(super) fn compliance(
 }
 
 /// Hint for a missing key `relaxed`.
-const RELAXED: &str = "relaxed = \"at_design_load\" if the hardpoints describe the loaded car, \"free\" if no bushing has a force there";
+const RELAXED: &str = "relaxed = \"at_design_load\" if the hardpoints describe the loaded car, \"free\" \
+                       if the bushings carry no force in the design position";
 
 fn relaxed(section: &Spanned<file::Compliance>, problems: &mut Problems) -> Option<Relaxed> {
     let Some(text) = &section.get_ref().relaxed else {

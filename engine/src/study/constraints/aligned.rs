@@ -23,7 +23,7 @@ impl Reader<'_> {
         let list = names.get_ref();
         if list.len() < least {
             let message = format!(
-                "expected at least {least} points of a {what}, found {}: fewer always lie on one",
+                "expected at least {least} points of a {what}, found {}: fewer points always lie on one {what}",
                 list.len()
             );
             return problems.refuse(names.span(), message);

@@ -229,7 +229,7 @@ fn stud(
             );
             let error = problems.add(name.span(), message);
             error.help(format!(
-                "[suspension.studs] {} = [0.0, 0.0, 1.0]",
+                "give it in [suspension.studs], for example {} = [0.0, 0.0, 1.0]",
                 mechanism.name(joint)
             ));
             None

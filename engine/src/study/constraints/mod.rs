@@ -96,9 +96,9 @@ impl Reader<'_> {
         let moves = || parts.iter().any(|part| !part.of.is_fixed(mechanism));
         let has_motion = is_design || sites.iter().all(|(_, site)| site.motion.is_some());
         if self.context.axle.is_some() && !has_motion && moves() {
-            let message = "constraints of an axle apply to a named motion: expected motion = \
-                           \"NAME\", with travel and rack (the left wheel), heave, or travel_left \
-                           and travel_right in [motions.NAME]; or at = \"design\"";
+            let message = "a constraint of an axle needs a named motion or at = \"design\": \
+                           expected motion = \"NAME\". In [motions.NAME] give travel and rack \
+                           (the left wheel), heave, or travel_left and travel_right";
             return problems.refuse(self.place.clone(), message);
         }
         // Without a named motion, limits of a test result apply at the design height.

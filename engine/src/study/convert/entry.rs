@@ -290,8 +290,8 @@ impl Facts<'_> {
             .into_iter()
             .any(|axis| conversion.sign(axis) < 0.0);
         if of_point && axis(table).is_none() && is_lopsided && turns {
-            let reason = "these limits are not symmetric about 0, and only some axes change their direction: write one entry with \
-                          axis for each coordinate";
+            let reason = "these limits are not symmetric about 0, and the conversion reverses \
+                          only some axes: write one entry with axis for each coordinate";
             return refused("limits", reason);
         }
         Ok(own)

@@ -58,7 +58,7 @@ impl UnitChoice {
             (false, false) => length,
             (false, true) => {
                 return Err(format!(
-                    "forces in lbf need lengths in inches, but the lengths would be in {}",
+                    "forces in lbf need lengths in inches, but the lengths would be in {}: choose inches as the unit of lengths, too",
                     length.symbol()
                 ));
             }

@@ -43,10 +43,12 @@ pub(super) fn adjustments(
         let mechanism = &of_side.mechanism;
         if own.lifts(mechanism) || holds_spring(parameter, mechanism) {
             let message = if both.axle.is_rigid() {
-                "the seats of a solid axle's springs cannot be adjusted yet; ride_height_change states the height at which the car stands"
+                "the seats of a solid axle's springs cannot be adjusted yet; use \
+                 ride_height_change to give the height at which the car stands"
             } else {
-                "this adjustment lifts one side of an axle whose wheels differ, which elastic parts do not allow yet; \
-                 ride_height_change states the height at which the car stands"
+                "this adjustment lifts one side of an axle whose wheels differ, which elastic \
+                 parts do not allow yet; use ride_height_change to give the height at which the \
+                 car stands"
             };
             return problems.refuse(written.span(), message);
         }

@@ -81,7 +81,8 @@ impl Reader<'_> {
         let by_wheel = held.steering_wheel.take().is_some();
         if by_wheel && rack != 0.0 {
             return row.wrong(
-                "the motion of this study has steering_wheel_angle: expected rack in [motion]"
+                "the sheet gives a rack displacement, but the motion of this study has \
+                 steering_wheel_angle: expected rack in [motion]"
                     .to_owned(),
             );
         }
@@ -98,7 +99,12 @@ impl Reader<'_> {
             Coordinate::TravelLeft
         };
         if is_heave && left != right {
-            return row.wrong("the motion of this study is heave: expected equal travels, or travel_left and travel_right in [motion]".to_owned());
+            return row.wrong(
+                "the travels of both wheels differ in this row, but the motion of \
+                              this study is heave: expected equal travels, or travel_left and \
+                              travel_right in [motion]"
+                    .to_owned(),
+            );
         }
         put(over, left);
         let mut numbers = vec![("at", left)];

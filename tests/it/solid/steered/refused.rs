@@ -67,7 +67,7 @@ fn sections_and_points_that_do_not_fit_are_refused() {
         (
             direction.clone(),
             "direction = [0.0, 0.0, 0.0]\n".to_owned(),
-            "a zero vector",
+            "has length 0",
         ),
         (
             direction.clone(),

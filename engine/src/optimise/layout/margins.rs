@@ -42,7 +42,7 @@ impl TargetLayout {
     }
 
     /// Row of the other component of a distance. `None` if the row is not a component of a distance.
-    pub(in crate::optimise) fn other_component(&self, row: usize) -> Option<usize> {
+    pub(crate) fn other_component(&self, row: usize) -> Option<usize> {
         self.others[row]
     }
 

@@ -23,7 +23,9 @@ pub(crate) fn not_begun(study: &Study, error: NotBegun) -> PyErr {
     match error {
         NotBegun::Designs(errors) => of_file(errors),
         NotBegun::Fault(fault) => study.fault(&fault),
-        NotBegun::TwoColumns(name) => failure(format!("two columns would be named {name}")),
+        NotBegun::TwoColumns(name) => failure(format!(
+            "two columns would be named {name}; give a variable another name"
+        )),
     }
 }
 
@@ -67,7 +69,7 @@ fn swept(own: &hardpoint::Study, names: Option<Vec<String>>) -> PyResult<Vec<Swe
     });
     let is_second = |k: usize| is_rate(&names[k]).is_some() && names[..k].contains(&names[k]);
     if let Some(k) = (0..names.len()).find(|k| is_second(*k)) {
-        let reason = format!("{} is a variable twice; leave one of them out", names[k]);
+        let reason = format!("the variable {} is given twice; remove one of the two", names[k]);
         return Err(failure(reason));
     }
     let of_points = names.iter().filter(|name| is_rate(name).is_none()).cloned();

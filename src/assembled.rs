@@ -72,7 +72,10 @@ impl Assembled {
 /// The reason in words.
 pub fn assemblies(study: &Study, travel: f64, rack_displacement: f64) -> Result<Assembled, String> {
     if study.wheel().mechanism.rigid_axle.is_some() {
-        return Err("assemblies are not available for an axle whose mechanism carries both wheels".to_owned());
+        return Err(
+            "assemblies are not available for an axle whose mechanism carries both wheels"
+                .to_owned(),
+        );
     }
     let wheels = wheels(study, rack_displacement);
     let searches: Result<Vec<Search>, String> = wheels

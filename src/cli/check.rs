@@ -208,7 +208,9 @@ fn scattered(study: &Study, tolerance: &Tolerance) -> String {
     let problem = Problem::of(study, tolerance).ok();
     if let Some(why) = problem.and_then(|problem| problem.not_in_lanes()) {
         let why = why.describe();
-        text += &format!(" Its builds are solved one by one instead of several at once in SIMD lanes: {why}.");
+        text += &format!(
+            " Its builds are solved one by one instead of several at once in SIMD lanes: {why}."
+        );
     }
     text
 }

@@ -269,8 +269,11 @@ fn curves_of_run(path: &Path, label: String, study: Option<&Study>) -> Result<Co
     }
     let first = table.header.first().map_or("", String::as_str);
     let unit = first.rsplit('_').next().and_then(crate::exchange::unit_of);
-    let unit =
-        unit.ok_or_else(|| refused(format!("the name of the first column, {first}, does not end in a unit of length")))?;
+    let unit = unit.ok_or_else(|| {
+        refused(format!(
+            "the name of the first column, {first}, does not end in a unit of length"
+        ))
+    })?;
     Ok(Compared {
         label,
         topology: None,

@@ -227,7 +227,7 @@ impl SweepSummary {
         (self.method == "saltelli").then(|| {
             format!(
                 "Mean, standard deviation, r2 and change refer to the {} designs of the two independent samples. Min \
-                 and max refer to all designs, shares to all groups without a failure.",
+                 and max refer to all designs. Shares refer to the groups of Saltelli's method without a failed design.",
                 self.statistics_designs
             )
         })
@@ -313,7 +313,7 @@ fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
     if drawn < designs {
         notes.push(format!(
             "Means, standard deviations and changes refer to the {count} designs that were \
-             sampled independently; the other {} are used for the indices.",
+             sampled independently; the other {} are used for the shares of the variance.",
             designs - drawn
         ));
     }
@@ -334,8 +334,8 @@ fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
     }
     if count > 0 && count < drawn && record.method != "file" {
         notes.push(format!(
-            "Percentages refer to the {count} of {drawn} designs that have every output. In these the variables are not \
-             independent of each other, so percentages may sum up to more than 100."
+            "Percentages refer to the {count} of {drawn} designs that have every output. In these designs the variables \
+             are correlated, so percentages may sum up to more than 100."
         ));
     }
     notes
@@ -386,7 +386,7 @@ fn fixed_values(record: &SweepRecord) -> Option<String> {
         .collect();
     (!fixed.is_empty() && record.misfit().is_some()).then(|| {
         format!(
-            "Designs are ranked without the constraints that fix a value, because samples do not satisfy them: {}.",
+            "The ranking ignores constraints that fix a value, because sampled designs do not satisfy them exactly: {}.",
             fixed.join("; ")
         )
     })

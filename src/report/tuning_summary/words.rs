@@ -118,7 +118,7 @@ impl TuningSummary {
             .collect();
         if !reaching.is_empty() {
             remarks.push(format!(
-                "only the range, not the measurements, limits one side of {}",
+                "only the range, not the measurements, limits one end of the interval of {}",
                 reaching.join(", ")
             ));
         }
@@ -185,7 +185,7 @@ impl TuningSummary {
                 )
             }
             (None, Some(after)) => format!(
-                "misfit {} tolerances; the design itself cannot be compared: {}",
+                "misfit {} tolerances; the misfit of the given design is not known: {}",
                 misfit_in_words(after),
                 self.design_failure.as_deref().unwrap_or_default()
             ),

@@ -414,7 +414,7 @@ fn say_loss(before: &Study, after: &Study, rounded: &Rounded, free: &[bool]) {
             missed => format!("{} before rounding", brief(missed)),
         };
         note(&format!(
-            "constraint violated after rounding: {}, missed by {} {} ({was})\n",
+            "limit violated after rounding: {}, missed by {} {} ({was})\n",
             broken.name,
             brief(broken.missed),
             broken.unit

@@ -96,7 +96,7 @@ impl TuningSummary {
             return Vec::new();
         };
         let mut remarks = vec![format!(
-            "measurements scatter by {} of their tolerances about the fit. The true move is within the \
+            "measurements deviate from the fit by {} of their tolerances (standard deviation). The true move is within the \
              interval \"moved, 95 %\" with 95 % confidence, if the true values are within all ranges. \"not \
              determined\": the true move may be anywhere in its range",
             brief(scatter)

@@ -395,11 +395,8 @@ fn say_loss(before: &Study, after: &Study, rounded: &Rounded, free: &[bool]) {
             let otherwise = match loss.otherwise {
                 0 => "each coordinate rounded to its nearest multiple".to_owned(),
                 count => format!(
-                    "rounding to the nearest multiples gives {ordinary}, so {} rounded in the other direction",
-                    match count {
-                        1 => "1 coordinate is".to_owned(),
-                        _ => format!("{count} coordinates are"),
-                    }
+                    "rounding to the nearest multiples gives {ordinary}, so the next multiple on the other side is used for {}",
+                    counted(count, "coordinate")
                 ),
             };
             note(&format!(

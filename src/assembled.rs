@@ -72,7 +72,10 @@ impl Assembled {
 /// The reason in words.
 pub fn assemblies(study: &Study, travel: f64, rack_displacement: f64) -> Result<Assembled, String> {
     if study.wheel().mechanism.rigid_axle.is_some() {
-        return Err("assemblies of this axle cannot be listed yet".to_owned());
+        return Err(
+            "assemblies are not available for an axle whose mechanism carries both wheels"
+                .to_owned(),
+        );
     }
     let wheels = wheels(study, rack_displacement);
     let searches: Result<Vec<Search>, String> = wheels
@@ -263,13 +266,13 @@ fn undecided(wheel: &Wheel, place: &Undecided) -> String {
     let degrees = |angle: f64| figure(angle.to_degrees(), "deg");
     match place {
         Undecided::ArmAngle(low, high) if high - low > GIVEN_UP => format!(
-            "are more between arm angles {} and {} deg; the search was stopped there, because the \
-             design has assemblies too close together or infinitely many",
+            "there may be more assemblies between arm angles {} and {} deg. The search stopped there: \
+             assemblies are too close together, or infinite in number",
             degrees(*low),
             degrees(*high)
         ),
         Undecided::ArmAngle(low, high) => format!(
-            "is one more between arm angles {} and {} deg",
+            "there may be one more assembly between arm angles {} and {} deg",
             degrees(*low),
             degrees(*high)
         ),
@@ -278,11 +281,13 @@ fn undecided(wheel: &Wheel, place: &Undecided) -> String {
                 - suspension.design[suspension.mechanism.origin.0];
             let centre = pose.origin + pose.rotation.apply(lever);
             let [x, y, z] = wheel.in_study(centre).map(|v| figure(v, unit));
-            format!("is one more with the wheel centre next to {x}, {y}, {z} {unit}")
+            format!(
+                "there may be one more assembly with the wheel centre next to {x}, {y}, {z} {unit}"
+            )
         }
         Undecided::Rotations(share) => format!(
-            "are more; {} % of all rotations of the wheel carrier were not searched, because the \
-             design has assemblies too close together or infinitely many",
+            "there may be more assemblies: {} % of all rotations of the wheel carrier were not \
+             searched. Assemblies are too close together, or infinite in number",
             brief(share * 100.0)
         ),
     }

@@ -72,7 +72,7 @@ pub fn refusal(study: &Study, reason: SetUpError) -> String {
         }
         SetUpError::AssemblyError(reject) => reject.to_string(),
         SetUpError::Unsettled | SetUpError::OutOfReach(_) | SetUpError::Absurd { .. } => {
-            "aligned = true, but the adjustments of [setup] do not move toe and camber independently"
+            "aligned = true needs adjustments in [setup] that move toe and camber independently"
                 .to_owned()
         }
     }

@@ -97,7 +97,7 @@ def assemblies(study: Study | Place, travel: float = 0.0, rack: float = 0.0) -> 
     `HardpointError` if the search cannot decide whether there are more."""
     csv, undecided = _hardpoint.assemblies(study_of(study)._study, float(travel), float(rack))
     if undecided:
-        raise HardpointError("undecided: whether there " + "; ".join(undecided))
+        raise HardpointError("undecided: " + "; ".join(undecided))
     return Frame(_hardpoint.parse_table(csv))
 
 

@@ -119,8 +119,8 @@ fn by_name<'py>(py: Python<'py>, pictures: &[Picture]) -> PyResult<Bound<'py, Py
 pub(crate) fn rigid<'s>(own: &'s hardpoint::Study, what: &str) -> PyResult<&'s hardpoint::Study> {
     if own.is_elastic() {
         Err(failure(format!(
-            "{what} is for rigid mechanisms, but the study has [compliance]: its elastic parts \
-             would be ignored"
+            "{what} would ignore the elastic parts of the study: remove [compliance] to use the \
+             rigid mechanism"
         )))
     } else {
         Ok(own)
@@ -360,12 +360,12 @@ pub(crate) fn report<'py>(
             FinishedRun::Curves(run) => (page(run), Vec::new()),
             FinishedRun::Sweep(_) if pictures => {
                 return Err(
-                    "a sweep has no pictures; the plots of its page can be saved".to_owned(),
+                    "a sweep has no pictures; its page has plots that can be saved".to_owned(),
                 );
             }
             FinishedRun::Sweep(sweep) => (sweep_page(sweep), Vec::new()),
             FinishedRun::Car(_) if pictures => {
-                return Err("a run of a car has no pictures; its page has them".to_owned());
+                return Err("a run of a car has no pictures; its page has charts".to_owned());
             }
             FinishedRun::Car(car) => (car_page(car), Vec::new()),
         };

@@ -62,8 +62,10 @@ impl<'py> Columns<'py> {
 pub(crate) fn reason(word: &str) -> Option<String> {
     let reason = match word {
         "ok" => return None,
-        "ill_conditioned" => "close to a singular pose: derivatives have fewer than six digits",
-        "unsupported" => "nothing supports the loads: forces have no values",
+        "ill_conditioned" => {
+            "close to a singular pose: derivatives have fewer than six correct digits"
+        }
+        "unsupported" => "the mechanism cannot carry the loads in this pose: forces have no values",
         "toggle" => "a rod is at a toggle: quantities of its rocker have no values",
         other => other,
     };

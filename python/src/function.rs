@@ -353,9 +353,9 @@ pub(crate) fn rows<'a>(x: &'a PyReadonlyArray2<'_, f64>, k: usize) -> PyResult<&
     let shape = x.shape();
     if shape[1] != k {
         return Err(failure(format!(
-            "x has shape {shape:?}; expected (n, {k}), a column for each of variables"
+            "x has shape {shape:?}; expected (n, {k}), one column for each of `variables`"
         )));
     }
     x.as_slice()
-        .map_err(|_| failure("x is not contiguous in C order"))
+        .map_err(|_| failure("x is not contiguous in C order; use numpy.ascontiguousarray(x)"))
 }

@@ -124,7 +124,7 @@ impl Study {
         let array = design.as_array();
         if array.shape() != expected {
             return Err(failure(format!(
-                "design has shape ({}, {}); expected ({}, 3), a row for each of points",
+                "design has shape ({}, {}); expected ({}, 3), one row for each of `points`",
                 array.shape()[0],
                 array.shape()[1],
                 expected[0]

@@ -69,7 +69,10 @@ fn swept(own: &hardpoint::Study, names: Option<Vec<String>>) -> PyResult<Vec<Swe
     });
     let is_second = |k: usize| is_rate(&names[k]).is_some() && names[..k].contains(&names[k]);
     if let Some(k) = (0..names.len()).find(|k| is_second(*k)) {
-        let reason = format!("{} is a variable twice; leave one of them out", names[k]);
+        let reason = format!(
+            "the variable {} is given twice; remove one of the two",
+            names[k]
+        );
         return Err(failure(reason));
     }
     let of_points = names.iter().filter(|name| is_rate(name).is_none()).cloned();

@@ -53,7 +53,7 @@ fn read(from: impl Read, columns: &mut Vec<(String, Cells)>) -> Result<(), csv::
     }
     if !columns.iter().map(|c| &c.0).eq(&header) {
         let kind = std::io::ErrorKind::InvalidData;
-        let message = "its columns are not those of the other parts";
+        let message = "its columns differ from those of the other parts";
         return Err(std::io::Error::new(kind, message).into());
     }
     let mut record = csv::StringRecord::new();

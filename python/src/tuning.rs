@@ -301,8 +301,8 @@ impl Residuals {
                     let (offset, at) = variable.as_offset(own.wheel()).ok_or_else(|| {
                         let name = &variable.name;
                         failure(format!(
-                            "{name} is a coordinate of several points, which the constraints do \
-                             not support; give offsets"
+                            "{name} is a coordinate of several points, and constraints do not support \
+                             it; give offsets instead"
                         ))
                     })?;
                     names.push(variable.name);

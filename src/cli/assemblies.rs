@@ -59,14 +59,14 @@ fn print_number(
     let number = match wheel.found {
         0 => {
             let none = format!(
-                "at travel {} {unit}, rack {} {unit} the design's lengths cannot be assembled",
+                "at travel {} {unit}, rack {} {unit} the parts of the design cannot be assembled",
                 as_written(arguments.travel),
                 as_written(arguments.rack)
             );
             return out.failure(&format!("{}\n", wheel.about(&none)));
         }
-        1 => format!("1 assembly of the design's lengths{proof}"),
-        n => format!("{n} assemblies of the design's lengths{proof}"),
+        1 => format!("1 assembly with the lengths of the design{proof}"),
+        n => format!("{n} assemblies with the lengths of the design{proof}"),
     };
     out.say(&format!("\n{}\n", wheel.about(&number)))
 }
@@ -74,7 +74,7 @@ fn print_number(
 /// Prints the ranges that the search could not decide.
 fn print_undecided(wheel: &WheelAssemblies) {
     for unknown in wheel.undecided.iter().take(MOST_UNDECIDED) {
-        let unknown = format!("undecided: it is not known whether there {unknown}");
+        let unknown = format!("undecided: {unknown}");
         eprint(&format!("{}\n", wheel.about(&unknown)));
     }
     if let Some(more) = wheel.undecided.len().checked_sub(MOST_UNDECIDED + 1) {

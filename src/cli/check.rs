@@ -172,7 +172,7 @@ fn asked(study: &Study) -> Vec<String> {
         let effects = if optimise.side_effects {
             "changes that no target asks for are reported"
         } else {
-            "off, by side_effects = false"
+            "off (side_effects = false)"
         };
         lines.push(format!("Side effects (optimise only): {effects}."));
     }
@@ -208,7 +208,9 @@ fn scattered(study: &Study, tolerance: &Tolerance) -> String {
     let problem = Problem::of(study, tolerance).ok();
     if let Some(why) = problem.and_then(|problem| problem.not_in_lanes()) {
         let why = why.describe();
-        text += &format!(" Its builds are solved one by one, not in SIMD lanes: {why}.");
+        text += &format!(
+            " Its builds are solved one by one instead of several at once in SIMD lanes: {why}."
+        );
     }
     text
 }
@@ -239,7 +241,7 @@ fn swept(study: &Study, sweep: &Sweep) -> String {
 pub(super) fn one_by_one(plan: &SweepPlan) -> Option<String> {
     let why = plan.worker().ok()?.not_in_lanes()?;
     let mut text = format!(
-        "Its designs are solved one by one, not in SIMD lanes: {}",
+        "Its designs are solved one by one instead of several at once in SIMD lanes: {}",
         why.describe()
     );
     let quantities = plan.axle_quantities().iter();

@@ -61,7 +61,7 @@ impl Choices {
         if let Some(front) = &self.front {
             let names = optimise.front.iter().map(|goal| goal.name.as_str());
             output.say(&format!(
-                "\nTrade-off between {} (misfits in multiples of the tolerance): {}, none better in every target\n\n",
+                "\nTrade-off between {}: {}, none better in every target (misfits in multiples of the tolerance)\n\n",
                 names.collect::<Vec<_>>().join(" and "),
                 counted(front.choices.len(), "design")
             ))?;
@@ -70,8 +70,8 @@ impl Choices {
         }
         if let Some(table) = summary.prices_table() {
             output.text_only(
-                "\nSmallest misfit by the size of the change (1: full ranges), and its decrease \
-                 if the size grows by a tenth of the ranges\n\n",
+                "\nSmallest misfit by the size of the change (1 = full ranges), and its decrease if \
+                 the change grows by a tenth of the ranges\n\n",
             )?;
             output.table("prices", &table)?;
         }

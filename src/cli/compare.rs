@@ -162,8 +162,8 @@ fn of_kc_runs(arguments: &CompareArguments) -> Result<Exit, Stop> {
     tables.push("figures", comparison.table());
     print_tables(arguments, &tables)?;
     note(&format!(
-        "\nEqual to four digits: {}\n",
-        counted(comparison.equal(), "figure")
+        "\nEqual to four digits in all runs: {}\n",
+        counted(comparison.equal(), "value")
     ));
     if let Some(out) = arguments.directory() {
         note(&format!("{}: comparison.csv\n", out.display()));
@@ -269,8 +269,11 @@ fn curves_of_run(path: &Path, label: String, study: Option<&Study>) -> Result<Co
     }
     let first = table.header.first().map_or("", String::as_str);
     let unit = first.rsplit('_').next().and_then(crate::exchange::unit_of);
-    let unit =
-        unit.ok_or_else(|| refused(format!("the first column {first} has no unit of length")))?;
+    let unit = unit.ok_or_else(|| {
+        refused(format!(
+            "the name of the first column, {first}, does not end in a unit of length"
+        ))
+    })?;
     Ok(Compared {
         label,
         topology: None,

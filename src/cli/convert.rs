@@ -20,7 +20,7 @@ pub(super) struct ConvertArguments {
     /// Unit of lengths: mm, m or in
     #[arg(long, visible_alias = "length-unit", value_parser = unit, group = "units")]
     unit: Option<LengthUnit>,
-    /// Unit of forces: N or lbf, which needs inches
+    /// Unit of forces: N or lbf (lbf only with lengths in inches)
     #[arg(long, value_parser = pounds_force, group = "units")]
     force_unit: Option<bool>,
     /// Unit of masses: kg or lb

@@ -16,11 +16,8 @@ use crate::study::{AxleComplianceStudy, AxleStudy, ComplianceStudy, Study};
 const DOUBTFUL_RATE: f64 = 1e6;
 
 /// Names the commands that accept elastic parts.
-const COMMANDS: &str = "`hardpoint kc` runs the tests; `solve`, `sweep`, `optimise`, `tolerance` \
-                        and `compare` also include the elastic parts.";
-/// Names the commands that accept a solid axle with elastic parts.
-const COMMANDS_OF_SOLID: &str = "`hardpoint kc` runs the tests; `solve`, `sweep`, `optimise`, \
-                                 `limits` and `compare` also include the elastic parts.";
+const COMMANDS: &str = "`hardpoint kc` runs the tests; `solve`, `sweep`, `optimise`, `tolerance`, \
+                        `setup`, `limits` and `compare` also include the elastic parts.";
 
 /// Prints the elastic parts, and the wheel in the design position.
 pub(super) fn check(
@@ -58,12 +55,7 @@ pub(super) fn check_axle(
         let names: Vec<&str> = names.map(|id| study.wheel().mechanism.name(*id)).collect();
         out.say(&format!("\nThe subframe holds {}.\n", names.join(", ")))?;
     }
-    let commands = if axle.axle.is_rigid() {
-        COMMANDS_OF_SOLID
-    } else {
-        COMMANDS
-    };
-    out.say(&format!("\nEverything else is rigid. {commands}\n"))?;
+    out.say(&format!("\nEverything else is rigid. {COMMANDS}\n"))?;
     let complete = say_axle_design(&mut out, axle, elastic)?;
     out.finish()?;
     Ok(Exit::of(complete))

@@ -26,7 +26,9 @@ impl From<Stop> for NotDone {
     fn from(stop: Stop) -> Self {
         match stop {
             Stop::WrongStudy(errors) => NotDone::WrongStudy(errors),
-            Stop::ClosedPipe => NotDone::Incomplete("nobody reads the output".to_owned()),
+            Stop::ClosedPipe => {
+                NotDone::Incomplete("the reader of the output closed it".to_owned())
+            }
             Stop::Failed { message, exit } => {
                 let text = message.trim_end();
                 let text = text.strip_prefix("error: ").unwrap_or(text).to_owned();

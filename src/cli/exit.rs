@@ -98,7 +98,7 @@ impl Stop {
 
     /// Failure because the study lacks a section that the command needs. `what` names the content of the section.
     pub(super) fn no_section(path: &Path, section: &str, what: &str) -> Self {
-        let reason = format!("the section [{section}] is missing: it gives {what}");
+        let reason = format!("the section [{section}] is missing: add it, with {what}");
         Stop::in_file(path, reason)
     }
 

@@ -40,10 +40,10 @@ pub(super) struct ExportArguments {
     /// With --to csv: the curves instead of the points
     #[arg(long)]
     pub(super) curves: bool,
-    /// With --to csv: the curves under the names of another tool, as far as the definitions of that tool are the same
+    /// With --to csv: only the curves that another tool defines in the same way, with the names of that tool
     #[arg(long, value_enum)]
     pub(super) names: Option<Names>,
-    /// With --to stl: wheel travel, as in --travel -30..30; /N behind it gives the number of values [default: 9]
+    /// With --to stl: wheel travel, as in --travel -30..30; append /N for N values [default: 9]
     #[arg(long, value_name = "A..B", value_parser = span, allow_hyphen_values = true)]
     travel: Option<Span>,
     /// With --to stl: rack displacement along the file's y axis, as in --rack -20..20 [default: straight ahead]
@@ -52,7 +52,7 @@ pub(super) struct ExportArguments {
     /// With --to stl: length to add to the tyre on all sides
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     grow: Option<f64>,
-    /// With --to adams: a subsystem whose hardpoints are replaced in a copy
+    /// With --to adams: an existing subsystem; the result is a copy of it with the hardpoints of the study
     #[arg(long, value_name = "FILE.sub")]
     into: Option<PathBuf>,
     /// With --to bus: the hardpoint of the bushing [default: the only one]
@@ -228,7 +228,7 @@ fn check_call(arguments: &ExportArguments) -> Result<(), Stop> {
         && own != asked
     {
         return Err(Stop::wrong_input(format!(
-            "--frame {}: the axes of {what} are {}",
+            "--frame {}: {what} always has the axes {}; leave out --frame",
             asked.name(),
             own.name()
         )));
@@ -309,7 +309,7 @@ fn curves(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, Stop>
     let (named, left_out) = under_names_of(tool, &outgoing, &page);
     if !left_out.is_empty() {
         note(&format!(
-            "omitted, because no published definition is the same: {}\n",
+            "omitted, because that tool publishes no curve with the same definition: {}\n",
             left_out.join(", ")
         ));
     }

@@ -93,17 +93,19 @@ impl Source {
         } else if mechanism.topology.is_twist_beam() {
             only(
                 &points,
-                "a twist beam can be exported to CSV, to a workbook, to DXF, to STL and to a study",
+                "a twist beam can only be exported to CSV, to a workbook, to DXF, to STL and to a study",
             )
         } else if mechanism.axle_steering().is_some() {
             only(
                 &points,
-                "a solid axle with a drag link can be exported to CSV, to a workbook, to DXF, to STL and to a study",
+                "a solid axle with a drag link can only be exported to CSV, to a workbook, to DXF, to STL and to a \
+                 study",
             )
         } else {
             only(
                 &[&points[..], &[Target::Assetto]].concat(),
-                "a solid axle can be exported to CSV, to a workbook, to DXF, to STL, to Assetto Corsa and to a study",
+                "a solid axle can only be exported to CSV, to a workbook, to DXF, to STL, to Assetto Corsa and to a \
+                 study",
             )
         };
         if let Some(message) = refused {
@@ -252,7 +254,7 @@ impl Source {
             if table == "curves" {
                 if has_sheets {
                     note(&format!(
-                        "curves: solved for the points of the file; the sheet {name} has the curves of the run\n"
+                        "The sheet curves is solved for the exported points. The sheet {name} has the curves of the run.\n"
                     ));
                 }
                 table.clone_from(&name);
@@ -346,7 +348,7 @@ impl Source {
             let (own, axes) = (suspension.length_unit, suspension.frame.meaning().0);
             if (own, axes) != (outgoing.unit, outgoing.convention) {
                 note(&format!(
-                    "{}: unit and axes of the run, {} and {}\n",
+                    "{}: not converted, in the unit and axes of the run ({} and {})\n",
                     as_they_are.join(", "),
                     own.symbol(),
                     axes.name()
@@ -393,7 +395,7 @@ fn say_loss(before: &Study, after: &Study, rounded: &Rounded, free: &[bool]) {
             let otherwise = match loss.otherwise {
                 0 => "each coordinate rounded to its nearest multiple".to_owned(),
                 count => format!(
-                    "rounding to the nearest multiples gives {ordinary}, so the other neighbour is used for {}",
+                    "rounding to the nearest multiples gives {ordinary}, so the next multiple on the other side is used for {}",
                     counted(count, "coordinate")
                 ),
             };
@@ -409,7 +411,7 @@ fn say_loss(before: &Study, after: &Study, rounded: &Rounded, free: &[bool]) {
             missed => format!("{} before rounding", brief(missed)),
         };
         note(&format!(
-            "violated after rounding: {}, missed by {} {} ({was})\n",
+            "limit violated after rounding: {}, missed by {} {} ({was})\n",
             broken.name,
             brief(broken.missed),
             broken.unit

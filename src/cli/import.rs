@@ -23,10 +23,10 @@ pub(super) struct ImportArguments {
     /// Kind of suspension, such as double_wishbone; for a car FRONT,REAR or one for both [default: from the file]
     #[arg(long, value_parser = topology, value_delimiter = ',', value_name = "TOPOLOGY")]
     pub(super) topology: Vec<&'static Topology>,
-    /// Both axles of the file: three studies in the directory of --out
+    /// Import both axles of the file as a car: three studies in the directory of --out
     #[arg(long, requires = "out", conflicts_with_all = ["side", "axle", "corner", "map", "body", "half_track"])]
     car: bool,
-    /// Names in the file by hardpoint, as TOML: lower_arm_front = "LCA 1"
+    /// TOML file with the name of each hardpoint in the file of points: lower_arm_front = "LCA 1"
     #[arg(long, value_name = "NAMES.toml")]
     map: Option<PathBuf>,
     /// Unit of length, mm, cm, m, in or ft [default: the file's, or the unit that gives the size of a car's suspension]
@@ -38,13 +38,13 @@ pub(super) struct ImportArguments {
     /// Directions of the file's x, y and z, each forward, rearward, left, right, up or down: left,forward,up
     #[arg(long, value_name = "X,Y,Z", value_parser = Axes::parse)]
     axes: Option<Axes>,
-    /// Wheel, left or right [default: the left one, or the only one in the file]
+    /// Wheel to import: left or right [default: the left one, or the only one in the file]
     #[arg(long, value_parser = side)]
     side: Option<Side>,
-    /// Axle of a file with two, front or rear
+    /// Axle to import from a file with two axles: front or rear
     #[arg(long, value_parser = axle)]
     axle: Option<AxlePosition>,
-    /// Wheel of a file with four: FL, FR, RL or RR
+    /// Wheel to import from a file with four wheels: FL, FR, RL or RR
     #[arg(long, value_parser = corner, conflicts_with_all = ["axle", "side"])]
     corner: Option<(AxlePosition, Side)>,
     /// Distance of the wheel centre from the centre plane, for a file with its origin at the wheel
@@ -56,7 +56,7 @@ pub(super) struct ImportArguments {
     /// Body that carries an end of a spring or rod, as in drop_link_outer=rocker; may be given more than once
     #[arg(long, value_name = "HARDPOINT=BODY", value_parser = body)]
     body: Vec<(String, String)>,
-    /// Write the bushings of an Adams/Car subsystem, for `hardpoint kc`
+    /// Import the bushings of an Adams/Car subsystem, for `hardpoint kc`
     #[arg(long, conflicts_with = "car")]
     bushings: bool,
     /// Sheet of a workbook [default: the one with points]
@@ -287,7 +287,7 @@ fn imported(
     let only_one = |count: usize, flag: &str| match count {
         0 | 1 => Ok(()),
         _ => Err(Stop::wrong_input(format!(
-            "{flag}: one value for one axle; two are for --car"
+            "{flag}: expected one value; two values need --car"
         ))),
     };
     only_one(arguments.topology.len(), "--topology")?;

@@ -101,7 +101,7 @@ fn summary(file: &Path, directory: &Path, car: &ImportedCar) -> String {
         }
     }
     notes.push(
-        "rear drive, because files of points have no drive: drive_share_front = 0.0 in [car]"
+        "rear drive is assumed, because files of points do not give the drive: drive_share_front = 0.0 in [car]"
             .to_owned(),
     );
     text += &listed("Values read and assumed", &notes);

@@ -71,9 +71,9 @@ pub(super) fn run(arguments: &KcArguments) -> Result<Exit, Stop> {
         output.text_only(&format!("\n{place}\n\n{}", table.text(terminal::width())))?;
     }
     let signs = if results.is_axle {
-        "each wheel with the signs of a left wheel, the axle per unit to the left"
+        "Results of a wheel have the signs of a left wheel. Results of the axle are for loads to the left."
     } else {
-        "with the signs of a left wheel"
+        "Results have the signs of a left wheel."
     };
     let is_any_solved = results
         .stations
@@ -81,7 +81,7 @@ pub(super) fn run(arguments: &KcArguments) -> Result<Exit, Stop> {
         .any(|station| station.outcomes.is_ok());
     if is_any_solved {
         output.text_only(&format!(
-            "\nDerivatives at the station and secants over the window, {signs}. Signs: docs/compliance.md\n"
+            "\nDerivatives at the station, and secants over the window. {signs} Signs: docs/compliance.md\n"
         ))?;
     }
     output.say_remarks(results.warnings())?;

@@ -82,19 +82,22 @@ pub(super) fn run(
 fn table(drawn: &VehicleLimits, nearest: &NearestLimits) -> Table {
     // A build with unknown limits may have a nearer limit.
     let (unknown, _) = nearest.unknown;
-    let builds = if unknown == 0 {
-        "of all builds"
+    let [lower, upper] = if unknown == 0 {
+        ["lower limit, all builds", "upper limit, all builds"]
     } else {
-        "of builds with a known limit"
+        [
+            "lower limit, builds with a known limit",
+            "upper limit, builds with a known limit",
+        ]
     };
     let mut table = Table::with_columns([
         Column::from("quantity"),
         "at".into(),
         Column::named("lower limit, nominal", "from"),
-        Column::named(builds, "nearest"),
+        Column::named(lower, "nearest"),
         Column::named("build", "in build"),
         Column::named("upper limit, nominal", "to"),
-        Column::named(builds, "nearest there"),
+        Column::named(upper, "nearest there"),
         Column::named("build", "in build there"),
     ]);
     let mut rows = nearest.rows.iter();

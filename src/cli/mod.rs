@@ -70,7 +70,7 @@ enum Command {
     Check(StudyArguments),
     /// Compute curves over the motion
     Solve(RunArguments),
-    /// Tests of a kinematics and compliance rig: toe, camber and displacements by travel, rack and loads
+    /// Simulate the tests of a kinematics and compliance rig: toe, camber and displacements by travel, rack and loads
     Kc(KcArguments),
     /// Solve a batch of designs
     Sweep(SweepArguments),
@@ -224,7 +224,7 @@ struct SweepArguments {
     /// Also write report.html, one self-contained page
     #[arg(long)]
     report: bool,
-    /// Compute the I-th of N shares of the sweep's parts, as in --shard 3/8; all shards use one directory
+    /// Compute only shard I of N, as in --shard 3/8; all shards of the sweep use the same directory
     #[arg(long, value_name = "I/N", value_parser = sweep::shard)]
     shard: Option<[u64; 2]>,
     /// Only print the study of one design, by its number
@@ -268,7 +268,7 @@ struct BenchArguments {
     /// Kind of measurement
     #[arg(value_enum)]
     kind: BenchKind,
-    /// Study with the suspension and travels to measure [default: the template of a strut]
+    /// Study with the suspension and travels to measure [default: the macpherson template; `cars` and `equilibria` need a study]
     study: Option<PathBuf>,
     /// Override a field of the study, as in --set motion.rack=5.0; may be given more than once
     #[arg(long, value_name = "PATH=VALUE", requires = "study")]

@@ -455,7 +455,7 @@ pub(super) fn pool(asked: Option<NonZeroUsize>, pieces: u64) -> Result<rayon::Th
     let threads = asked.map_or(useful, |asked| asked.get().min(useful));
     if let Some(asked) = asked.filter(|asked| asked.get() > threads) {
         terminal::note(&format!(
-            "Runs on {threads} of the {asked} requested threads: there are {} and {} of work.\n",
+            "Only {threads} of the {asked} requested threads are used: there are {} and {} of work.\n",
             counted(cores, "core"),
             counted(pieces, "piece")
         ));

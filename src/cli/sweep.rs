@@ -70,9 +70,9 @@ pub(super) fn run_study(arguments: &SweepArguments, study: &Study) -> Result<Exi
     let before = || {
         if !left_out.is_empty() {
             terminal::note(&format!(
-                "A sweep ignores {} of [outputs]: it stores values, and derivatives in the design \
-                 position. Use `hardpoint solve` for them (`--design N` prints the study of a \
-                 design).\n",
+                "A sweep ignores {} of [outputs]: it only stores values, and derivatives in the design \
+                 position. To compute the rest for a design, print its study with `--design N` and use \
+                 `hardpoint solve`.\n",
                 left_out.join(", ")
             ));
         }

@@ -98,13 +98,13 @@ fn print(
     output.say(&format!("{}: {}\n\n", study, summary.headline()))?;
     output.table("values", &summary.values_table())?;
     if summary.bands.is_empty() {
-        output.text_only("\nShares of the builds' variance in the design position: first-order shares and the remainder\n\n")?;
+        output.text_only("\nShares of the variance of the builds, in the design position: first-order share of each contributor, and the remainder\n\n")?;
         output.table("shares", &summary.shares_table(contributors))?;
     } else {
         output.text_only("\n")?;
         output.table("bands", &summary.bands_table())?;
         output.text_only(
-            "\nContributors, by the yield for half and twice the tolerance of each\n\n",
+            "\nContributors, with the predicted yield at half and at twice the tolerance of each\n\n",
         )?;
         output.table("ranking", &summary.ranking_table())?;
     }

@@ -120,7 +120,7 @@ fn laws(path: &Path, block: &Block, unit: LengthUnit) -> Result<Laws, String> {
     });
     if let Some((key, value)) = preload {
         return Err(format!(
-            "{key} is {value}; a preload needs the axes of the bushing, which the subsystem does not state"
+            "{key} is {value}, but the subsystem does not state the axes of the bushing, in which a preload acts"
         ));
     }
     let mut curves = curves_of(source, unit)?;

@@ -83,7 +83,7 @@ fn at_hardpoint(
     };
     if !PIVOTS.contains(&role.hardpoint) {
         return Err(format!(
-            "it is at {}, and the direction of a bushing is known for pivots of arms only",
+            "it is at {}, but the direction of a bushing is known only at the pivots of arms",
             role.hardpoint
         ));
     }

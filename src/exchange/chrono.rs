@@ -334,10 +334,10 @@ fn on_link(root: &Node, part: &str, topology: &str, upper: [f64; 3], lower: [f64
     };
     let top: [f64; 3] = std::array::from_fn(|k| outer[k] + spring[k]);
     format!(
-        "{reason}. For its motion ratio, add a parallel spring at the link's outer joint to the \
-         study, spring_lower = {} and spring_upper = {}, and multiply its motion_ratio by \
-         {share:.2}: the lower end is at {share:.2} of the link. This applies to the design \
-         position, approximately",
+        "{reason}. To get its motion ratio, add a parallel spring at the outer joint of the link to \
+         the study: spring_lower = {}, spring_upper = {}. Then multiply its motion_ratio by \
+         {share:.2}, because the lower end is at {share:.2} of the link. The result is approximate \
+         and applies to the design position",
         shown(outer),
         shown(top)
     )

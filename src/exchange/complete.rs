@@ -88,13 +88,13 @@ fn drop_from_rocker(
             || (has_lost_rocker && !says_other("spring_lower", hardpoints)))
     {
         left_out.push(
-            "the spring (spring_upper, spring_lower): its lower end is on the rocker, which is not complete".to_owned(),
+            "the spring (spring_upper, spring_lower): its lower end is on the rocker, but points of the rocker are missing".to_owned(),
         );
         hardpoints.retain(|h| !["spring_upper", "spring_lower"].contains(&h.name));
     }
     if !has_rocker && on_rocker("drop_link_outer", hardpoints) {
         left_out.push(
-            "the anti-roll bar: its drop link is on the rocker, which is not complete".to_owned(),
+            "the anti-roll bar: its drop link is on the rocker, but points of the rocker are missing".to_owned(),
         );
         let bar = [
             "drop_link_outer",

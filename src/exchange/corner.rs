@@ -111,8 +111,8 @@ fn axle(
                 }
                 _ => {
                     return Err(Question::of(
-                        "the file has points of the front and of the rear axle, and a study describes one (--car --out DIR \
-                         makes a car of both)"
+                        "the file has points of the front and of the rear axle, but a study describes only one (--car --out \
+                         DIR imports both as a car)"
                             .to_owned(),
                         "--axle",
                         &["front", "rear"],

@@ -40,7 +40,7 @@ impl Decimals {
         if let Some((row, column, other)) = texts().find(|(_, _, text)| text.contains('.')) {
             return Err(format!(
                 "{place} contains {first:?}, {} contains {other:?}: commas and points are mixed, \
-                 so their meaning is not certain",
+                 so it is not clear which is the decimal sign",
                 sheet.place(row, column)
             ));
         }

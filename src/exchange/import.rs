@@ -185,7 +185,7 @@ fn select(
     // The first check has found all other points, so only the wheel centre can be missing here.
     refuse_missing(table, options, roles, &picked, made).map_err(|reason| {
         if is_optimum {
-            format!("{reason}\n--half-track and --radius give the wheel centre of this table")
+            format!("{reason}\ngive --half-track and --radius, from which the wheel centre of this table is computed")
         } else {
             reason
         }

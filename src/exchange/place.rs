@@ -94,7 +94,7 @@ fn stated(
             .convention()
             .map_or(axes.to_string(), |frame| frame.name().to_owned());
         return Err(Refusal::Wrong(format!(
-            "in these coordinates {}: this is not the {} wheel in {frame}; with these axes use \
+            "in these coordinates {}: in {frame} this is not the {} wheel. With these axes use \
              --side {}",
             directions.describe(&reading_of(axes, shown)),
             stated.name(),
@@ -111,7 +111,7 @@ fn stated(
             placed.side.name(),
             match shown {
                 Some(_) => "its points are on that side of the body",
-                None => "neither the file nor its points show the other direction",
+                None => "neither the file nor its points show the side",
             }
         ));
     }
@@ -258,7 +258,7 @@ pub(super) fn mirror(
             names.join(", ")
         };
         notes.push(format!(
-            "mirror images of the {} wheel: {all}",
+            "points taken from the {} wheel and mirrored: {all}",
             wheel.other().name()
         ));
     }

@@ -92,7 +92,7 @@ pub(super) fn differs(
     }
     let omitted = omitted?;
     Some(format!(
-        "points of the {0} wheel that are not the mirror images of the imported wheel (by up to {2}): {1}. --side {0} imports that wheel",
+        "points of the {0} wheel that are up to {2} away from the mirror images of the imported wheel: {1}. --side {0} imports that wheel",
         omitted.name(),
         names.join(", "),
         brief(most)

@@ -128,7 +128,7 @@ pub fn rounded(
             best = Some(candidate);
         }
     }
-    let best = best.ok_or("the design cannot be solved if it is rounded to this grid")?;
+    let best = best.ok_or("the rounded design cannot be solved; round to a smaller length")?;
     let best = targets.improved(&problem, best);
     let (steps, pairs) = (&best.steps, best.steps.iter().zip(&ordinary));
     let of_ordinary = targets.assessed(&problem.result(&ordinary, None).design);

@@ -117,14 +117,16 @@ VERSION=2
 /// Rate per wheel in the design position. For a solid axle it is the rate in heave, otherwise the rate of the left wheel alone.
 /// Returns the reason if the study has no such rate.
 fn wheel_rate(outgoing: &Outgoing<'_>) -> Result<f64, &'static str> {
-    let needs = "only a study with [axle], [spring] and [wheel] radius has it";
+    let needs = "its computation needs [axle], [spring] and [wheel] radius in the study";
     let both = outgoing.study.axle().ok_or(needs)?;
     let setup = &both.axle.setup;
     if setup.springs.is_none() || setup.wheel_radius.is_none() {
         return Err(needs);
     }
     if setup.rocker_springs.carry() {
-        return Err("a heave spring has another rate in roll, which the file cannot contain");
+        return Err(
+            "with a heave spring, heave and roll have different rates, but the file has only one",
+        );
     }
     // In the game, the springs of a solid axle act on the axle as a whole, so the rate in heave applies.
     let quantity = if both.axle.is_rigid() {
@@ -136,7 +138,7 @@ fn wheel_rate(outgoing: &Outgoing<'_>) -> Result<f64, &'static str> {
     let found = axle_curves(&both.axle, &plan).ok();
     let rate = found.and_then(|found| found.curves.stations.first()?.value(0));
     rate.filter(|rate| *rate > 0.0)
-        .ok_or("no positive rate in the design position")
+        .ok_or("the rate in the design position is not positive")
 }
 
 /// Value of `TYPE` for a solid axle.
@@ -387,7 +389,7 @@ impl<'a> Ini<'a> {
     fn angles(&mut self) {
         let [camber, toe] = self.outgoing.static_angles(self.side);
         self.line("STATIC_CAMBER", &shortest(camber));
-        let what = "0   ; shift of the steering rod's body end, positive outward";
+        let what = "0   ; shift of the body end of the steering rod, positive outward";
         self.line("TOE_OUT", what);
         if toe != 0.0 {
             self.notes.push(format!(

@@ -170,7 +170,7 @@ impl PointTable {
                     .to_owned(),
             )),
             _ => Err(Question::of(
-                "the file has a front and a rear axle, and a study describes one (--car --out DIR makes a car of both)"
+                "the file has a front and a rear axle, but a study describes only one (--car --out DIR imports both as a car)"
                     .to_owned(),
                 "--axle",
                 &["front", "rear"],

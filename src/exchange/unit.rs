@@ -215,8 +215,8 @@ pub(super) fn unit(
         }
         (None, Some(unit)) => {
             notes.push(format!(
-                "unit: {}, because the file states none, and then the points are up to {:.2} m from {from}, the size of a \
-                 car's suspension (--unit changes this)",
+                "unit: {} (assumed: the file states none). The points are then up to {:.2} m from {from}, the size of a \
+                 car's suspension. --unit changes this",
                 unit_in_words(unit.symbol()),
                 size / unit.per_metre()
             ));

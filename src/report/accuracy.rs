@@ -78,9 +78,9 @@ fn toggled(curves: &Curves) -> Vec<String> {
             let nearest = stuck().min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
             warnings.extend(nearest.map(|(nearest, _)| {
                 format!(
-                    "warning: the {of}{rod} is at toggle or beyond it at {}, the nearest at {}: \
-                     it cannot turn {} any further there, so quantities of the rocker or \
-                     bar have no values",
+                    "warning: the {of}{rod} is at toggle or beyond it at {} (nearest to the design \
+                     position: {}). Since it cannot turn {} any further there, quantities of the \
+                     rocker or bar have no values",
                     stations_in_words(stuck().count()),
                     place_in_words(curves, nearest),
                     rod.turns()

@@ -85,21 +85,21 @@ fn panels(accuracy: &Accuracy) -> [Panel; 4] {
     }
     [
         Panel {
-            title: "Poses: formulation, arithmetic, tolerance",
+            title: "Poses, by formulation, arithmetic and tolerance",
             across: "largest error of camber [deg]",
             up: "time per pose [ns]",
             series: of(Family::Pose, &error),
             legend: SeriesLabelPosition::UpperRight,
         },
         Panel {
-            title: "Poses: where Newton's method starts",
+            title: "Poses, by start of Newton's method",
             across: "largest error of camber [deg]",
             up: "time per pose [ns]",
             series: of(Family::Start, &error),
             legend: SeriesLabelPosition::UpperRight,
         },
         Panel {
-            title: "Curves between few exact poses",
+            title: "Curves interpolated between few exact poses",
             across: "largest error of camber [deg]",
             up: "time per point of the curve [ns]",
             series: of(Family::Curve, &error),

@@ -99,7 +99,7 @@ pub fn accuracy_summary(accuracy: &Accuracy) -> Table {
         ("pose", Family::Pose, 1e-6),
         ("pose", Family::Pose, 1e-9),
         ("pose", Family::Pose, 1e-12),
-        ("pose, by its start", Family::Start, 1e-9),
+        ("pose, by starting point", Family::Start, 1e-9),
         ("curve", Family::Curve, 1e-3),
         ("curve", Family::Curve, 1e-6),
         (

@@ -213,7 +213,7 @@ impl Comparison {
         let common = counted(common, "common station");
         (!others.is_empty()).then(|| {
             format!(
-                "Minima, maxima and differences are those of {common} only ({}). For all stations, run the designs over \
+                "Minima, maxima and differences cover only {common} ({}). For all stations, run the designs over \
                  the same motion.",
                 others.join(", ")
             )

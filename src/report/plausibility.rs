@@ -283,7 +283,7 @@ impl<'a> PlausibilityRemarks<'a> {
             let angle = across.atan2(along.z).to_degrees();
             if angle.abs() > STEERING_AXIS_ANGLE {
                 self.say(format!(
-                    "the {name} is {angle:.1} deg, from {lower} and {upper}"
+                    "the {name} is {angle:.1} deg, from {lower} to {upper}; usual: at most {STEERING_AXIS_ANGLE} deg"
                 ));
             }
         }
@@ -383,7 +383,7 @@ impl<'a> PlausibilityRemarks<'a> {
             let angle = view.characteristic(angle)[0].to_degrees();
             if angle.abs() > most {
                 self.say(format!(
-                    "the {name} is {angle:.1} deg in the design position"
+                    "the {name} is {angle:.1} deg in the design position; usual: at most {most} deg"
                 ));
             }
         }
@@ -400,7 +400,7 @@ impl<'a> PlausibilityRemarks<'a> {
             ));
         } else if !(least..=most).contains(&ratio) {
             self.say(format!(
-                "the motion ratio of the spring from {lower} to {upper} is {ratio:.3}"
+                "the motion ratio of the spring from {lower} to {upper} is {ratio:.3}; usual: {least} to {most}"
             ));
         }
         Ok(())

@@ -411,13 +411,13 @@ pub fn set_up_refusal(study: &Study, setup: &Setup, none: &SetUpError) -> String
         SetUpError::Fault(reason) => reason.describe(&study.wheel().mechanism),
         SetUpError::NoEquilibrium(reason) => reason.describe(length, study.wheel().frame),
         SetUpError::AssemblyError(AssemblyError::OutOfReach { share }) => format!(
-            "the links are too short or too long: the mechanism can be assembled for {:.0} % of the change \
-             from the design to the target height and the adjusted parts",
+            "the links are too short or too long for the target height and the adjusted parts: the mechanism \
+             can be assembled for only {:.0} % of the change from the design",
             100.0 * share
         ),
         SetUpError::AssemblyError(reject) => reject.to_string(),
         SetUpError::Absurd { adjustment, amount } => format!(
-            "the target values need {} {} of {}, more than a tenth of the size of the suspension",
+            "the target values need an adjustment of {} {} at {}, more than a tenth of the size of the suspension",
             brief(*amount),
             length.symbol(),
             setup.adjust[*adjustment].name

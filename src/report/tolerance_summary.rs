@@ -201,14 +201,9 @@ impl ToleranceSummary {
             .collect();
         if let Some(first) = self.first_incomplete {
             lines.push(format!(
-                "{} {} no pose at one or more stations (first: build {first}); {} no values at these stations",
+                "{} cannot be solved at one or more stations and {} no values there (first: build {first})",
                 counted(self.incomplete, "build"),
-                if self.incomplete == 1 { "has" } else { "have" },
-                if self.incomplete == 1 {
-                    "it has"
-                } else {
-                    "they have"
-                }
+                if self.incomplete == 1 { "has" } else { "have" }
             ));
         }
         lines

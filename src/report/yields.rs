@@ -126,7 +126,7 @@ impl YieldRecord {
             ""
         };
         Some(format!(
-            "smooth surrogate of the yield over {}: {}{error}{kept}",
+            "surrogate (smooth approximation of the yield) over {}: {}{error}{kept}",
             counted(surrogate.builds, "build"),
             percent(surrogate.value)
         ))
@@ -143,7 +143,7 @@ impl YieldRecord {
         let error = (variance / self.builds as f64).sqrt();
         (plain - after > error).then(|| {
             format!(
-                "the optimum without scatter has more builds within all bands ({} against {}): the robust \
+                "the optimum without scatter has more builds within all bands ({} against {}). The robust \
                  tuning minimises the mean squared misfit, not the number of \
                  builds outside the bands. Choose targets and tolerances that agree with the \
                  bands, or use robust = \"yield\"",

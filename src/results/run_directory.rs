@@ -451,7 +451,7 @@ fn move_aside(path: &Path) -> io::Result<PathBuf> {
     let free = (1_u64..)
         .map(|number| path.with_file_name(format!("{name}.{number}")))
         .find(|place| place.symlink_metadata().is_err());
-    let place = free.ok_or_else(|| io::Error::other("no name is left"))?;
+    let place = free.ok_or_else(|| io::Error::other("all names for the old results are in use"))?;
     std::fs::rename(path, &place)?;
     Ok(place)
 }

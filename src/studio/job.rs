@@ -20,7 +20,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub(super) const NO_SECTION: &str =
     "the study has no [optimise] section with variables and targets";
 /// Message that refuses to tune a design in which every coordinate is locked.
-pub(super) const ALL_LOCKED: &str = "every variable of the study moves a point that is locked";
+pub(super) const ALL_LOCKED: &str =
+    "every variable of the study moves a locked point: unlock a point, or add a variable";
 
 /// Message for a tuning that has panicked.
 fn panicked(panic: &(dyn Any + Send)) -> String {

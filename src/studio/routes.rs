@@ -384,7 +384,12 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 fn message<R: DeserializeOwned>(body: &[u8]) -> Result<R, Refused> {
-    serde_json::from_slice(body).map_err(|e| (400, format!("not a message of the page: {e}")))
+    serde_json::from_slice(body).map_err(|e| {
+        (
+            400,
+            format!("the server does not understand this request of the page: {e}"),
+        )
+    })
 }
 
 fn json(answer: &impl Serialize) -> Result<Response, Refused> {

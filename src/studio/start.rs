@@ -110,7 +110,7 @@ fn imported(
         names: &BTreeMap::new(),
         bodies: &BTreeMap::new(),
     };
-    let named = |e: std::io::Error| format!("the points cannot be kept: {e}");
+    let named = |e: std::io::Error| format!("cannot write the points to a temporary file: {e}");
     let mut file = tempfile::Builder::new()
         .suffix(".csv")
         .tempfile()

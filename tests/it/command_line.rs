@@ -350,7 +350,7 @@ fn no_assembly_is_said_in_a_sentence() {
     let study = studies().join("macpherson_solve.toml");
     let call = ["assemblies", study.to_str().unwrap(), "--travel", "500"];
     let assert = hardpoint(&call).code(1);
-    let said = "at travel 500 mm, rack 0 mm the design's lengths cannot be assembled\n";
+    let said = "at travel 500 mm, rack 0 mm the parts of the design cannot be assembled\n";
     assert_eq!(text(&assert.get_output().stdout), said);
     let assert = hardpoint(&[&call[..], &["--format", "json"]].concat()).code(1);
     let table: serde_json::Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();

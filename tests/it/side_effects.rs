@@ -465,7 +465,7 @@ fn every_reader_gets_the_same_side_effects_or_none() {
         String::from_utf8(said.stdout).unwrap().replace("\n  ", " ")
     };
     assert!(checked(&[]).contains("changes that no target asks for are reported"));
-    assert!(checked(&off).contains("off, by side_effects = false"));
+    assert!(checked(&off).contains("off (side_effects = false)"));
     let wrong = run(&["check", study, "--set", "optimise.side_effects=2"]);
     assert_eq!(wrong.status.code(), Some(2));
 }

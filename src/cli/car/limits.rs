@@ -21,7 +21,8 @@ pub(in crate::cli) fn limits(arguments: &LimitsArguments) -> Result<Exit, Stop> 
     if !terminal::is_quiet() {
         let name = &study.name;
         out.say(&format!(
-            "{name}: the first wheel that lifts and the end of equilibrium, by direction and by case, up to 5 g\n\n"
+            "{name}: accelerations at which the first wheel lifts and at which equilibrium ends, by direction \
+             and by case (search up to 5 g)\n\n"
         ))?;
     }
     out.table("lift_limits", lift_limits_table(&limits, &study.car))?;

@@ -16,7 +16,7 @@ use std::path::Path;
 pub(in crate::cli) fn tolerance(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     if arguments.build.is_some() {
         return Err(Stop::wrong_input(
-            "`hardpoint tolerance --build` prints one study; a build of a car has three",
+            "--build is not available for a car: it prints one study, but a build of a car has three",
         ));
     }
     let arguments = &arguments.run;
@@ -54,7 +54,7 @@ pub(in crate::cli) fn tolerance(arguments: &ToleranceArguments) -> Result<Exit, 
         output.text_only("\n")?;
         output.table("bands", &summary.bands_table())?;
     }
-    output.text_only("\nContributors, by their largest share of a variance\n\n")?;
+    output.text_only("\nContributors to the scatter, sorted by their largest share of the variance of a value\n\n")?;
     output.table("ranking", &summary.ranking_table())?;
     output.say_remarks(summary.failure())?;
     ended(

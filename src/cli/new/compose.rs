@@ -130,7 +130,7 @@ impl Composed<'_> {
     fn fitting(&self) -> Result<&'static Fitting, String> {
         let name = self.topology.name;
         let found = FITTINGS.iter().find(|fitting| fitting.topology == name);
-        found.ok_or_else(|| format!("{name} has no parts to choose from yet"))
+        found.ok_or_else(|| format!("{name} has no parts to add: leave out --with"))
     }
 
     /// Adds a Panhard rod or a Watt linkage.

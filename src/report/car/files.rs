@@ -33,7 +33,7 @@ impl GgResults {
     pub fn unfinished_in_words(&self) -> Option<String> {
         let [finished, all] = self.rows;
         (finished < all).then(|| {
-            format!("interrupted: gg.csv has {finished} of {all} rows of gg_map (one ax each); run the study again for all of them")
+            format!("interrupted: gg.csv has {finished} of {all} rows of gg_map (one row for each ax); run the study again for all rows")
         })
     }
 }

@@ -51,8 +51,8 @@ pub fn no_equilibrium(why: &NoEquilibrium) -> String {
         (false, motion) => {
             let motion = motion.unwrap_or_else(|| "no equilibrium is found".to_owned());
             format!(
-                "an equilibrium exists for only {:.6} of the change from the last one; then {motion}",
-                why.share
+                "equilibria exist only for the first {:.4} % of the change from the last state; then {motion}",
+                100.0 * why.share
             )
         }
     }
@@ -273,7 +273,7 @@ impl KcResults<'_> {
             let has_window = !outcome.levels.is_empty();
             let reason = match (figure.value, failed) {
                 (None, _) if figure.unit == Unit::Stiffness => {
-                    "no displacement: the stiffness is unbounded".to_owned()
+                    "no displacement: the stiffness is infinite".to_owned()
                 }
                 (None, _) => "no value at this position".to_owned(),
                 (_, Some(why)) => format!("no secant: {}", no_equilibrium(why)),

@@ -266,8 +266,8 @@ fn constraints(record: &CarRecord) -> String {
         let status = constraints[row].status;
         (status == Some(ConstraintStatus::Violated)).then_some("unmet")
     };
-    let note = "Margin: distance to the nearer limit, negative if it is violated. Price: fall of the misfit if the limit \
-                moves outwards by one unit.";
+    let note = "Margin: distance to the nearer limit, negative if it is violated. Price: decrease of the misfit if the \
+                limit moves outward by one unit.";
     let content = super::table::table(&table, violated);
     section("constraints", "Constraints", note, &content)
 }

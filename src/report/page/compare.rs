@@ -182,7 +182,9 @@ pub fn comparison_page(comparison: &Comparison, topologies: &[String], files: &[
     let partial = if partial.is_empty() {
         partial
     } else {
-        format!("<p>Outputs that only some designs have, with these designs:</p><ul>{partial}</ul>")
+        format!(
+            "<p>Outputs that only some designs have, each with its designs:</p><ul>{partial}</ul>"
+        )
     };
     let moved = comparison.moved_table();
     let moved = if moved.is_empty() {

@@ -65,7 +65,7 @@ const select = (rows) => {
   drawParallel(state);
 };
 bestRows.forEach((row, i) => option(byId('picked'), row, `${shown.design[row]}, best${i ? ` but ${i}` : ''}`));
-for (const row of frontRows.slice(0, 200)) if (!bestRows.includes(row)) option(byId('picked'), row, `${shown.design[row]}, on the front`);
+for (const row of frontRows.slice(0, 200)) if (!bestRows.includes(row)) option(byId('picked'), row, `${shown.design[row]}, on the Pareto front`);
 byId('picked').addEventListener('change', (e) => pick(Number(e.target.value)));
 
 for (const measure of offered) option(byId('effect-measure'), measure, measures[measure].name);

@@ -162,8 +162,8 @@ fn not_drawn(run: &SweepRun) -> &'static str {
     match &run.drawn {
         Some(_) => {
             "Curves and mechanism are shown for the best designs and some designs of the Pareto \
-             front, or, without targets, for designs at the ends of the ranges; <code>hardpoint solve \
-             --report</code> draws them for the study of any design."
+             front. Without targets, they are shown for designs at the ends of the ranges. \
+             <code>hardpoint solve --report</code> draws them for the study of any design."
         }
         None if run.record.is_of_car() => {
             "Load cases have no curves; <code>hardpoint sweep --design N</code> prints the changes of design N, and \
@@ -344,7 +344,7 @@ fn remarks(run: &SweepRun) -> String {
             "the drive value nearest to the design position at which a station failed"
         };
         remarks += &format!(
-            "<div class=\"failures\"><h2>Not solved everywhere</h2><p>Designs by reason, with {nearest}. The \
+            "<div class=\"failures\"><h2>Not solved everywhere</h2><p>Number of designs for each reason, with {nearest}. The \
              plots leave out values that could not be computed.</p>{}{more}</div>",
             table.html()
         );
@@ -477,8 +477,8 @@ fn key(value: Option<f64>) -> f64 {
 /// Explanation of the sensitivity indices.
 fn effects(record: &SweepRecord) -> String {
     let change = "Change over the range: change of the output from the lower to the upper end of \
-                  a variable's range, in the plane of least squares through all designs that have \
-                  every output";
+                  a variable's range. It comes from a linear fit (least squares) to all designs that \
+                  have every output";
     let share = match record.method.as_str() {
         "file" => {
             " Designs from a file need not be independent, so there are no shares of the variance."

@@ -28,7 +28,7 @@ pub(super) fn tuning_sections(
         unseen
     } else {
         format!(
-            "<p>The moves in each line, made together, {}:</p><ul>{unseen}</ul>",
+            "<p>Made together, the moves in each line {}:</p><ul>{unseen}</ul>",
             tuning.unseen_guarantee()
         )
     };

@@ -226,7 +226,7 @@ impl SweepSummary {
         (self.method == "saltelli").then(|| {
             format!(
                 "Mean, standard deviation, r2 and change refer to the {} designs of the two independent samples. Min \
-                 and max refer to all designs, shares to all groups without a failure.",
+                 and max refer to all designs. Shares refer to the groups of Saltelli's method without a failed design.",
                 self.statistics_designs
             )
         })

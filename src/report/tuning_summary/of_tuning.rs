@@ -114,7 +114,7 @@ impl TunedStudy<'_> {
                     ..*rate
                 });
                 let of_axis = if rate.is_relative {
-                    format!(", {own} (moved, range: ln of a factor)")
+                    format!(", {own} (moved and range: natural logarithm of a factor)")
                 } else {
                     format!(", {own}")
                 };

@@ -72,7 +72,7 @@ pub fn starts_in_words(starts: &[StartSummary], best: Option<usize>, least: f64)
     let worst = ended.iter().copied().fold(least, f64::max);
     let kept = best.map_or_else(String::new, |k| format!(" (start {k} is kept)"));
     let mut text = format!(
-        "{all} starts: {near} ended within 1 % of the smallest misfit{kept}, the worst at {}",
+        "{all} starts: {near} ended within 1 % of the smallest misfit{kept}; largest misfit: {}",
         misfit_in_words(worst)
     );
     // Each start counts once.

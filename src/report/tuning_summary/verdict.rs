@@ -64,8 +64,8 @@ impl SlightEffectRecord {
     pub fn in_words(&self) -> String {
         format!(
             "the variables hardly affect {}: it is missed by {} tolerances, and moves of all variables across their ranges \
-             change it by about {}. Such a target can drive variables to the ends of their ranges: remove it, or add a \
-             variable that affects it",
+             change it by about {} tolerances. Such a target can drive variables to the ends of their ranges: remove it, or \
+             add a variable that affects it",
             self.target,
             misfit_in_words(self.deviation),
             misfit_in_words(self.change)
@@ -88,7 +88,10 @@ pub(in crate::report) fn unmoved_constraint_in_words(constraint: &str) -> String
 
 /// Sentence about the price of a limit: the decrease of the misfit if the limit moves outward by one unit.
 pub(in crate::report) fn price_in_words(constraint: &str, price: f64, unit: &str) -> String {
-    format!("{constraint} costs {} tolerances per {unit}", brief(price))
+    format!(
+        "relaxing the constraint {constraint} lowers the misfit by {} tolerances per {unit}",
+        brief(price)
+    )
 }
 
 /// Reason why the tuning keeps the start `kept` although its design violates constraints. `violated` lists the constraints with
@@ -99,8 +102,8 @@ pub(in crate::report) fn least_violation_in_words(
 ) -> Option<String> {
     let kept = kept.filter(|_| !violated.is_empty())?;
     Some(format!(
-        "no start satisfied all constraints; start {kept} is kept because its largest violation is the smallest, not because \
-         of its misfit. Missed: {}",
+        "no start satisfied all constraints; start {kept} is kept because its largest violation is the smallest of all \
+         starts. Missed: {}",
         violated.join("; ")
     ))
 }

@@ -96,7 +96,7 @@ impl TuningSummary {
             return Vec::new();
         };
         let mut remarks = vec![format!(
-            "measurements scatter by {} of their tolerances about the fit. The true move is within the \
+            "measurements deviate from the fit by {} of their tolerances (standard deviation). The true move is within the \
              interval \"moved, 95 %\" with 95 % confidence, if the true values are within all ranges. \"not \
              determined\": the true move may be anywhere in its range",
             brief(scatter)
@@ -118,7 +118,7 @@ impl TuningSummary {
             .collect();
         if !reaching.is_empty() {
             remarks.push(format!(
-                "only the range, not the measurements, limits one side of {}",
+                "only the range, not the measurements, limits one end of the interval of {}",
                 reaching.join(", ")
             ));
         }
@@ -185,7 +185,7 @@ impl TuningSummary {
                 )
             }
             (None, Some(after)) => format!(
-                "misfit {} tolerances; the design itself cannot be compared: {}",
+                "misfit {} tolerances; the misfit of the given design is not known: {}",
                 misfit_in_words(after),
                 self.design_failure.as_deref().unwrap_or_default()
             ),

@@ -115,7 +115,7 @@ fn a_rounded_workbook_has_the_curves_of_its_points() {
                 let of_run = page_of_csv("curves_of_solve", &of_run).unwrap();
                 pages.push(curves_in(&outgoing, of_run));
                 assert!(
-                    said.contains("curves: solved for the points of the file"),
+                    said.contains("The sheet curves is solved for the exported points."),
                     "{said}"
                 );
             }

@@ -616,7 +616,7 @@ fn the_other_wheel_is_the_mirror_image() {
     };
     let left = of("points.csv", &sheet, &said).unwrap();
     assert_eq!(left.side, Side::Left);
-    let note = "mirror images of the right wheel: all points";
+    let note = "points taken from the right wheel and mirrored: all points";
     assert!(left.notes.iter().any(|n| n == note), "{:?}", left.notes);
     for (own, mirrored) in right.hardpoints.iter().zip(&left.hardpoints) {
         let [x, y, z] = own.position;

@@ -294,7 +294,7 @@ fn the_wheels_of_a_subsystem_are_told_apart() {
     assert!(
         left.notes
             .iter()
-            .any(|note| note.contains("mirror images of the"))
+            .any(|note| note.contains("wheel and mirrored: "))
     );
 }
 

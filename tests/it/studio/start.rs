@@ -163,7 +163,7 @@ fn half_track_and_radius_give_the_wheel_centre() {
     assert_eq!(refused.status, 422);
     let said = refused.text();
     assert!(
-        said.contains("half track and wheel radius give the wheel centre"),
+        said.contains("give half track and wheel radius, from which the wheel centre"),
         "{said}"
     );
     request["half_track"] = json!(600.0);

@@ -42,7 +42,7 @@ pub(super) fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<S
     if drawn < designs {
         notes.push(format!(
             "Means, standard deviations and changes refer to the {count} designs that were \
-             sampled independently; the other {} are used for the indices.",
+             sampled independently; the other {} are used for the shares of the variance.",
             designs - drawn
         ));
     }
@@ -63,8 +63,8 @@ pub(super) fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<S
     }
     if count > 0 && count < drawn && record.method != "file" {
         notes.push(format!(
-            "Percentages refer to the {count} of {drawn} designs that have every output. In these the variables are not \
-             independent of each other, so percentages may sum up to more than 100."
+            "Percentages refer to the {count} of {drawn} designs that have every output. In these designs the variables \
+             are correlated, so percentages may sum up to more than 100."
         ));
     }
     notes

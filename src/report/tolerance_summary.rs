@@ -314,7 +314,7 @@ impl ToleranceSummary {
             Column::named("yield at half tolerance", "yield_halved"),
             Column::named("yield at double tolerance", "yield_doubled"),
         ];
-        let relaxed = Column::named("can be relaxed", "may be relaxed");
+        let relaxed = Column::named("can be relaxed", "may be looser");
         let shares = [
             Column::for_readers("largest share"),
             Column::for_programs("share"),

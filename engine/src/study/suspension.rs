@@ -293,7 +293,7 @@ fn spin_axis(
         (SpinAxis::From(_), None) => Some(()),
         (SpinAxis::Along(_), None) => {
             let message = "the direction of the wheel is missing: expected the hardpoint spindle_inner, \
-                           or static_camber and static_toe in [wheel]";
+                           or static_camber, static_toe or both in [wheel]";
             problems.refuse(file.suspension.hardpoints.span(), message)
         }
         (SpinAxis::Along(_), Some(_)) => {

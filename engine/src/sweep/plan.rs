@@ -30,7 +30,7 @@ use crate::study::{
 };
 use description::describe;
 use goals::{GoalAssessor, GoalValues, Goals};
-use requests::{is_figure, of_axle, of_corner, of_elastic, with_gains};
+use requests::{is_figure, of_study};
 use std::borrow::Cow;
 use std::ops::{ControlFlow, Range};
 use targets::{SweptTarget, SweptWish, TargetStations};
@@ -98,32 +98,7 @@ impl<'s> SweepPlan<'s> {
         let swept: Vec<Target> = targets.iter().filter(is_swept).cloned().collect();
         let others = targets.iter().filter(|target| !is_swept(target)).cloned();
         let goals = Goals::of(study, sweep, others.collect(), samples.rates());
-        let swept = &swept[..];
-        let samples_in = |target: &Target| {
-            let stations = target.stations_in(study.motion());
-            target.wanted.samples(&stations)
-        };
-        let wanted: Vec<Vec<Sample>> = swept.iter().map(samples_in).collect();
-        let further: Vec<f64> = wanted.iter().flatten().map(|s| s.drive).collect();
-        let (request, gains, wishes) = match &study.vehicle {
-            Vehicle::Axle(both) => {
-                let targets: Vec<_> = swept.iter().map(|t| t.axle_samples(&both.axle)).collect();
-                let rates = samples.rates().map(|rate| rate.parameter.into()).collect();
-                of_axle(both, both.plan_with(swept), &targets, rates, sweep.curves)
-            }
-            Vehicle::Wheel(own) => {
-                let stations = Stations::of(&own.motion, &suspension.frame, &further);
-                let plan = with_gains(own, study.optimise.as_ref());
-                match &own.compliance {
-                    None => of_corner(suspension, &plan, stations, swept, &wanted),
-                    Some(elastic) => {
-                        let rates = samples.rates().map(|rate| rate.parameter).collect();
-                        let targets = (swept, &wanted[..]);
-                        of_elastic(own, elastic, &plan, stations, targets, rates, sweep.curves)
-                    }
-                }
-            }
-        };
+        let (request, gains, wishes) = of_study(study, sweep, &swept, &samples);
         let (mut wishes, mut of_goals) = (wishes.into_iter(), 0..);
         let targets = targets.iter().map(|target| SweptTarget {
             name: target.swept_name(suspension.length_unit),

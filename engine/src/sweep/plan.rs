@@ -8,7 +8,9 @@ mod worker;
 
 pub use worker::Worker;
 
-use super::record::{Kind, MoveRecord, OutputColumn, TargetColumn, VariableRecord};
+use super::record::{
+    ELASTIC_BLOCKS_OF_PART, Kind, MoveRecord, OutputColumn, TargetColumn, VariableRecord,
+};
 use super::rows::{Failing, Rows};
 use super::{BLOCKS_OF_PART, FORM, Samples, SweepRecord, Swept};
 use crate::ask::with_unit;
@@ -97,7 +99,8 @@ impl<'s> SweepPlan<'s> {
         let is_swept = |target: &&Target| target.is_in_sweep(study.motion());
         let swept: Vec<Target> = targets.iter().filter(is_swept).cloned().collect();
         let others = targets.iter().filter(|target| !is_swept(target)).cloned();
-        let goals = Goals::of(study, sweep, others.collect(), samples.rates());
+        let others: Vec<Target> = others.collect();
+        let goals = Goals::of(study, sweep, &others, samples.rates());
         let (request, gains, wishes) = of_study(study, sweep, &swept, &samples);
         let (mut wishes, mut of_goals) = (wishes.into_iter(), 0..);
         let targets = targets.iter().map(|target| SweptTarget {
@@ -129,6 +132,9 @@ impl<'s> SweepPlan<'s> {
             samples,
             study,
         };
+        if plan.goals.is_some() && study.vehicle.is_elastic() {
+            plan.record.blocks_of_part = ELASTIC_BLOCKS_OF_PART;
+        }
         plan.record.outputs = plan.output_columns();
         let columns = plan.record.columns();
         let twice = |(i, name): &(usize, &String)| columns[..*i].contains(name);
@@ -365,12 +371,16 @@ impl<'s> SweepPlan<'s> {
         let values = self.stations().values();
         let drive = self.study.motion().drive;
         for failed in block.failures() {
-            let at = drive.printed(values[self.stations().value_of(failed.station)]);
             let entry = &mut into[failed.design];
-            let nearer = |f: &Failing| f.at.is_some_and(|known| at.abs() < known.abs());
             let count = entry.as_ref().map_or(0, |f| f.stations);
-            if entry.as_ref().is_none_or(nearer) {
-                *entry = Some(Failing::stations(&failed.failure, at));
+            if self.request.is_in_motion(failed.station) {
+                let at = drive.printed(values[self.stations().value_of(failed.station)]);
+                let nearer = |f: &Failing| f.at.is_none_or(|known| at.abs() < known.abs());
+                if entry.as_ref().is_none_or(nearer) {
+                    *entry = Some(Failing::stations(&failed.failure, at));
+                }
+            } else if entry.is_none() {
+                *entry = Some(Failing::beside(&failed.failure));
             }
             if let Some(entry) = entry {
                 entry.stations = count + 1;

@@ -38,6 +38,28 @@ impl Figures {
     pub(super) fn half_track(&self) -> Option<f64> {
         self.half_track.or(self.track.map(|track| track / 2.0))
     }
+
+    /// Stores a value. Angles are in degrees and have the signs of studies. A toe-out angle is therefore already converted to toe.
+    fn set(&mut self, kind: FigureKind, value: f64) {
+        let place = match kind {
+            FigureKind::StaticCamber => &mut self.camber,
+            FigureKind::StaticToe => &mut self.toe,
+            FigureKind::WheelRadius => &mut self.radius,
+            FigureKind::TyreDiameter => &mut self.tyre_diameter,
+            FigureKind::HalfTrack => &mut self.half_track,
+            FigureKind::Track => &mut self.track,
+            FigureKind::Wheelbase => &mut self.wheelbase,
+            FigureKind::TyreWidth => &mut self.tyre_width,
+            FigureKind::RimDiameter => &mut self.rim_diameter,
+            FigureKind::CgHeight => &mut self.cg_height,
+            FigureKind::Offset(axis) => {
+                self.offset[axis] = value;
+                return;
+            }
+            FigureKind::StaticToeOut | FigureKind::ContactPoint => return,
+        };
+        *place = Some(value);
+    }
 }
 
 /// Reads the values of a wheel. `toe_out` is true if the tool counts toe-out as positive.
@@ -76,13 +98,7 @@ pub(super) fn read(
             FigureKind::ContactPoint => continue,
             kind => {
                 let own = own_unit.unwrap_or(FileUnit::of(unit));
-                let value = own.to_study(row.value);
-                let value = if own.unit == unit {
-                    value
-                } else {
-                    value / own.unit.per_metre() * unit.per_metre()
-                };
-                (kind, value)
+                (kind, length(row.value, own, unit))
             }
         };
         // A value for this wheel has priority over a value without a side.
@@ -101,24 +117,7 @@ pub(super) fn read(
             }
         }
         given.push((kind, value, marks));
-        let place = match kind {
-            FigureKind::StaticCamber => &mut found.camber,
-            FigureKind::StaticToe => &mut found.toe,
-            FigureKind::WheelRadius => &mut found.radius,
-            FigureKind::TyreDiameter => &mut found.tyre_diameter,
-            FigureKind::HalfTrack => &mut found.half_track,
-            FigureKind::Track => &mut found.track,
-            FigureKind::Wheelbase => &mut found.wheelbase,
-            FigureKind::TyreWidth => &mut found.tyre_width,
-            FigureKind::RimDiameter => &mut found.rim_diameter,
-            FigureKind::CgHeight => &mut found.cg_height,
-            FigureKind::Offset(axis) => {
-                found.offset[axis] = value;
-                continue;
-            }
-            FigureKind::StaticToeOut | FigureKind::ContactPoint => continue,
-        };
-        *place = Some(value);
+        found.set(kind, value);
     }
     if let Some(half_track) = options.half_track {
         found.half_track = Some(half_track);
@@ -127,6 +126,16 @@ pub(super) fn read(
         found.radius = Some(radius);
     }
     Ok(found)
+}
+
+/// Length in the study's `unit`. `own` is the unit in the file.
+fn length(value: f64, own: FileUnit, unit: LengthUnit) -> f64 {
+    let value = own.to_study(value);
+    if own.unit == unit {
+        value
+    } else {
+        value / own.unit.per_metre() * unit.per_metre()
+    }
 }
 
 /// Angle in degrees with the sign of studies. `unit` applies to an angle without its own unit. `toe_out` is true if the tool

@@ -99,7 +99,7 @@ fn other_units_and_axes_are_recognised_and_contradictions_refused() {
     };
     let refused = refusal(&TABLE.replace("name", "left wheel\nname"), &sae);
     assert!(
-        refused.contains("not the left wheel in sae_j670"),
+        refused.contains("in sae_j670 this is not the left wheel"),
         "{refused}"
     );
     assert!(refused.contains("--side right"), "{refused}");

@@ -597,7 +597,7 @@ fn another_right_wheel_is_named() {
         .find(|line| line.contains("right wheel"))
         .unwrap();
     assert!(
-        named.contains("by up to 2.5") && named.contains(": upper_ball_joint."),
+        named.contains("up to 2.5 away") && named.contains(": upper_ball_joint."),
         "{named}"
     );
 }

@@ -193,7 +193,7 @@ fn a_shortened_travel_is_reported_with_its_reason() {
     for words in [
         "instead of the usual 80 mm",
         "pushrod",
-        "at travel",
+        "travel 21 mm",
         "wrong",
     ] {
         assert!(note.contains(words), "{note}");

@@ -306,8 +306,12 @@ impl<const N: usize> RowsBeside for Rows<'_, N> {
                 continue;
             }
             let StationRows {
-                pulling, limited, ..
+                pulling,
+                limited,
+                wanted,
+                ..
             } = at;
+            let wanted = &*wanted;
             let receive = |number: usize, by_wheel: [&[Vector3<f64>]; 2]| {
                 let is_own = |of: usize| layout.quantities[of] == wanted[number];
                 if let Some((into, first)) = &mut into {

@@ -1,7 +1,8 @@
 //! Tests that a tuned axle equals the axle that its written study describes.
 
 use assert_cmd::Command;
-use hardpoint::axle::{AxleSolver, Placement, Quantity};
+use hardpoint::axle::{AxleSolver, Placement};
+use hardpoint::characteristics::Measure;
 use hardpoint::optimise::{TargetLayout, assessed_at};
 use hardpoint::study::Study;
 use std::path::Path;
@@ -103,7 +104,10 @@ fn limits_of_quantities_are_those_of_the_axle() {
         for (row, label) in layout.labels().iter().enumerate() {
             let constraint = &optimise.constraints[label.constraint];
             let name = constraint.name.split(' ').next().unwrap();
-            let quantity = Quantity::named(name)[0];
+            let Measure::OfAxle(quantity) = constraint.parts[0].of else {
+                panic!("{name} of one wheel");
+            };
+            assert_eq!(quantity.name(), name);
             let mut solver = AxleSolver::<4>::new(axle, &[quantity], false).unwrap();
             let placed = solver.place(&Placement::Roll {
                 heave: 0.0,

@@ -186,7 +186,9 @@ fn targets_beside_the_motion_have_the_deviations_of_a_tuning() {
     let summary = bench.json("run/summary.json");
     assert_eq!(summary["best"].as_array().unwrap().len(), 3);
     let designs = bench.designs("run");
-    let moved = bench.sweep("none", &["--design", "1"]).success();
+    let moved = bench
+        .run(&["sweep", "study.toml", "--design", "1"])
+        .success();
     fs::write(bench.path("moved.toml"), &moved.get_output().stdout).unwrap();
     let columns = [
         "rms_camber",

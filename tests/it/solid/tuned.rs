@@ -77,14 +77,23 @@ fn only_own_points_are_called_own() {
 /// an axle solver finds for the written study. The slopes are those of the margins.
 #[test]
 fn limits_of_quantities_are_those_of_the_axle() {
-    let limits = "optimise.constraints=[{ characteristic = \"roll_centre_height\", at_most = 480.0, at = \"design\" }, \
-                  { characteristic = \"anti_lift\", between = [-500.0, 500.0] }]";
+    let limits = |topology: &str| {
+        let first = if topology == "twist_beam" {
+            "roll_steer"
+        } else {
+            "roll_centre_height"
+        };
+        format!(
+            "optimise.constraints=[{{ characteristic = \"{first}\", at_most = 480.0, at = \"design\" }}, \
+             {{ characteristic = \"anti_lift\", between = [-500.0, 500.0] }}]"
+        )
+    };
     let directory = tempfile::tempdir().unwrap();
     for (topology, with) in AXLES {
         let read = |text: &str| {
             let path = directory.path().join("axle.toml");
             std::fs::write(&path, text).unwrap();
-            Study::read(&path, &[limits.to_owned()]).unwrap_or_else(|e| panic!("{e}"))
+            Study::read(&path, &[limits(topology)]).unwrap_or_else(|e| panic!("{e}"))
         };
         let study = read(&new(topology, with));
         let optimise = study.optimise.as_ref().unwrap();

@@ -83,7 +83,7 @@ pub struct Best {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstraintOutcome {
     /// Margin to the nearest limit, in the constraint's unit; negative if the limit is violated.
-    pub room: f64,
+    pub margin: f64,
     /// Drive value of the station with the smallest margin, or of the extreme near it. `None` if the constraint does not change
     /// along the motion.
     pub at: Option<f64>,
@@ -362,7 +362,7 @@ impl<'a> Tuner<'a> {
         let margins = problem.get_mut().margins(&fit.x, &mut at);
         let margins = margins.unwrap_or_else(|_| self.layout.margins(state.values.as_slice(), &[]));
         let outcome = |(number, own): (usize, Margin)| ConstraintOutcome {
-            room: own.room,
+            margin: own.margin,
             at: own.at,
             price: self.price(fit, state, number),
         };

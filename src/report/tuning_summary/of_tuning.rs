@@ -155,13 +155,13 @@ impl TunedStudy<'_> {
         let part = &constraint.parts[0];
         ConstraintSummary {
             name: constraint.name.clone(),
-            margin: found.room + 0.0,
+            margin: found.margin + 0.0,
             unit: part.unit.clone(),
             at: found.at.map(|at| drive.printed(at)),
             at_unit: drive.unit(self.study.wheel().length_unit).to_owned(),
             price: found.price.per_unit(),
             price_not_determined: found.price == Price::NotDetermined,
-            status: Some(ConstraintStatus::of(found.room / part.visible)),
+            status: Some(ConstraintStatus::of(found.margin / part.visible)),
         }
     }
 

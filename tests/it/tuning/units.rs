@@ -169,7 +169,7 @@ fn the_manual_s_planar_rocker_is_tuned() {
     let best = tuning.best.unwrap();
     assert!(best.after.misfit < 0.11, "{}", best.after.misfit);
     assert!(
-        best.constraints[0].room.abs() < 1e-5,
+        best.constraints[0].margin.abs() < 1e-5,
         "{:?}",
         best.constraints
     );

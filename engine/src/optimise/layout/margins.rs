@@ -10,7 +10,7 @@ pub const VIOLATED: f64 = 1e-6;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margin {
     /// Margin to the nearest limit, in the constraint's unit; negative if the limit is violated.
-    pub room: f64,
+    pub margin: f64,
     /// Drive value of the station with the smallest margin, or of the extreme near it. `None` if the constraint does not
     /// change along the motion.
     pub at: Option<f64>,
@@ -64,7 +64,7 @@ impl TargetLayout {
         extremes: &[Option<f64>],
     ) -> Vec<Margin> {
         let none = Margin {
-            room: f64::INFINITY,
+            margin: f64::INFINITY,
             at: None,
         };
         let mut margins = vec![none; self.constraints];
@@ -72,10 +72,10 @@ impl TargetLayout {
             let Some(value) = self.whole(row, |row| values[row]) else {
                 continue;
             };
-            let (room, least) = (self.margin(row, value), &mut margins[label.constraint]);
-            if room < least.room {
+            let (margin, least) = (self.margin(row, value), &mut margins[label.constraint]);
+            if margin < least.margin {
                 *least = Margin {
-                    room,
+                    margin,
                     at: extremes
                         .get(row)
                         .copied()

@@ -182,7 +182,7 @@ impl GoalAssessor<'_> {
                         values.rms[*target] = found.rms;
                     }
                     for (constraint, found) in group.constraints.iter().zip(margins) {
-                        values.margins[*constraint] = found.room;
+                        values.margins[*constraint] = found.margin;
                     }
                 }
                 Err(_) if failing.is_none() => {

@@ -103,6 +103,7 @@ fn print(
     } else {
         output.text_only("\n")?;
         output.table("bands", &summary.bands_table())?;
+        output.say_remarks(&summary.nominal_outside)?;
         output.text_only(
             "\nContributors, with the predicted yield at half and at twice the tolerance of each\n\n",
         )?;

@@ -2,7 +2,7 @@
 
 mod values;
 
-use super::bands::{BandRecord, in_words, limits_of};
+use super::bands::{BandRecord, bands_missed, in_words, limits_of};
 use super::figure::with_decimals;
 use super::files::csv_of_rows;
 use super::given_columns::GivenColumns;
@@ -44,6 +44,9 @@ pub struct ToleranceSummary {
     pub values: Vec<ValueRecord>,
     /// Bands of the values.
     pub bands: Vec<BandRecord>,
+    /// Sentences about the bands that the nominal design misses.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub nominal_outside: Vec<String>,
     /// Share of builds within all bands. `None` without bands.
     pub yield_of_all: Option<f64>,
     /// Share of builds within all bands, according to the first-order estimate.
@@ -134,6 +137,7 @@ impl ToleranceSummary {
                     })
                     .collect()
             }),
+            nominal_outside: bands_missed(problem, drawn),
             yield_of_all: yields.map(|y| y.all.monte_carlo),
             yield_of_all_linear: yields.map(|y| y.all.linear),
             ranking: yields.map_or_else(Vec::new, |yields| {

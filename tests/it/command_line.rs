@@ -977,6 +977,36 @@ fn no_builds_have_no_linear_answer() {
     );
 }
 
+/// If the nominal design is outside a band, `tolerance` and `check` report it with the value. A nominal design inside the band
+/// is not reported.
+#[test]
+fn a_nominal_design_outside_a_band_is_reported() {
+    let bands = |low: f64| {
+        let band = format!("{{ characteristic = \"toe\", at = 0.0, between = [{low:?}, 1.0] }}");
+        format!("tolerance.bands=[{band}]")
+    };
+    let [outside, inside] = [0.5, -0.5].map(bands);
+    let few = ["--set", "tolerance.builds=300", "--set"];
+    let study = studies().join("macpherson_tolerance.toml");
+    let words = "the nominal design is outside the band toe_deg at 0: 0.5 to 1; nominal: toe_deg";
+    for (set, is_outside) in [(&outside, true), (&inside, false)] {
+        let (directory, said) = run(
+            "tolerance",
+            "macpherson_tolerance.toml",
+            &[&few[..], &[set]].concat(),
+        );
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(said.contains(words), is_outside, "{said}");
+        assert_eq!(said.contains("at travel 0 mm"), is_outside, "{said}");
+        let summary = json(&directory, "summary.json");
+        assert_eq!(summary["nominal_outside"].is_array(), is_outside);
+        let call = ["check", study.to_str().unwrap(), "--set", set];
+        let said = text(&hardpoint(&call).success().get_output().stdout);
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(said.contains(words), is_outside, "{said}");
+    }
+}
+
 /// The heading of the ranking is `largest share`. The key in JSON is `share`.
 #[test]
 fn the_share_of_a_ranking_is_the_largest() {

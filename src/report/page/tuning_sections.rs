@@ -123,6 +123,9 @@ pub(super) fn tolerance_sections(tolerance: &ToleranceSummary, drive: &str) -> S
     sections += &tolerance.values_table().html();
     if !tolerance.bands.is_empty() {
         sections += &tolerance.bands_table().html();
+        for line in &tolerance.nominal_outside {
+            sections += &format!("<p>{}</p>", prose(line));
+        }
         sections += "<p>Predicted yield by tolerance</p>";
         sections += &tolerance.ranking_table().html();
     }

@@ -788,7 +788,7 @@ fn doubtful_studies_are_called_so() {
         ),
         (
             good.replace("[motion]", "[vehicle]\ntrack = 1000.0\n\n[motion]"),
-            "620 mm from the centre plane",
+            "track is 1000 mm",
         ),
         (
             rear_pivot("[-180.0, 220.0, -138.0]"),

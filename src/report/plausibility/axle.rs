@@ -1,6 +1,6 @@
 //! Warnings about an axle: about the curves, the springs, the steering, and the hardpoints of both wheels.
 
-use super::plausibility;
+use super::{track_doubt, wheel_plausibility};
 use crate::ask::{Need, Unit};
 use crate::axle::{
     Axle, AxleCurves, AxlePlan, BeyondCurve, ForcePart, Law, Quantity, WheelQuantity,
@@ -19,9 +19,11 @@ pub fn both_wheels_plausibility(
     plan: &AxlePlan,
     curves: &AxleCurves,
 ) -> Result<Vec<String>, (Side, DesignFault)> {
-    let mut found = plausibility(&axle.left).map_err(|fault| (Side::Left, fault))?;
+    let mut found = wheel_plausibility(&axle.left).map_err(|fault| (Side::Left, fault))?;
+    let wheels = Side::ALL.map(|side| axle.suspension(side));
+    found.extend(track_doubt(wheels).map_err(|fault| (Side::Left, fault))?);
     if let Some(own) = &axle.right {
-        let of_right = plausibility(own).map_err(|fault| (Side::Right, fault))?;
+        let of_right = wheel_plausibility(own).map_err(|fault| (Side::Right, fault))?;
         let new: Vec<_> = of_right.iter().filter(|d| !found.contains(d)).collect();
         let named =
             |doubt: &&String| doubt.replacen("please check: ", "please check: right wheel: ", 1);

@@ -626,7 +626,7 @@ fn stations_at_a_fold_are_flagged_or_not_proved() {
         said.contains("warning: 1 station has fewer than six correct digits"),
         "{said}"
     );
-    assert!(said.contains("at travel 349.66780703583"), "{said}");
+    assert!(said.contains("at travel 349.668 mm"), "{said}");
 
     let at_fold = "[0, 300, 349.667807035834]";
     let (code, status, rows, said) = solved(at_fold, &["outputs.certify=true"]);
@@ -634,7 +634,7 @@ fn stations_at_a_fold_are_flagged_or_not_proved() {
     assert_eq!(status, ["ok", "ok", "uncertified"], "{said}");
     assert!(rows.lines().last().unwrap().contains(",,,"), "{rows}");
     assert!(
-        said.contains("travel 349.667807035834 mm: the pose is not certified"),
+        said.contains("travel 349.668 mm: the pose is not certified"),
         "{said}"
     );
     assert!(said.contains("2 of 3 stations certified"), "{said}");

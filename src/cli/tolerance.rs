@@ -8,7 +8,7 @@ use super::terminal;
 use super::{interrupt, progress};
 use crate::assembly::SetUpError;
 use crate::mechanism::DesignFault;
-use crate::report::{BandCurve, ToleranceSummary};
+use crate::report::{BandCurve, ToleranceSummary, VALUES_NOTE};
 use crate::scatter;
 use crate::solved::Solved;
 use crate::study::{CarStudy, Study, Tolerance};
@@ -97,6 +97,7 @@ fn print(
 ) -> Result<(), Stop> {
     output.say(&format!("{}: {}\n\n", study, summary.headline()))?;
     output.table("values", &summary.values_table())?;
+    output.text_only(&format!("\n{VALUES_NOTE}\n"))?;
     if summary.bands.is_empty() {
         output.text_only("\nShares of the variance of the builds, in the design position: first-order share of each contributor, and the remainder\n\n")?;
         output.table("shares", &summary.shares_table(contributors))?;

@@ -115,7 +115,9 @@ pub use sweep::{
 };
 pub use table::{Cell, Column, Format, Table, Tables};
 pub use text::{counted, is_printable, printable, unit_in_words, wrapped};
-pub use tolerance_summary::{RankingRecord, RejectRecord, ToleranceSummary, ValueRecord, rejected};
+pub use tolerance_summary::{
+    RankingRecord, RejectRecord, ToleranceSummary, VALUES_NOTE, ValueRecord, rejected,
+};
 pub use tuning_summary::{
     ConstraintStatus, SlightEffectRecord, StartSummary, TuningSummary, contradiction_in_words,
     interrupted_in_words, misfit_in_words, misfit_table, starts_in_words, starts_table,

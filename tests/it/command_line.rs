@@ -1027,6 +1027,11 @@ fn the_share_of_a_ranking_is_the_largest() {
         first["share"].is_f64() && first["largest_share"].is_null(),
         "{first}"
     );
+    // The ranking names the output to which the share belongs, and the values have an explanation of their rows.
+    let output = first["output"].as_str().unwrap();
+    assert!(["caster_deg", "toe_deg"].contains(&output), "{first}");
+    assert!(said.contains("of the variance of"), "{said}");
+    assert!(said.contains("a row where its sigma is largest"), "{said}");
 }
 
 /// A count of one is followed by a singular noun.

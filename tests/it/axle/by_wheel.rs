@@ -180,7 +180,7 @@ fn absurd_adjustments_of_a_wheel_are_refused() {
     ];
     let (_, said) = run(&arguments, 1);
     assert!(
-        said.contains("left wheel: the target values need ") && said.contains(" mm of toe_link"),
+        said.contains("left wheel: the target values need ") && said.contains(" mm at toe_link"),
         "{said}"
     );
 }

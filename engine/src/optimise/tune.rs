@@ -87,6 +87,8 @@ pub struct ConstraintOutcome {
     /// Drive value of the station with the smallest margin, or of the extreme near it. `None` if the constraint does not change
     /// along the motion.
     pub at: Option<f64>,
+    /// True if the nearest limit is the upper one.
+    pub is_upper: bool,
     /// Price of the constraint's limits.
     pub price: Price,
 }
@@ -364,6 +366,7 @@ impl<'a> Tuner<'a> {
         let outcome = |(number, own): (usize, Margin)| ConstraintOutcome {
             margin: own.margin,
             at: own.at,
+            is_upper: own.is_upper,
             price: self.price(fit, state, number),
         };
         margins.into_iter().enumerate().map(outcome).collect()

@@ -232,9 +232,14 @@ fn readings(words: &[String], letters: Letters) -> Vec<(Vec<String>, Marks)> {
         changed
     };
     let usual = stripped(rear(words, letters.first_is_rear, letters.last_is_rear));
+    // The side may follow the R, as in `LCA_R_LH`.
+    let (plain, marks) = usual.clone();
     let mut all = vec![usual];
     if is_r(words.last()) {
         all.push(stripped(rear(words, letters.first_is_rear, true)));
+    }
+    if marks.side.is_some() && is_r(plain.last()) {
+        all.push((rear(&plain, false, true), marks));
     }
     all
 }
@@ -337,7 +342,7 @@ mod tests {
         let (front, rear) = (Some(AxlePosition::Front), Some(AxlePosition::Rear));
         let (left, right) = (Some(Side::Left), Some(Side::Right));
         let topology = Topology::named("double_wishbone").unwrap();
-        let cases: [Case; 25] = [
+        let cases: [Case; 28] = [
             (&[], "hpl_lca_front", "lower_arm_front", left, None, None),
             (&sided, "LCA front R", "lower_arm_front", right, None, None),
             (
@@ -350,6 +355,9 @@ mod tests {
             ),
             (&[], "LCA_R", "lower_arm_rear", None, None, None),
             (&[], "LCA_F", "lower_arm_front", None, None, None),
+            (&[], "UCA_R_LH", "upper_arm_rear", left, None, None),
+            (&[], "LCA_R_L", "lower_arm_rear", left, None, None),
+            (&[], "LCA_R_RH", "lower_arm_rear", right, None, None),
             (&[], "UBJ R", "upper_ball_joint", right, None, None),
             (&paired, "F_LCA_IF", "lower_arm_front", None, front, None),
             (&paired, "R_LCA_IF", "lower_arm_front", None, rear, None),

@@ -10,6 +10,7 @@ use super::bushings::{self, Bushing};
 use super::complete;
 use super::corner::{self, Corner, Named, Picked};
 use super::figures::{self, Figures};
+use super::names::{cut, side_of};
 use super::place::{self, Placed};
 use super::refusal::Refusal;
 use super::right_half;
@@ -176,13 +177,13 @@ fn select(
     // Missing hardpoints are reported before the unit is determined, because the unit follows from the size of the
     // suspension.
     let wheel: &[&str] = if is_optimum { &["wheel_centre"] } else { &[] };
-    refuse_missing(table, options, roles, &picked, wheel)?;
+    refuse_missing(table, options, (roles, corner), &picked, wheel)?;
     let unit = unit::unit(table, options, &picked, notes)?;
     let figures = figures::read(table, corner, unit, options, is_optimum, notes)?;
     let makes_wheel = is_optimum && figures.half_track().is_some() && figures.radius().is_some();
     let made: &[&str] = if makes_wheel { &["wheel_centre"] } else { &[] };
     // The first check has found all other points, so only the wheel centre can be missing here.
-    refuse_missing(table, options, roles, &picked, made).map_err(|reason| {
+    refuse_missing(table, options, (roles, corner), &picked, made).map_err(|reason| {
         if is_optimum {
             format!("{reason}\ngive --half-track and --radius, from which the wheel centre of this table is computed")
         } else {
@@ -444,13 +445,23 @@ fn roles_of(table: &PointTable, options: &ImportOptions<'_>) -> Result<Vec<Optio
 fn refuse_missing(
     table: &PointTable,
     options: &ImportOptions<'_>,
-    roles: &[Option<Role>],
+    (roles, corner): (&[Option<Role>], Corner),
     picked: &[Picked],
     made: &[&str],
 ) -> Result<(), String> {
     let hardpoints: Vec<Hardpoint> = picked.iter().map(|p| p.hardpoint.clone()).collect();
     let meanings = meanings(roles);
-    let unused = complete::unused(table, &meanings, &hardpoints);
+    let mut unused = complete::unused(table, &meanings, &hardpoints);
+    // The message proposes the first unused point, so points of the other wheel come last.
+    let is_of_other_wheel = |name: &String| {
+        let words = cut(name);
+        let mut ends = [words.first(), words.last()].into_iter().flatten();
+        let side = ends.find_map(|word| side_of(word));
+        let of_point = table.points.iter().find(|point| point.name == *name);
+        let side = of_point.and_then(|point| point.marks.side).or(side);
+        side.is_some() && corner.side.is_some() && side != corner.side
+    };
+    unused.sort_by_key(is_of_other_wheel);
     complete::missing(options.topology, &hardpoints, &unused, made)
 }
 

@@ -232,9 +232,14 @@ fn readings(words: &[String], letters: Letters) -> Vec<(Vec<String>, Marks)> {
         changed
     };
     let usual = stripped(rear(words, letters.first_is_rear, letters.last_is_rear));
+    // The side may follow the R, as in `LCA_R_LH`.
+    let (plain, marks) = usual.clone();
     let mut all = vec![usual];
     if is_r(words.last()) {
         all.push(stripped(rear(words, letters.first_is_rear, true)));
+    }
+    if marks.side.is_some() && is_r(plain.last()) {
+        all.push((rear(&plain, false, true), marks));
     }
     all
 }
@@ -338,7 +343,7 @@ mod tests {
     const RIGHT: Option<Side> = Some(Side::Right);
 
     /// Names of points of a double wishbone.
-    const CASES: [Case; 25] = [
+    const CASES: [Case; 28] = [
         (&[], "hpl_lca_front", "lower_arm_front", LEFT, None, None),
         (&SIDED, "LCA front R", "lower_arm_front", RIGHT, None, None),
         (
@@ -351,6 +356,9 @@ mod tests {
         ),
         (&[], "LCA_R", "lower_arm_rear", None, None, None),
         (&[], "LCA_F", "lower_arm_front", None, None, None),
+        (&[], "UCA_R_LH", "upper_arm_rear", LEFT, None, None),
+        (&[], "LCA_R_L", "lower_arm_rear", LEFT, None, None),
+        (&[], "LCA_R_RH", "lower_arm_rear", RIGHT, None, None),
         (&[], "UBJ R", "upper_ball_joint", RIGHT, None, None),
         (&PAIRED, "F_LCA_IF", "lower_arm_front", None, FRONT, None),
         (&PAIRED, "R_LCA_IF", "lower_arm_front", None, REAR, None),

@@ -529,7 +529,7 @@ impl Rows<'_> {
 
 /// Name of a value, with its units after it as in `toe [deg]`.
 fn with_units<'t>(name: &str, units: impl IntoIterator<Item = &'t str>) -> String {
-    let mut units = units.into_iter().map(without_brackets);
+    let units = units.into_iter().map(without_brackets);
     units.fold(name.to_owned(), |name, unit| format!("{name} [{unit}]"))
 }
 

@@ -4,7 +4,7 @@ use crate::error::Problems;
 use crate::value::Text;
 
 /// Usual names for parts, which do not resemble the names in this program. Each has the corresponding name of this program.
-const SYNONYMS: [(&str, &str); 24] = [
+const SYNONYMS: [(&str, &str); 31] = [
     ("kpi", "kingpin_inclination"),
     ("sai", "kingpin_inclination"),
     ("steering_axis_inclination", "kingpin_inclination"),
@@ -29,7 +29,17 @@ const SYNONYMS: [(&str, &str); 24] = [
     ("5_link", "five_link"),
     ("live_axle", "solid_axle"),
     ("beam_axle", "solid_axle"),
+    ("lltd", "lateral_load_transfer_distribution"),
+    ("tlltd", "lateral_load_transfer_distribution"),
+    ("magic_number", "lateral_load_transfer_distribution"),
+    ("weight_transfer", "lateral_load_transfer"),
+    ("understeer_gradient", "roll_understeer"),
+    ("corner_weight", "wheel_load"),
+    ("wedge", "cross_weight"),
 ];
+
+/// Endings of names in other programs and of columns: `roll_angle`, `heave_mm`.
+const ENDINGS: [&str; 5] = ["_angle", "_deg", "_mm", "_in", "_percent"];
 
 /// Candidate that the user probably meant by `name`.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
@@ -43,6 +53,12 @@ fn nearest_of<'a>(name: &str, candidates: &[&'a str]) -> Option<&'a str> {
     let length = name.chars().count();
     let synonym = SYNONYMS.iter().find(|(usual, _)| *usual == name);
     let meant = synonym.and_then(|(_, own)| candidates.iter().find(|candidate| *candidate == own));
+    if let Some(meant) = meant {
+        return Some(meant);
+    }
+    let shortened = ENDINGS.iter().find_map(|ending| name.strip_suffix(ending));
+    let meant =
+        shortened.and_then(|short| candidates.iter().find(|candidate| **candidate == short));
     if let Some(meant) = meant {
         return Some(meant);
     }
@@ -158,6 +174,9 @@ mod tests {
             ("wheel_center", Some("wheel_centre")),
             ("kingpin", Some("kingpin_inclination")),
             ("KPI", Some("kingpin_inclination")),
+            ("camber_angle", Some("camber")),
+            ("camber_gain_deg", Some("camber_gain")),
+            ("steer_angle", None),
             // The function suggests only names among the candidates.
             ("trailing_arm", None),
             ("roll_centre_height", None),

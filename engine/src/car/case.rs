@@ -120,6 +120,16 @@ impl Case {
     }
 }
 
+impl Case {
+    /// Makes the same case with forces in proportion to the wheel loads.
+    pub(super) fn with_shares_by_load(&self) -> Case {
+        let mut case = self.clone();
+        case.setting.lateral_shares = LateralShares::ByLoad;
+        case.setting.longitudinal_shares = LongitudinalShares::ByLoad;
+        case
+    }
+}
+
 /// Reason why a case has no equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NoEquilibrium {
@@ -138,7 +148,7 @@ pub enum NoEquilibrium {
     NoContactSet {
         /// Wheel for which neither contact nor lift satisfies the equations.
         wheel: WheelPlace,
-        /// Change of the case's keys that may remove the failure. `None` if every axle already distributes its forces in
+        /// Change of the case's keys that removes the failure. `None` if every axle already distributes its forces in
         /// proportion to the wheel loads.
         remedy: Option<&'static str>,
     },
@@ -151,6 +161,11 @@ pub enum NoEquilibrium {
     },
     /// The car rolls or pitches over: beyond this state, the moment of its weight exceeds the moment of the springs.
     Tips,
+    /// The car tips over: when these wheels have lifted, the other wheels cannot hold the body.
+    TipsOver {
+        /// True for each wheel that has lifted or lifts now: front left, front right, rear left, rear right.
+        lifted: [bool; 4],
+    },
     /// The body sinks: beyond this state, the spring forces at the wheels grow more slowly than the load.
     Sinks,
     /// No spring or other part carries the body.
@@ -163,7 +178,9 @@ impl NoEquilibrium {
         match self {
             NoEquilibrium::NoPose { failure, .. } => crate::curves::Status::Failed(*failure).word(),
             NoEquilibrium::Singular => "singular",
-            NoEquilibrium::Tips | NoEquilibrium::Sinks => "unstable",
+            NoEquilibrium::Tips | NoEquilibrium::TipsOver { .. } | NoEquilibrium::Sinks => {
+                "unstable"
+            }
             NoEquilibrium::Unsupported => "unsupported",
             _ => "no_equilibrium",
         }
@@ -209,6 +226,15 @@ impl NoEquilibrium {
                 "the car tips: beyond this state the moment of its weight grows faster than the \
                  moment of its springs"
                     .to_owned()
+            }
+            NoEquilibrium::TipsOver { lifted } => {
+                let wheels = WheelPlace::ALL.into_iter().filter(|place| lifted[place.0]);
+                let words: Vec<_> = wheels.map(WheelPlace::words).collect();
+                let verb = if words.len() == 1 { "lifts" } else { "lift" };
+                format!(
+                    "the car tips over: {} {verb}, and the other wheels cannot hold the body",
+                    words.join(" and ")
+                )
             }
             NoEquilibrium::Sinks => {
                 "the body sinks: beyond this state the springs' forces at the wheels grow less than the load"

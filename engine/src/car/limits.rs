@@ -86,14 +86,9 @@ impl At {
         self.found.lifted == [false; 4]
     }
 
-    fn loads(&self) -> [f64; 4] {
-        let x = &self.found.unknowns;
-        [0, 1, 2, 3].each(|wheel| x[super::equations::LOADS + wheel])
-    }
-
     /// Returns the smallest load as a fraction of the largest, and the wheel with the smallest load.
     fn least(&self) -> (f64, usize) {
-        let loads = self.loads();
+        let loads = self.found.loads();
         let most = loads.iter().fold(0.0, |most: f64, load| most.max(*load));
         let wheel = (1..4).fold(0, |least, wheel| {
             if loads[wheel] < loads[least] {
@@ -236,7 +231,7 @@ impl CarSolver<'_> {
         if part > none {
             return None;
         }
-        let loads = at.loads();
+        let loads = at.found.loads();
         let most = loads.iter().fold(0.0, |most: f64, load| most.max(*load));
         let others = (0..4).filter(|other| *other != wheel);
         let exact = self.with_contact(&ray.at(at.g), Start::at(&at.found));

@@ -160,6 +160,22 @@ impl<'a> CarSolver<'a> {
         if self.has_no_springs() {
             return Err(NoEquilibrium::Unsupported);
         }
+        match self.search(case) {
+            // The remedy is only right if it leads to an equilibrium. Otherwise the shares are not the reason.
+            Err(
+                failure @ NoEquilibrium::NoContactSet {
+                    remedy: Some(_), ..
+                },
+            ) => Err(self
+                .search(&case.with_shares_by_load())
+                .err()
+                .unwrap_or(failure)),
+            found => found,
+        }
+    }
+
+    /// Searches the state of a case directly, then along the load.
+    fn search(&mut self, case: &Case) -> Result<Equilibrium, NoEquilibrium> {
         match self.with_contact(case, Start::of(self.start(case))) {
             Ok(found) if found.is_stiff() => Ok(found),
             Ok(_) => self.along_load(case),

@@ -40,30 +40,46 @@
 //! (2) holds there, or (2) holds at rest and det G_x keeps its sign on the whole path from rest.                   (5)
 //! ```
 //!
-//! The motion of the body at the end of stability is classified as follows. Let f and e be the heights of the body over
-//! the middle of the front and the rear axle. Let r be half the difference of the body's heights over the left and the
-//! right wheels:
+//! The end of the path is classified as follows. Let b be the wheel on the ground with the smallest load, and let v be the
+//! solution of G_x v = 1 in the contact row of b. This is the free direction of (4): the motion if the ground under b
+//! rises. If N_b is zero and N_b.v is negative, the path turns back at the lift of b by (4), and the car tips over.
+//! Otherwise the path turns back at a fold. Towards a fold, v approaches the null vector of G_x. Let h be the changes of
+//! the body's heights over the four wheels in this motion, with the axes of the body at rest:
 //!
 //! ```text
-//! (f, e, r) = T q,      S = T C T^T.                                                                              (6)
+//! h_k = -gamma + y_k phi - x_k theta,      m = (sum of N_k h_k)/(sum of N_k)                                      (6)
 //! ```
 //!
-//! Towards a fold, one motion grows without bound, and all columns of S approach its direction. The car tips if r is
-//! the largest part of that motion, or if f and e have opposite signs and similar sizes. Otherwise the body sinks at an
-//! axle. At rest, the direction of the motion is the column of S with the most negative diagonal element. If the path
-//! turns back at a lift, S stays bounded, and the car tips.
+//! m is the motion of the body over the resultant of the wheel loads, and this resultant balances all loads on the body.
+//! If m is small compared with the largest h, the body turns about an axis near the resultant: the loads move aside, their
+//! moment grows, and the car tips. Otherwise the body moves along the load, so the springs no longer carry it: it sinks.
+//!
+//! At rest, an unstable state may be far from a fold. There the motion is a column of C in other coordinates. Let f and e
+//! be the heights of the body over the middle of the front and the rear axle. Let r be half the difference of the body's
+//! heights over the left and the right wheels:
+//!
+//! ```text
+//! (f, e, r) = T q,      S = T C T^T.                                                                              (7)
+//! ```
+//!
+//! The column of S with the most negative diagonal element gives h, and (6) classifies it.
 
-use super::equations::{GROUND, LOADS, PITCH, PITCH_MOMENT, ROLL, ROLL_MOMENT, UNKNOWNS, VERTICAL};
+use super::equations::{
+    CONTACTS, GROUND, LOADS, PITCH, PITCH_MOMENT, ROLL, ROLL_MOMENT, UNKNOWNS, VERTICAL,
+};
 use super::solver::{CarSolver, Equilibrium, LONGEST_TRAVEL, LONGEST_TURN, Start};
 use super::{Car, Case, NoEquilibrium};
+use crate::model::Side;
 use crate::number::Each;
 
 /// Longest step along the load, as a fraction of the full load.
 const LONGEST: f64 = 1.0 / 16.0;
 /// Shortest step, as a fraction of the full load. If a shorter step would be needed, the path has turned back.
 const SHORTEST: f64 = LONGEST / 1024.0;
-/// Growth of the flexibility, relative to the state at rest, that indicates a turning point (fold) of the path.
-const GROWTH: f64 = 4.0;
+/// Loads below this fraction of the sum of the wheel loads count as zero at the end of the path.
+const NO_LOAD: f64 = 1e-3;
+/// Smallest ratio of m in equation (6) to the largest h for which the body sinks.
+const SINKING: f64 = 0.25;
 /// Largest number of steps. The count includes steps back.
 const MOST_STEPS: usize = 400;
 
@@ -93,50 +109,73 @@ impl Equilibrium {
         c(0, 0) > 0.0 && minor > 0.0 && determinant > 0.0
     }
 
-    /// Returns the flexibility S by equation (6), column by column.
+    /// Returns the flexibility S by equation (7), column by column.
     fn flexibility_of_heights(&self, car: &Car) -> [[f64; 3]; 3] {
-        let [[front, half_track], [rear, other]] = [0, 1].each(|number| {
-            let wheel = &car.axles[number].left;
-            let offset = if number == 0 { 0.0 } else { car.rear_offset.x };
-            let centre = wheel.design[wheel.mechanism.wheel_centre.0];
-            [centre.x + offset, centre.y]
-        });
+        let [front, rear] = car.axles_ahead();
+        let half_track = 0.5 * (half_track(car, 0) + half_track(car, 1));
         // If the ground rises by gamma, the body is lower relative to the ground.
         let rows = [
             [-1.0, 0.0, -front],
             [-1.0, 0.0, -rear],
-            [0.0, 0.5 * (half_track + other), 0.0],
+            [0.0, half_track, 0.0],
         ];
         let flexibility = self.flexibility();
-        let sum = |f: &dyn Fn(usize) -> f64| (0..3).map(f).sum::<f64>();
         rows.each(|column| {
-            rows.each(|row| sum(&|i| sum(&|j| row[i] * flexibility[i][j] * column[j])))
+            let motion = flexibility.each(|row| dot(row, column));
+            rows.each(|row| dot(row, motion))
         })
     }
 
-    /// Describes the end of stability by equation (6). The path from rest turns back just beyond this state.
-    fn fold(&self, rest: &Equilibrium, car: &Car) -> NoEquilibrium {
-        let [columns, at_rest] = [self, rest].map(|state| state.flexibility_of_heights(car));
-        let size = |k: &usize| {
-            columns[*k]
-                .iter()
-                .fold(0.0, |most: f64, part| most.max(part.abs()))
+    /// Describes the end of the path from rest by equation (6). The path turns back just beyond this state.
+    fn end_of_path(&self, car: &Car) -> NoEquilibrium {
+        let Some(factors) = &self.factors else {
+            return NoEquilibrium::Singular;
         };
-        let largest = (1..3).fold(0, |most, k| if size(&k) > size(&most) { k } else { most });
-        let [now, before] = [columns, at_rest].map(|columns| columns[largest][largest].abs());
-        if now > GROWTH * before {
-            motion(columns[largest])
-        } else {
-            NoEquilibrium::Tips
+        let loads = self.loads();
+        let on_ground = (0..4).filter(|wheel| !self.lifted[*wheel]);
+        let least = on_ground.min_by(|a, b| loads[*a].total_cmp(&loads[*b]));
+        let least = least.unwrap_or(0);
+        let mut raised = [0.0; UNKNOWNS];
+        raised[CONTACTS + least] = 1.0;
+        let motion = factors.solve(raised);
+        if loads[least] < NO_LOAD * loads.iter().sum::<f64>() && motion[LOADS + least] < 0.0 {
+            let mut lifted = self.lifted;
+            lifted[least] = true;
+            return NoEquilibrium::TipsOver { lifted };
         }
+        let [height, roll, pitch] = [GROUND, ROLL, PITCH].each(|unknown| motion[unknown]);
+        let ahead = car.axles_ahead();
+        self.ends_in([0, 1, 2, 3].each(|wheel: usize| {
+            let left = Side::ALL[wheel % 2].sign() * half_track(car, wheel / 2);
+            -height + left * roll - ahead[wheel / 2] * pitch
+        }))
     }
 
-    /// Describes the instability of a static state, by equation (6).
+    /// Describes the instability of a static state, by equations (6) and (7).
     fn instability_at_rest(&self, car: &Car) -> NoEquilibrium {
         let columns = self.flexibility_of_heights(car);
         let unstable = (0..3).filter(|k| columns[*k][*k] < 0.0);
         let softest = unstable.min_by(|a, b| columns[*a][*a].total_cmp(&columns[*b][*b]));
-        softest.map_or(NoEquilibrium::Tips, |k| motion(columns[k]))
+        softest.map_or(NoEquilibrium::Tips, |k| {
+            let [front, rear, turn] = columns[k];
+            self.ends_in([front + turn, front - turn, rear + turn, rear - turn])
+        })
+    }
+
+    /// Returns the failure that belongs to changes h of the body's heights over the wheels, by equation (6).
+    fn ends_in(&self, heights: [f64; 4]) -> NoEquilibrium {
+        let loads = self.loads();
+        let work: f64 = (0..4).map(|wheel| loads[wheel] * heights[wheel]).sum();
+        let along_load = work / loads.iter().sum::<f64>();
+        let largest = heights.iter().fold(0.0, |most: f64, h| most.max(h.abs()));
+        if std::env::var("X2").is_ok() {
+            eprintln!("{heights:?} {loads:?} {along_load} {largest}");
+        }
+        if along_load.abs() < SINKING * largest {
+            NoEquilibrium::Tips
+        } else {
+            NoEquilibrium::Sinks
+        }
     }
 
     /// Returns true if the path from an accepted state leads to this state. Two conditions must hold: det G_x keeps its
@@ -156,15 +195,13 @@ impl Equilibrium {
     }
 }
 
-/// Returns the failure that belongs to a motion (f, e, r) of the body, by equation (6).
-fn motion([front, rear, roll]: [f64; 3]) -> NoEquilibrium {
-    let (most, least) = (front.abs().max(rear.abs()), front.abs().min(rear.abs()));
-    let pitches = front * rear < 0.0 && least > 0.5 * most;
-    if roll.abs() > most || pitches {
-        NoEquilibrium::Tips
-    } else {
-        NoEquilibrium::Sinks
-    }
+/// Half the distance between the wheel centres of an axle in the design position.
+fn half_track(car: &Car, axle: usize) -> f64 {
+    car.axles[axle].mean_wheel_centre().y
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 impl CarSolver<'_> {
@@ -176,7 +213,6 @@ impl CarSolver<'_> {
         if !at.is_stiff() {
             return Err(at.instability_at_rest(self.car));
         }
-        let at_rest = at.clone();
         let (mut part, mut step) = (0.0, LONGEST);
         let mut evaluations = at.evaluations;
         // Smallest fraction of the load at which the search failed.
@@ -208,7 +244,7 @@ impl CarSolver<'_> {
                     NoEquilibrium::NotFound
                     | NoEquilibrium::Singular
                     | NoEquilibrium::NoContactSet { remedy: None, .. },
-                ) => at.fold(&at_rest, self.car),
+                ) => at.end_of_path(self.car),
                 Err(why) => why,
             };
             failed = next;

@@ -9,7 +9,7 @@ use super::{Bounds, Fit, Linearisation};
 const SAME_PRICE: f64 = 0.05;
 /// Smallest effect of the variables on a target, as a share of the target's deviation. If moves across all ranges change
 /// the deviation by less, the variables hardly affect the target.
-const HARDLY: f64 = 0.01;
+const HARDLY: f64 = 0.05;
 
 /// A limit of a constraint at the end of a run.
 #[derive(Clone, Copy, Debug)]

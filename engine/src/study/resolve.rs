@@ -351,8 +351,8 @@ fn refuse_car(source: &Arc<Source>) -> Result<(), StudyErrors> {
     let message = "[car] makes this the study of a car, which this command does not accept";
     let mut error = StudyError::new(source.clone(), Some(place), message);
     error.help(
-        "hardpoint check, solve, sweep, optimise, tolerance, limits, compare, export and bench cars \
-         accept cars; every command accepts the study of a single axle",
+        "hardpoint check, solve, sweep, optimise, tolerance, limits, compare, convert, export, report, \
+         studio and bench cars accept cars; every command accepts the study of a single axle",
     );
     Err(error.into())
 }

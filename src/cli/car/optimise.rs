@@ -140,6 +140,7 @@ impl TuningResults<'_> {
 
     fn verdict(&self) -> CarVerdict<'_> {
         CarVerdict {
+            study: self.study,
             targets: &self.targets,
             constraints: &self.constraints,
             tuning: &self.tuned.tuning,

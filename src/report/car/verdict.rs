@@ -2,17 +2,21 @@
 
 use super::record::{CarConstraintRecord, CarTargetRecord};
 use super::tuning::car_constraint_names;
-use crate::car::CarTuning;
+use crate::axle::Law;
+use crate::car::{AxleEnd, AxleResult, CarQuantity, CarTuning};
 use crate::report::brief;
 use crate::report::tuning_summary::{
     ConstraintStatus, SlightEffectRecord, contradiction_in_words, least_violation_in_words,
     price_in_words, unmoved_constraint_in_words, unmoved_in_words,
 };
+use crate::study::CarStudy;
 use serde_json::{Value, json};
 
 /// Targets and constraints of a tuned car, with the tuning.
 #[derive(Clone, Copy)]
 pub struct CarVerdict<'a> {
+    /// Study before the tuning.
+    pub study: &'a CarStudy,
     /// Targets with their values.
     pub targets: &'a [CarTargetRecord],
     /// Constraints with their margins.
@@ -57,6 +61,8 @@ impl CarVerdict<'_> {
         let unmoved = self.unmoved().into_iter();
         let mut remarks: Vec<String> = unmoved.map(|name| unmoved_in_words(&name)).collect();
         remarks.extend(self.hardly_moved().iter().map(SlightEffectRecord::in_words));
+        let ends = AxleEnd::ALL.into_iter();
+        remarks.extend(ends.filter_map(|end| self.fixed_spring_force(end)));
         let unmoved = self.unmoved_constraints().into_iter();
         remarks.extend(unmoved.map(|name| unmoved_constraint_in_words(&name)));
         let priced = self.constraints.iter();
@@ -66,6 +72,28 @@ impl CarVerdict<'_> {
         remarks.extend(contradiction_in_words(&self.contradiction()));
         remarks.extend(self.least_violation());
         remarks
+    }
+
+    /// Explains a missed ride height if the spring of the axle has the same force in the design position of every design,
+    /// although variables move points of this axle.
+    fn fixed_spring_force(&self, end: AxleEnd) -> Option<String> {
+        let wanted = self.study.optimise.as_ref()?;
+        let axle = AxleEnd::ALL.iter().position(|own| *own == end)?;
+        let [spring, _] = self.study.car.axles[axle].setup.springs.as_ref()?;
+        let ride_height = CarQuantity::Axle(end, AxleResult::RideHeight);
+        let mut targets = wanted.targets.iter().zip(self.targets);
+        let (_, missed) = targets
+            .find(|(target, own)| target.quantity == ride_height && own.missed_by().is_some())?;
+        let mut moves = wanted.variables.iter().flat_map(|own| own.moves.points());
+        let is_moved = moves.any(|point| point.axle == axle);
+        (is_moved && matches!(spring.spring, Law::Linear { .. })).then(|| {
+            format!(
+                "{}: every design has the force of [spring] in its design position, so a moved spring mount changes the \
+                 ride height only a little. Change this force, or replace rate and force by force_curve, which keeps the \
+                 same spring in every design",
+                missed.full_name()
+            )
+        })
     }
 
     /// Reason why a start is kept although it violates constraints that a variable affects.

@@ -106,6 +106,7 @@ fn verdict(study: &CarStudy, tuned: &TunedCar) -> Result<Vec<String>, String> {
     let (before, after) = (solved(study)?, solved(&tuned.study)?);
     let (x, tuning) = (tuned.fit.x.as_slice(), &tuned.tuning);
     let verdict = CarVerdict {
+        study,
         targets: &after.target_records(optimise, &before, x),
         constraints: &after.constraint_records(optimise, &before, x, &tuning.prices),
         tuning,

@@ -96,6 +96,16 @@ fn other_commands_refuse_cars() {
             said.contains("[car] makes this the study of a car"),
             "{command}: {said}"
         );
+        // The help names all commands that support cars.
+        for supported in [
+            "check",
+            "convert",
+            "report",
+            "studio",
+            "bench cars accept cars",
+        ] {
+            assert!(said.contains(supported), "{command}: {said}");
+        }
     }
 }
 
@@ -144,7 +154,22 @@ fn mistakes_are_named() {
         (
             "characteristic = \"roll_gradient\"",
             "characteristic = \"rol_gradient\"",
-            "unknown result of a car",
+            "did you mean \"roll_gradient\"? docs/car.md lists",
+        ),
+        (
+            "characteristic = \"roll_gradient\"",
+            "characteristic = \"roll_angle\"",
+            "did you mean \"roll\"? docs/car.md lists",
+        ),
+        (
+            "characteristic = \"lateral_load_transfer_distribution\", case = \"turn\"",
+            "characteristic = \"lltd\", case = \"turn\"",
+            "did you mean \"lateral_load_transfer_distribution\"? docs/car.md lists",
+        ),
+        (
+            "characteristic = \"roll_gradient\"",
+            "characteristic = \"qqq\"",
+            "help: docs/car.md lists the results of a car",
         ),
         (
             "characteristic = \"lateral_load_transfer_distribution\", case = \"turn\"",

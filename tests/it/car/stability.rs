@@ -2,7 +2,9 @@
 //! symmetric.
 
 use hardpoint::axle::{Preloaded, RockerSprings};
-use hardpoint::car::{Car, CarQuantity, CarSolver, Case, Longitudinal, NoEquilibrium};
+use hardpoint::car::{
+    Car, CarQuantity, CarSolver, Case, Longitudinal, LongitudinalShares, NoEquilibrium,
+};
 use hardpoint::mechanism::{Failure, LimitCause, NoPose};
 use hardpoint::model::Side;
 use hardpoint::study::CarStudy;
@@ -111,7 +113,86 @@ fn a_car_on_two_supports_tips_at_the_lift() {
         ay: lift.acceleration + 1e-3,
         ..case
     };
-    assert_eq!(solver.solve(&beyond).unwrap_err(), NoEquilibrium::Tips);
+    let lifted = [false, false, true, false];
+    let why = solver.solve(&beyond).unwrap_err();
+    assert_eq!(why, NoEquilibrium::TipsOver { lifted });
+    let words =
+        "the car tips over: the rear left wheel lifts, and the other wheels cannot hold the body";
+    assert_eq!(why.describe(&car), words);
+}
+
+/// In steady cornering, first one inner wheel lifts, then the other inner wheel loses its load, and the car tips over its
+/// outer wheels. Each sample car ends in this way, in both directions, with equal shares of the longitudinal force as
+/// well. Moving the longitudinal force to the loaded wheels would not help, so the program does not recommend it.
+#[test]
+fn a_cornering_car_tips_over_its_outer_wheels() {
+    for name in ["car.toml", "formula_student_car.toml"] {
+        let path = super::commands::studies().join(name);
+        let car = CarStudy::read(&path, &[]).unwrap().car;
+        let mut solver = CarSolver::new(&car).unwrap();
+        let mut rest = at_rest();
+        rest.setting.elastic_tyres = car.tyres.is_some();
+        for (degrees, left_lifts) in [(90.0, true), (270.0, false)] {
+            let lifted = [left_lifts, !left_lifts, left_lifts, !left_lifts];
+            let turn = Case::along("turn", degrees, &rest);
+            let limits = solver.limits(&turn).unwrap();
+            assert_eq!(
+                limits.why,
+                Some(NoEquilibrium::TipsOver { lifted }),
+                "{name}"
+            );
+            let g = limits.end;
+            let last = solver.solve(&Case {
+                ay: turn.ay * (g - 1e-5),
+                ..turn.clone()
+            });
+            let last = last.unwrap();
+            let loads = &last.unknowns[7..11];
+            let inner = (0..4).filter(|wheel| lifted[*wheel]);
+            let most = loads.iter().copied().fold(0.0, f64::max);
+            assert!(
+                inner.clone().all(|wheel| loads[wheel] < 1e-2 * most),
+                "{name} {loads:?}"
+            );
+            let mut beyond = turn.clone();
+            beyond.ay *= g + 0.05;
+            for shares in [LongitudinalShares::ByLoad, LongitudinalShares::Equal] {
+                beyond.setting.longitudinal_shares = shares;
+                let why = solver.solve(&beyond).unwrap_err();
+                assert_eq!(why, NoEquilibrium::TipsOver { lifted }, "{name} {shares:?}");
+            }
+        }
+    }
+}
+
+/// If the message recommends other shares of the forces, the case has an equilibrium with these shares.
+#[test]
+fn recommended_shares_give_an_equilibrium() {
+    let path = super::commands::studies().join("car.toml");
+    let study = CarStudy::read(&path, &[]).unwrap();
+    let mut solver = CarSolver::new(&study.car).unwrap();
+    let mut recommended = 0;
+    for case in study
+        .cases
+        .iter()
+        .filter(|case| case.ax != 0.0 || case.ay != 0.0)
+    {
+        let end = solver.limits(case).unwrap().end / case.ax.hypot(case.ay);
+        for factor in [1.0 + 1e-4, 1.02, 1.1, 1.3] {
+            let mut beyond = case.clone();
+            beyond.ax *= factor * end;
+            beyond.ay *= factor * end;
+            if let Err(NoEquilibrium::NoContactSet {
+                remedy: Some(_), ..
+            }) = solver.solve(&beyond)
+            {
+                recommended += 1;
+                beyond.setting.longitudinal_shares = LongitudinalShares::ByLoad;
+                assert!(solver.solve(&beyond).is_ok(), "{} {factor}", case.name);
+            }
+        }
+    }
+    assert!(recommended > 0);
 }
 
 /// Anti-dive and anti-lift under strong braking make the stiffness matrix very unsymmetric: its symmetric part is not

@@ -172,3 +172,47 @@ fn goals_of_an_axle_have_their_values() {
     let limits = [0, 1].map(|k| number(&constraint["limits"][k]));
     assert_eq!(limits, [300.0, 400.0]);
 }
+
+/// With `rate` and `force`, every design has the same spring force in its design position, so moves of the spring mount
+/// hardly change the static ride height. A remark explains this. With `force_curve` the same spring stays in the car, and
+/// the tuning reaches the target.
+#[test]
+fn a_moved_spring_mount_changes_the_ride_height_of_the_same_spring() {
+    let directory = tempfile::tempdir().unwrap();
+    for name in ["car.toml", "car_front.toml", "car_rear.toml"] {
+        std::fs::copy(studies().join(name), directory.path().join(name)).unwrap();
+    }
+    let run = || {
+        let sets = [
+            "optimise.variables=[{axle=\"front\",hardpoint=\"strut_top\",axis=\"z\",range=[-15.0,15.0]}]",
+            "optimise.targets=[{case=\"static\",characteristic=\"ride_height_front\",value=145.0,tolerance=0.1}]",
+            "optimise.constraints=[]",
+        ];
+        let mut arguments = vec!["optimise", "car.toml", "--out", "tuned", "--force"];
+        arguments.extend(sets.iter().flat_map(|set| ["--set", set]));
+        let run = hardpoint(directory.path(), &arguments).code(0);
+        let words = text(&run.get_output().stdout);
+        words.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let remark = "ride_height_front_mm in static: every design has the force of [spring]";
+    let words = run();
+    assert!(
+        words.contains("missed: ride_height_front_mm in static"),
+        "{words}"
+    );
+    assert!(words.contains(remark), "{words}");
+    // The spring acts between strut_lower and strut_top.
+    let length = [24.0_f64, 48.0, 480.0].map(|part| part * part);
+    let length = length.iter().sum::<f64>().sqrt();
+    let (shorter, longer) = (length - 100.0, length + 100.0);
+    let curve = format!("force_curve = [[{shorter}, 6800.0], [{longer}, 800.0]]");
+    let path = directory.path().join("car_front.toml");
+    let front = std::fs::read_to_string(&path).unwrap();
+    let same = front
+        .replacen("rate = 30.0 ", &format!("{curve} #"), 1)
+        .replacen("force = 3800.0 ", "# ", 1);
+    std::fs::write(&path, same).unwrap();
+    let words = run();
+    assert!(!words.contains("missed"), "{words}");
+    assert!(!words.contains(remark), "{words}");
+}

@@ -1,6 +1,6 @@
 //! A state in equilibrium.
 
-use super::super::equations::{TRAVELS, UNKNOWNS};
+use super::super::equations::{LOADS, TRAVELS, UNKNOWNS};
 use super::super::tangent::Factors;
 use crate::axle::AxlePose;
 use crate::number::Each;
@@ -29,5 +29,10 @@ impl Equilibrium {
     #[inline]
     pub(in crate::car) fn travels(&self) -> [f64; 4] {
         [0, 1, 2, 3].each(|k| self.unknowns[TRAVELS + k])
+    }
+
+    /// Loads of the wheels.
+    pub(in crate::car) fn loads(&self) -> [f64; 4] {
+        [0, 1, 2, 3].each(|k| self.unknowns[LOADS + k])
     }
 }

@@ -1,7 +1,7 @@
 //! Requests of a study of a car: results, sweep and tolerances.
 
 use super::super::motion::within;
-use super::super::names::choose;
+use super::super::names::{choose, nearest};
 use super::super::resolve::{each, some};
 use super::super::suspension::above_zero;
 use super::super::sweep as samples;
@@ -46,12 +46,8 @@ impl Resolver<'_> {
     pub(super) fn named(&mut self, car: &Car, text: &Text) -> Option<Vec<CarQuantity>> {
         let found = CarQuantity::named(text.get_ref());
         if found.is_empty() {
-            let names: Vec<String> = CarQuantity::all()
-                .into_iter()
-                .map(CarQuantity::name)
-                .collect();
-            let pairs: Vec<(&str, ())> = names.iter().map(|name| (name.as_str(), ())).collect();
-            choose(text, "result of a car", &pairs, self.problems)?;
+            self.refuse_unknown(text);
+            return None;
         }
         let met: Vec<CarQuantity> = found.iter().copied().filter(|q| q.is_met_by(car)).collect();
         if met.is_empty() {
@@ -66,6 +62,19 @@ impl Resolver<'_> {
             return self.problems.refuse(text.span(), message);
         }
         Some(met)
+    }
+
+    /// Refuses an unknown result, and suggests the result that was probably meant.
+    fn refuse_unknown(&mut self, text: &Text) {
+        let name = text.get_ref();
+        let names = CarQuantity::names();
+        let list = "docs/car.md lists the results of a car under Results";
+        let help = match nearest(name, names.iter().map(String::as_str)) {
+            Some(near) => format!("did you mean \"{near}\"? {list}"),
+            None => list.to_owned(),
+        };
+        let message = format!("unknown result of a car {name:?}");
+        self.problems.add(text.span(), message).help(help);
     }
 
     /// Index of the case with this name, in which the results are evaluated.

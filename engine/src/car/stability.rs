@@ -168,9 +168,6 @@ impl Equilibrium {
         let work: f64 = (0..4).map(|wheel| loads[wheel] * heights[wheel]).sum();
         let along_load = work / loads.iter().sum::<f64>();
         let largest = heights.iter().fold(0.0, |most: f64, h| most.max(h.abs()));
-        if std::env::var("X2").is_ok() {
-            eprintln!("{heights:?} {loads:?} {along_load} {largest}");
-        }
         if along_load.abs() < SINKING * largest {
             NoEquilibrium::Tips
         } else {

@@ -257,6 +257,7 @@ pub(crate) fn car_optimise<'py>(
         let constraints = after.constraint_records(wanted, &before, x, &tuning.prices);
         let targets = after.target_records(wanted, &before, x);
         let verdict = CarVerdict {
+            study,
             targets: &targets,
             constraints: &constraints,
             tuning: &tuning,

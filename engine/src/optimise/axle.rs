@@ -299,36 +299,14 @@ impl<const N: usize> RowsBeside for Rows<'_, N> {
                 station,
                 pulling: Vec::new(),
                 limited: Vec::new(),
-                wanted,
             };
-            at.write_values(value, &mut into, &mut rows)?;
+            at.write_values(value, wanted, &mut into, &mut rows)?;
             if moved.variables.is_empty() {
                 continue;
             }
-            let StationRows {
-                pulling,
-                limited,
-                wanted,
-                ..
-            } = at;
-            let wanted = &*wanted;
             let receive = |number: usize, by_wheel: [&[Vector3<f64>]; 2]| {
-                let is_own = |of: usize| layout.quantities[of] == wanted[number];
-                if let Some((into, first)) = &mut into {
-                    for sample in pulling.iter().filter(|sample| is_own(sample.of)) {
-                        let row = *first + sample.row;
-                        each_slope(moved, by_wheel, |column, slope| {
-                            into.jacobian[(row, column)] += slope * sample.scale;
-                        });
-                    }
-                }
-                if let Some(rows) = &mut rows {
-                    for (own, value) in limited.iter().filter(|(own, _)| is_own(own.of)) {
-                        slopes.fill(0.0);
-                        each_slope(moved, by_wheel, |column, slope| slopes[column] += slope);
-                        own.check.write(&own.limited, *value, slopes, rows);
-                    }
-                }
+                at.write_slopes(moved, wanted[number], by_wheel, &mut into);
+                at.write_limit_slopes(moved, wanted[number], by_wheel, slopes, &mut rows);
             };
             let found = if moved.is_build {
                 solver.gradients_by_each_point(&placed, wanted, receive)
@@ -359,20 +337,20 @@ struct StationRows<'r> {
     pulling: Vec<&'r TargetSample>,
     /// Limits with their values.
     limited: Vec<(&'r LimitedValue, f64)>,
-    /// Quantities whose gradients are needed.
-    wanted: &'r mut Vec<Quantity>,
 }
 
 impl StationRows<'_> {
-    /// Writes the residuals of the targets and the rows of the limits, without their slopes. `value` reads a quantity.
+    /// Writes the residuals of the targets and the rows of the limits, without their slopes. `value` reads a quantity. Lists
+    /// the quantities whose gradients are needed in `wanted`.
     fn write_values(
         &mut self,
         value: impl Fn(Quantity) -> Result<f64, Infeasible>,
+        wanted: &mut Vec<Quantity>,
         into: &mut Option<(&mut Linearisation, usize)>,
         rows: &mut Option<&mut Linearisation>,
     ) -> Result<(), Infeasible> {
         let quantities = &self.layout.quantities;
-        self.wanted.clear();
+        wanted.clear();
         if let Some((into, first)) = into {
             for sample in &self.station.samples {
                 let quantity = quantities[sample.of];
@@ -380,7 +358,7 @@ impl StationRows<'_> {
                 if sample.write_residual(row, value(quantity)?, into) {
                     into.jacobian.row_mut(row).fill(0.0);
                     self.pulling.push(sample);
-                    index_or_push(self.wanted, quantity);
+                    index_or_push(wanted, quantity);
                 }
             }
         }
@@ -390,9 +368,50 @@ impl StationRows<'_> {
                 let found = value(quantity)?;
                 own.check.write(&own.limited, found, &[], rows);
                 self.limited.push((own, found));
-                index_or_push(self.wanted, quantity);
+                index_or_push(wanted, quantity);
             }
         }
         Ok(())
+    }
+    /// Writes the slopes of the targets of a quantity, from its gradient with respect to the points of both wheels.
+    fn write_slopes(
+        &self,
+        moved: &Moved<'_>,
+        quantity: Quantity,
+        by_wheel: [&[Vector3<f64>]; 2],
+        into: &mut Option<(&mut Linearisation, usize)>,
+    ) {
+        let Some((into, first)) = into else {
+            return;
+        };
+        let is_own = |sample: &&&TargetSample| self.layout.quantities[sample.of] == quantity;
+        for sample in self.pulling.iter().filter(is_own) {
+            let row = *first + sample.row;
+            each_slope(moved, by_wheel, |column, slope| {
+                into.jacobian[(row, column)] += slope * sample.scale;
+            });
+        }
+    }
+
+    /// Writes the slopes of the limits of a quantity, from its gradient with respect to the points of both wheels. `slopes` is
+    /// a workspace.
+    fn write_limit_slopes(
+        &self,
+        moved: &Moved<'_>,
+        quantity: Quantity,
+        by_wheel: [&[Vector3<f64>]; 2],
+        slopes: &mut [f64],
+        rows: &mut Option<&mut Linearisation>,
+    ) {
+        let Some(rows) = rows else {
+            return;
+        };
+        for (own, value) in &self.limited {
+            if self.layout.quantities[own.of] == quantity {
+                slopes.fill(0.0);
+                each_slope(moved, by_wheel, |column, slope| slopes[column] += slope);
+                own.check.write(&own.limited, *value, slopes, rows);
+            }
+        }
     }
 }

@@ -9,7 +9,7 @@ use super::axle::{AxleLayout, AxleStation, Moved, RowsBeside};
 use super::elastic::{add_points, add_rates};
 use super::layout::TargetSample;
 use super::{Infeasible, Linearisation};
-use crate::axle::{Axle, AxleRead};
+use crate::axle::{Axle, AxleRead, Placement};
 use crate::compliance::{AxleCompliance, AxleParameter, Parameter};
 use crate::evaluate::index_or_push;
 use crate::mechanism::NoPose;
@@ -103,6 +103,13 @@ fn along_variables(
     add_rates(moved, by, slopes);
 }
 
+/// Reason why a position without level pads is refused.
+fn for_rigid_axles_only(placement: Placement, unit: &str) -> Infeasible {
+    Infeasible::Refused(format!(
+        "this position is available for rigid axles only: {placement} ({unit})"
+    ))
+}
+
 impl RowsBeside for Rows<'_> {
     fn evaluate(
         &mut self,
@@ -134,11 +141,8 @@ impl RowsBeside for Rows<'_> {
             if into.is_none() && limits.is_empty() {
                 continue;
             }
-            let at = placement.on_level_pads().ok_or_else(|| {
-                Infeasible::Refused(format!(
-                    "this position is available for rigid axles only: {placement} ({unit})"
-                ))
-            })?;
+            let at = placement.on_level_pads();
+            let at = at.ok_or_else(|| for_rigid_axles_only(*placement, unit))?;
             let used = used_by(station, layout.quantities.len(), into.is_some());
             let reads = used.iter().map(|k| layout.quantities[*k].into());
             let reads: Vec<AxleRead> = reads.collect();

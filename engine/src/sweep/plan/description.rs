@@ -1,6 +1,7 @@
 //! Description of a sweep without its results, for `sweep.json`.
 
 use super::*;
+use crate::study::Motion;
 use crate::sweep::digest_of;
 
 /// Describes the sweep of a study. The columns of the outputs follow later.
@@ -34,26 +35,7 @@ pub(super) fn describe(
     });
     let tuning = study.optimise.as_ref();
     let targets = tuning.map_or(&[][..], |o| o.ranking_targets());
-    let targets = targets.iter().map(|t| {
-        let factor = t.of.factor();
-        let stations = match &t.site.axle {
-            Some(site) => t.stations_among(&site.values),
-            None => t.stations_in(motion),
-        };
-        // The page with the results shows the curves at the rack displacement of the design position.
-        let home = motion.design_rack();
-        let is_shown = t.site.racks.is_empty() || t.site.racks.contains(&home);
-        let wanted = t.wanted.at_stations(&stations).into_iter();
-        let wanted = wanted.filter(|_| is_shown && t.is_in_sweep(motion));
-        TargetColumn {
-            column: t.of.column.clone(),
-            tolerance: t.tolerance * factor,
-            weight: t.weight,
-            points: wanted
-                .map(|(drive, value)| [t.printed_at(motion.drive, drive), value * factor])
-                .collect(),
-        }
-    });
+    let targets = targets.iter().map(|t| target_column(t, motion));
     SweepRecord {
         form: FORM,
         version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -84,6 +66,28 @@ pub(super) fn describe(
             FileFormat::Csv => "csv".to_owned(),
             FileFormat::Parquet => "parquet".to_owned(),
         },
+    }
+}
+
+/// Describes a target. Its points are the values at the stations of the sweep. Targets with other stations have no points.
+fn target_column(t: &Target, motion: &Motion) -> TargetColumn {
+    let factor = t.of.factor();
+    let stations = match &t.site.axle {
+        Some(site) => t.stations_among(&site.values),
+        None => t.stations_in(motion),
+    };
+    // The page with the results shows the curves at the rack displacement of the design position.
+    let home = motion.design_rack();
+    let is_shown = t.site.racks.is_empty() || t.site.racks.contains(&home);
+    let wanted = t.wanted.at_stations(&stations).into_iter();
+    let wanted = wanted.filter(|_| is_shown && t.is_in_sweep(motion));
+    TargetColumn {
+        column: t.of.column.clone(),
+        tolerance: t.tolerance * factor,
+        weight: t.weight,
+        points: wanted
+            .map(|(drive, value)| [t.printed_at(motion.drive, drive), value * factor])
+            .collect(),
     }
 }
 

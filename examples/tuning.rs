@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("{:24} {offset:+.3}", variable.label());
     }
     for (constraint, outcome) in asked.constraints.iter().zip(&best.constraints) {
-        println!("margin {:8.3}  {}", outcome.room, constraint.name);
+        println!("margin {:8.3}  {}", outcome.margin, constraint.name);
     }
     Ok(())
 }

@@ -130,16 +130,91 @@ fn each<'a>(steps: &'a [&Step], mut work: impl FnMut(&Step) + 'a) -> Job<'a> {
     }
 }
 
+/// Name of a job, and the job.
+type NamedJob<'a> = (&'static str, Job<'a>);
+
+/// Makes a solver of a car.
+fn solver(car: &Car) -> Result<CarSolver<'_>, Unmeasurable> {
+    let made = CarSolver::new(car);
+    made.map_err(|fault| Unmeasurable::Car(car.describe_fault(&fault)))
+}
+
+/// Jobs that solve each state from its neighbour: the state alone, and the state with all results.
+fn neighbour_jobs<'a>(
+    car: &'a Car,
+    followers: &'a [&Step],
+    quantities: &'a [CarQuantity],
+) -> Result<Vec<NamedJob<'a>>, Unmeasurable> {
+    if followers.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut own = solver(car)?;
+    let alone = move |step: &Step| {
+        if let Some(before) = &step.before
+            && let Ok(found) = own.solve_from(&step.case, before)
+        {
+            _ = black_box(own.balance(&step.case, &found));
+        }
+    };
+    let mut own = solver(car)?;
+    let with_results = move |step: &Step| {
+        if let Some(before) = &step.before
+            && let Ok(found) = own.solve_from(&step.case, before)
+        {
+            printed(&mut own, quantities, &step.case, &found);
+        }
+    };
+    Ok(vec![
+        ("state started at its neighbour", each(followers, alone)),
+        (
+            "state started at its neighbour with all results",
+            each(followers, with_results),
+        ),
+    ])
+}
+
+/// Jobs that solve single states without a neighbour, or compute results, member loads and derivatives of solved states.
+fn state_jobs<'a>(
+    car: &'a Car,
+    states: &'a [&Step],
+    quantities: &'a [CarQuantity],
+) -> Result<Vec<NamedJob<'a>>, Unmeasurable> {
+    let mut own = solver(car)?;
+    let alone = move |step: &Step| _ = black_box(own.solve(&step.case));
+    let mut own = solver(car)?;
+    let results = move |step: &Step| printed(&mut own, quantities, &step.case, &step.found);
+    let mut own = solver(car)?;
+    let members = move |step: &Step| _ = black_box(own.members(&step.case, &step.found));
+    let loads = WheelPlace::ALL.map(|place| CarQuantity::Wheel(place, WheelResult::Load));
+    let mut own = solver(car)?;
+    let of_loads = move |step: &Step| {
+        _ = black_box(own.gradients(&step.case, &step.found, &loads));
+    };
+    let mut own = solver(car)?;
+    let derivatives = move |step: &Step| {
+        _ = black_box(own.gradients(&step.case, &step.found, quantities));
+    };
+    Ok(vec![
+        ("state without a neighbour", each(states, alone)),
+        ("all results of a state", each(states, results)),
+        ("member loads of a state", each(states, members)),
+        (
+            "all derivatives of the wheel loads of a state",
+            each(states, of_loads),
+        ),
+        (
+            "all derivatives of all results of a state",
+            each(states, derivatives),
+        ),
+    ])
+}
+
 impl Cars {
     /// Measures the computing times of the states of a car over its g-g map, or over a default map. If the study has a tuning,
     /// also measures the time of the tuning. Returns an error if a design cannot be solved, or if no state exists.
     pub fn measure(study: &CarStudy, clock: &Clock) -> Result<Self, Unmeasurable> {
         let car = &study.car;
-        let solver = || {
-            let made = CarSolver::new(car);
-            made.map_err(|fault| Unmeasurable::Car(car.describe_fault(&fault)))
-        };
-        let mut first = solver()?;
+        let mut first = solver(car)?;
         let steps = steps(&mut first, &map(study, None));
         if steps.is_empty() {
             return Err(Unmeasurable::NoState);
@@ -149,29 +224,8 @@ impl Cars {
         let quantities = &CarQuantity::default_columns(car);
         let whole = map(study, Some(WHOLE));
         let rows: Vec<&[Case]> = whole.iter().map(Vec::as_slice).collect();
-        let mut jobs: Vec<(&str, Job<'_>)> = Vec::new();
-        if !followers.is_empty() {
-            let mut own = solver()?;
-            let work = move |step: &Step| {
-                if let Some(before) = &step.before
-                    && let Ok(found) = own.solve_from(&step.case, before)
-                {
-                    _ = black_box(own.balance(&step.case, &found));
-                }
-            };
-            jobs.push(("state started at its neighbour", each(&followers, work)));
-            let mut own = solver()?;
-            let work = move |step: &Step| {
-                if let Some(before) = &step.before
-                    && let Ok(found) = own.solve_from(&step.case, before)
-                {
-                    printed(&mut own, quantities, &step.case, &found);
-                }
-            };
-            let name = "state started at its neighbour with all results";
-            jobs.push((name, each(&followers, work)));
-        }
-        let mut own = solver()?;
+        let mut jobs = neighbour_jobs(car, &followers, quantities)?;
+        let mut own = solver(car)?;
         let rows = &rows;
         let work = move || {
             own.solve_rows(rows, &mut |_, _, state| _ = black_box(state.is_ok()));
@@ -183,30 +237,7 @@ impl Cars {
                 work: Box::new(work),
             },
         ));
-        let mut own = solver()?;
-        let alone = move |step: &Step| _ = black_box(own.solve(&step.case));
-        jobs.push(("state without a neighbour", each(&some, alone)));
-        let mut own = solver()?;
-        let results = move |step: &Step| printed(&mut own, quantities, &step.case, &step.found);
-        jobs.push(("all results of a state", each(&some, results)));
-        let mut own = solver()?;
-        let members = move |step: &Step| _ = black_box(own.members(&step.case, &step.found));
-        jobs.push(("member loads of a state", each(&some, members)));
-        let loads = WheelPlace::ALL.map(|place| CarQuantity::Wheel(place, WheelResult::Load));
-        let mut own = solver()?;
-        let of_loads = move |step: &Step| {
-            _ = black_box(own.gradients(&step.case, &step.found, &loads));
-        };
-        jobs.push((
-            "all derivatives of the wheel loads of a state",
-            each(&some, of_loads),
-        ));
-        let mut own = solver()?;
-        let derivatives = move |step: &Step| {
-            _ = black_box(own.gradients(&step.case, &step.found, quantities));
-        };
-        let name = "all derivatives of all results of a state";
-        jobs.push((name, each(&some, derivatives)));
+        jobs.extend(state_jobs(car, &some, quantities)?);
         if let Some(wanted) = &study.optimise {
             let work = || _ = black_box(study.tuned(wanted, Control::default()).is_ok());
             let job = Job {

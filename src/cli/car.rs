@@ -23,7 +23,7 @@ use super::printer::Printer;
 use super::terminal;
 use super::{RunArguments, StudyArguments};
 use crate::car::CarSolver;
-use crate::report::{CarRecord, CarResults, car_page, counted};
+use crate::report::{CarRecord, CarResults, car_page, car_study_bands_missed, counted};
 use crate::results::{Claim, digest_of_texts};
 use crate::study::CarStudy;
 use serde_json::json;
@@ -68,6 +68,9 @@ pub(super) fn check(arguments: &StudyArguments) -> Result<Exit, Stop> {
     out.say(&format!("{}: valid\n\n", path.display()))?;
     for remark in results.remarks() {
         out.remark(&format!("{remark}\n\n"))?;
+    }
+    for line in car_study_bands_missed(&study) {
+        out.remark(&format!("{line}\n\n"))?;
     }
     for failure in results.failures() {
         out.failure(&format!("{failure}\n\n"))?;

@@ -13,7 +13,8 @@ use crate::mechanism::DesignFault;
 use crate::model::{Axis, Suspension};
 use crate::plan::Plan;
 use crate::report::{
-    Cell, Column, SolveSummary, Summary, Table, as_written, counted, violated_constraints,
+    Cell, Column, SolveSummary, Summary, Table, as_written, counted, study_bands_missed,
+    violated_constraints,
 };
 use crate::solve::StationOrder;
 use crate::study::{
@@ -47,6 +48,9 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
         out.remark(&format!("{line}\n\n"))?;
     }
     for line in violated_constraints(&study).map_err(|why| design_fault(&study, path, &why))? {
+        out.remark(&format!("{line}\n\n"))?;
+    }
+    for line in study_bands_missed(&study) {
         out.remark(&format!("{line}\n\n"))?;
     }
     for failure in checked.failures(study.wheel()) {

@@ -7,8 +7,8 @@ use super::printer::Printer;
 use crate::compliance::{AxleKcRun, Compliance, ElasticWheel, KcWheelState, Relaxed};
 use crate::model::{LengthUnit, Suspension};
 use crate::report::{
-    Table, brief, elastic_parts, no_equilibrium, plausibility, variable_plausibility,
-    violated_constraints,
+    Table, brief, elastic_parts, no_equilibrium, plausibility, study_bands_missed,
+    variable_plausibility, violated_constraints,
 };
 use crate::study::{AxleComplianceStudy, AxleStudy, ComplianceStudy, Study};
 
@@ -76,7 +76,8 @@ fn say_doubts(
     }
     let doubts = doubts(study, parts);
     let doubts = doubts.into_iter().chain(variable_plausibility(study));
-    for doubt in doubts.chain(violated_constraints(study).map_err(fault)?) {
+    let doubts = doubts.chain(violated_constraints(study).map_err(fault)?);
+    for doubt in doubts.chain(study_bands_missed(study)) {
         out.remark(&format!("{doubt}\n\n"))?;
     }
     Ok(out)

@@ -324,15 +324,16 @@ pub(super) fn origin(file: &Path) -> String {
     name.to_string_lossy().into_owned()
 }
 
-/// Text of the imported study, if its points form a suspension. Adds a note if its range of motion is shorter than usual.
+/// Text of the imported study, if its points form a suspension. Adds warnings about the points, and a note if the range of motion
+/// is shorter than usual.
 fn study_text(arguments: &ImportArguments, imported: &mut Imported) -> Result<String, Stop> {
-    let study = imported.study_and_note("the imported study", &origin(&arguments.file));
-    let (text, note) = study.map_err(|reason| {
+    let study = imported.study_and_notes("the imported study", &origin(&arguments.file));
+    let (text, notes) = study.map_err(|reason| {
         let summary = summary(imported, None);
         let reason = format!("the points do not form a valid suspension\n{summary}{reason}");
         Stop::in_file(&arguments.file, reason)
     })?;
-    imported.notes.extend(note);
+    imported.notes.extend(notes);
     Ok(text)
 }
 

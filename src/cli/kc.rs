@@ -9,18 +9,7 @@ use crate::rig::{OTHER_TABLES, RigTests};
 use crate::study::Study;
 
 pub(super) fn run(arguments: &KcArguments) -> Result<Exit, Stop> {
-    let other = match arguments.names {
-        None => None,
-        Some(Names::Adams) => Some(OtherProgram::Adams),
-        Some(Names::Altair) => Some(OtherProgram::Altair),
-        Some(Names::Spmm) => {
-            return Err(Stop::wrong_input(
-                "--names spmm is not available: no published definition of these sheets gives all \
-                 signs, and sheets differ in the sign of toe and side force. kc.csv uses the signs \
-                 in docs/compliance.md",
-            ));
-        }
-    };
+    let other = arguments.names.map(other_program).transpose()?;
     let arguments = &arguments.run;
     let path = &arguments.study.study;
     let study = Study::read_elastic(path, &arguments.study.set)?;
@@ -32,6 +21,39 @@ pub(super) fn run(arguments: &KcArguments) -> Result<Exit, Stop> {
     }
     let tests = RigTests::of(&study, other).map_err(|why| Stop::in_file(path, why))?;
     let output = Output::open(arguments, &study, "kc")?;
+    let files = write_files(&output, &study, &tests, arguments.report)?;
+    output.finish()?;
+
+    print_summary(&output, &study, &tests)?;
+    let results = &tests.results;
+    output.say_remarks(results.warnings())?;
+    for failure in results.failures() {
+        output.say_failure(&format!("\nnot solved: {failure}\n"))?;
+    }
+    output.print_files(&files)?;
+    Ok(Exit::of(results.is_complete()))
+}
+
+/// Program of `--names`. Refuses SPMM, because no published definition gives all signs.
+fn other_program(names: Names) -> Result<OtherProgram, Stop> {
+    match names {
+        Names::Adams => Ok(OtherProgram::Adams),
+        Names::Altair => Ok(OtherProgram::Altair),
+        Names::Spmm => Err(Stop::wrong_input(
+            "--names spmm is not available: no published definition of these sheets gives all \
+             signs, and sheets differ in the sign of toe and side force. kc.csv uses the signs \
+             in docs/compliance.md",
+        )),
+    }
+}
+
+/// Writes the tables, the summary for programs and, if `report` is true, the page. Returns the names of the files.
+fn write_files(
+    output: &Output,
+    study: &Study,
+    tests: &RigTests<'_>,
+    report: bool,
+) -> Result<Vec<&'static str>, Stop> {
     let mut files = Vec::new();
     for (name, csv) in tests.tables() {
         match name {
@@ -45,13 +67,16 @@ pub(super) fn run(arguments: &KcArguments) -> Result<Exit, Stop> {
     }
     output.json("summary.json", &tests.summary())?;
     files.push("summary.json");
-    if arguments.report {
+    if report {
         let page = kc_page(&study.name, &tests.results);
         output.file("report.html", page.as_bytes())?;
         files.push("report.html");
     }
-    output.finish()?;
+    Ok(files)
+}
 
+/// Prints the design loads and the tables of results, with their signs.
+fn print_summary(output: &Output, study: &Study, tests: &RigTests<'_>) -> Result<(), Stop> {
     let results = &tests.results;
     let stations = counted(results.stations.len(), "station");
     let parts = match tests.elastic_parts() {
@@ -84,10 +109,5 @@ pub(super) fn run(arguments: &KcArguments) -> Result<Exit, Stop> {
             "\nDerivatives at the station, and secants over the window. {signs} Signs: docs/compliance.md\n"
         ))?;
     }
-    output.say_remarks(results.warnings())?;
-    for failure in results.failures() {
-        output.say_failure(&format!("\nnot solved: {failure}\n"))?;
-    }
-    output.print_files(&files)?;
-    Ok(Exit::of(results.is_complete()))
+    Ok(())
 }

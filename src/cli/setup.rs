@@ -128,6 +128,9 @@ fn print_effects(output: &Output, wheels: &[SetUpSummary]) -> Result<(), Stop> {
         let title = title(summary, "Effect of each adjustment");
         output.text_only(&format!("\n{title}\n\n"))?;
         output.text_only(&summary.effects_for_readers().text(terminal::width()))?;
+        if let Some(note) = summary.effects_note() {
+            output.text_only(&format!("\n{note}\n"))?;
+        }
     }
     Ok(())
 }

@@ -81,6 +81,11 @@ pub(super) fn run_study(arguments: &SweepArguments, study: &Study) -> Result<Exi
                 "The results number the designs from 0, in the order of the file. The column `design` of the file is not read.\n",
             );
         }
+        if study.optimise.as_ref().is_some_and(|o| o.scatter.is_some()) {
+            terminal::note(
+                "The sweep compares nominal designs with the targets, without the builds of optimise.scatter.\n",
+            );
+        }
         let results = plan.results_in_designs();
         if results > 0 {
             let columns = counted(results as u64, "column");

@@ -8,7 +8,7 @@ use super::terminal;
 use super::{interrupt, progress};
 use crate::assembly::SetUpError;
 use crate::mechanism::DesignFault;
-use crate::report::{BandCurve, ToleranceSummary};
+use crate::report::{BandCurve, ToleranceSummary, VALUES_NOTE};
 use crate::scatter;
 use crate::solved::Solved;
 use crate::study::{CarStudy, Study, Tolerance};
@@ -97,12 +97,14 @@ fn print(
 ) -> Result<(), Stop> {
     output.say(&format!("{}: {}\n\n", study, summary.headline()))?;
     output.table("values", &summary.values_table())?;
+    output.text_only(&format!("\n{VALUES_NOTE}\n"))?;
     if summary.bands.is_empty() {
         output.text_only("\nShares of the variance of the builds, in the design position: first-order share of each contributor, and the remainder\n\n")?;
         output.table("shares", &summary.shares_table(contributors))?;
     } else {
         output.text_only("\n")?;
         output.table("bands", &summary.bands_table())?;
+        output.say_remarks(&summary.nominal_outside)?;
         output.text_only(
             "\nContributors, with the predicted yield at half and at twice the tolerance of each\n\n",
         )?;

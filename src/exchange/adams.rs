@@ -74,6 +74,17 @@ pub(super) struct SubsystemParameter {
     pub line: usize,
 }
 
+impl SubsystemParameter {
+    /// Value of an angle in degrees. `in_degrees` is true if the file has angles in degrees.
+    pub(super) fn angle(&self, in_degrees: bool) -> f64 {
+        if in_degrees {
+            self.value
+        } else {
+            self.value.to_degrees()
+        }
+    }
+}
+
 /// Geometry in a subsystem file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Subsystem {

@@ -238,6 +238,7 @@ impl File<'_> {
                     marks,
                     mirrored: false,
                     position: Ok([ahead + forward, lateral, up]),
+                    has_number: true,
                     body: None,
                     place: format!("line {}", end.line),
                 });
@@ -365,6 +366,7 @@ impl File<'_> {
             marks,
             mirrored: true,
             position: Ok(position),
+            has_number: true,
             body: None,
             place: format!("line {line}"),
         };

@@ -51,13 +51,13 @@ pub fn import_car(
             Some(of_side(Side::Right).map_err(fault)?)
         };
         let text = left.axle_study(right.as_ref(), &format!("the {name} study"), origin);
-        let (text, note) = text.map_err(|reason| {
+        let (text, notes) = text.map_err(|reason| {
             Refusal::Wrong(format!(
                 "the points of the {name} axle do not form a valid suspension\n{reason}"
             ))
         })?;
-        left.notes
-            .extend(note.map(|note| format!("{name} axle: {note}")));
+        let notes = notes.into_iter().map(|note| format!("{name} axle: {note}"));
+        left.notes.extend(notes);
         texts.push(text);
         axles.push(left);
     }

@@ -377,6 +377,7 @@ fn point(
         marks: Marks::default(),
         mirrored: true,
         position: Ok(position),
+        has_number: true,
         body: body.map(str::to_owned),
         place: place(&[part, key]),
     }

@@ -117,7 +117,7 @@ pub(super) fn unused(
         let is_used = meaning.is_some_and(|name| hardpoints.iter().any(|h| h.name == name));
         let is_contact =
             figure(&point.read_as).is_some_and(|(kind, ..)| kind == FigureKind::ContactPoint);
-        let is_text = point.position.is_err() && meaning.is_none();
+        let is_text = !point.has_number && meaning.is_none();
         if !is_used && !is_contact && !is_text && !names.contains(&point.name) {
             names.push(point.name.clone());
         }

@@ -5,7 +5,7 @@ use super::import::{Hardpoint, Imported, is_held_across};
 use super::seats::Seat;
 use super::slips::in_words;
 use crate::model::{AxlePosition, LengthUnit};
-use crate::report::Slip;
+use crate::report::{Slip, study_doubts};
 use crate::solved::Solved;
 use crate::study::Study;
 use std::fmt::Write;
@@ -70,20 +70,21 @@ impl Imported {
     ///
     /// The faults of the suspension in words.
     pub fn study(&self, name: &str, origin: &str) -> Result<String, String> {
-        self.study_and_note(name, origin).map(|(text, _)| text)
+        self.study_and_notes(name, origin).map(|(text, _)| text)
     }
 
-    /// Text of the study as in [`Imported::study`], and a note if its range of motion is shorter than usual.
+    /// Text of the study as in [`Imported::study`], and notes: warnings about its points, and the reason if its range of motion is
+    /// shorter than usual.
     ///
     /// # Errors
     ///
     /// The faults of the suspension in words.
-    pub fn study_and_note(
+    pub fn study_and_notes(
         &self,
         name: &str,
         origin: &str,
-    ) -> Result<(String, Option<String>), String> {
-        let (text, note) = if self.topology.carries_both_wheels() {
+    ) -> Result<(String, Vec<String>), String> {
+        let (text, notes) = if self.topology.carries_both_wheels() {
             self.running(name, origin, Part::Solid)
         } else {
             self.running(name, origin, Part::Wheel)
@@ -91,17 +92,16 @@ impl Imported {
         let text = text + &bushings::sections(&self.bushings, self.unit);
         let study = Study::elastic_from_text(name, &text, Path::new(""));
         study.map_err(|errors| errors.render(false))?;
-        Ok((text, note))
+        Ok((text, notes))
     }
 
-    /// Text of a study of both wheels, and a note if its range of motion is shorter than usual. `right` is the right wheel from
-    /// the same file.
+    /// Text of a study of both wheels, and notes as in [`Imported::study_and_notes`]. `right` is the right wheel from the same file.
     pub(super) fn axle_study(
         &self,
         right: Option<&Imported>,
         name: &str,
         origin: &str,
-    ) -> Result<(String, Option<String>), String> {
+    ) -> Result<(String, Vec<String>), String> {
         if self.topology.carries_both_wheels() {
             return self.running(name, origin, Part::Solid);
         }
@@ -132,14 +132,14 @@ impl Imported {
         text
     }
 
-    /// Text of the study with the largest range of motion in which it runs. If this range is shorter than usual, also a note with
-    /// the reason.
+    /// Text of the study with the largest range of motion in which it runs. Also warnings about its points, and the reason if this
+    /// range is shorter than usual.
     fn running(
         &self,
         name: &str,
         origin: &str,
         part: Part<'_>,
-    ) -> Result<(String, Option<String>), String> {
+    ) -> Result<(String, Vec<String>), String> {
         let read = |text: &str| Study::from_text(name, text, Path::new(""));
         let with = |travel: f64, outputs: &[&str]| self.text(origin, part, travel, outputs);
         // This read without outputs reports a fault of the points once, and not again for each output.
@@ -170,13 +170,19 @@ impl Imported {
                 let reasons = failures.chain(remarks).take(MOST_REASONS);
                 reasons.collect::<Vec<_>>()
             };
-            let text = solved.is_complete().then_some(text);
-            Ok::<_, String>(text.ok_or_else(why))
+            if !solved.is_complete() {
+                return Ok(Err(why()));
+            }
+            let doubts = study_doubts(&study).map_err(|(_, fault)| fault.to_string())?;
+            Ok::<_, String>(Ok((text, doubts)))
         };
         let mut note: Option<Vec<String>> = None;
         for travel in TRAVELS {
             match runs(travel)? {
-                Ok(text) => return Ok((text, note.map(|why| self.shortened(travel, &why)))),
+                Ok((text, doubts)) => {
+                    let shortened = note.map(|why| self.shortened(travel, &why));
+                    return Ok((text, doubts.into_iter().chain(shortened).collect()));
+                }
                 Err(failures) => note = Some(failures),
             }
         }

@@ -1,5 +1,6 @@
 //! Names of values that a file gives in addition to hardpoints: static angles, radius, tracks and offsets.
 
+use super::angle_remark::without_remarks;
 use super::angle_unit::AngleUnit;
 use super::names::{Words, cut, end_of, marks_of};
 use super::table::Marks;
@@ -11,10 +12,8 @@ use crate::model::AxlePosition;
 pub(super) enum FigureKind {
     /// Camber in the design position.
     StaticCamber,
-    /// Toe in the design position, toe-in positive.
+    /// Toe in the design position.
     StaticToe,
-    /// Toe in the design position, toe-out positive.
-    StaticToeOut,
     /// Loaded radius of the wheel.
     WheelRadius,
     /// Diameter of the unloaded tyre.
@@ -40,17 +39,13 @@ pub(super) enum FigureKind {
 impl FigureKind {
     /// True for angles, false for lengths.
     pub(super) fn is_angle(self) -> bool {
-        matches!(
-            self,
-            FigureKind::StaticCamber | FigureKind::StaticToe | FigureKind::StaticToeOut
-        )
+        matches!(self, FigureKind::StaticCamber | FigureKind::StaticToe)
     }
 }
 
 const FIGURES: &[(FigureKind, &str)] = &[
     (FigureKind::StaticCamber, "camber ?static ?angle ?wheel"),
-    (FigureKind::StaticToe, "toe ?static ?angle ?wheel ?inner"),
-    (FigureKind::StaticToeOut, "toe outer ?static ?angle ?wheel"),
+    (FigureKind::StaticToe, "toe ?static ?angle ?wheel"),
     (
         FigureKind::WheelRadius,
         "wheel radius ?loaded ?tyre | tyre radius ?loaded | loaded radius",
@@ -72,13 +67,7 @@ const FIGURES: &[(FigureKind, &str)] = &[
 /// Finds a value by its name: its kind, its wheel, and the unit of length after the name.
 pub(super) fn figure(name: &str) -> Option<(FigureKind, Marks, Option<FileUnit>)> {
     let mut cut = cut(name);
-    without_sign_remark(&mut cut);
-    // "per side" and "per wheel" do not change the meaning, because an angle always belongs to one wheel.
-    if let [.., per, "side" | "wheel"] = cut.iter().map(String::as_str).collect::<Vec<_>>()[..]
-        && per == "per"
-    {
-        cut.truncate(cut.len() - 2);
-    }
+    without_remarks(&mut cut);
     let mut unit = None;
     // The end of "toe in" is not a unit, but the ends of "toe [in]" and "wheel_radius_in" are.
     let is_toe = cut.iter().any(|word| word == "toe");
@@ -135,27 +124,6 @@ pub(super) fn figure(name: &str) -> Option<(FigureKind, Marks, Option<FileUnit>)
     kind_of(&rest).map(|kind| (kind, marks, unit))
 }
 
-/// Shortens a remark about the sign of an angle: "toe deg toe out positive" becomes "toe out".
-fn without_sign_remark(cut: &mut Vec<String>) {
-    let Some(angle) = cut
-        .iter()
-        .position(|word| word == "toe" || word == "camber")
-    else {
-        return;
-    };
-    let is_positive = |word: &str| word == "positive" || word == "pos";
-    if !cut[angle + 1..].iter().any(|word| is_positive(word)) {
-        return;
-    }
-    let name = cut[angle].clone();
-    let mut place = 0;
-    cut.retain(|word| {
-        place += 1;
-        let is_repeated = place > angle + 1 && *word == name;
-        !is_repeated && !is_positive(word) && AngleUnit::named(word).is_none()
-    });
-}
-
 /// Splits off the name of the axle if it is the first or the last word.
 fn without_axle_word(words: &[String]) -> (Option<AxlePosition>, &[String]) {
     match words {
@@ -179,20 +147,22 @@ mod tests {
             ("wheel tire loaded_radius", FigureKind::WheelRadius),
             ("Half Track", FigureKind::HalfTrack),
             ("track width", FigureKind::Track),
-            ("toe out", FigureKind::StaticToeOut),
-            ("static toe out per side", FigureKind::StaticToeOut),
+            ("toe out", FigureKind::StaticToe),
+            ("static toe out per side", FigureKind::StaticToe),
             ("Toe-in", FigureKind::StaticToe),
             ("Tire Diameter", FigureKind::TyreDiameter),
             ("static_camber_rad", FigureKind::StaticCamber),
             ("camber rad left", FigureKind::StaticCamber),
             ("FL camber [radians]", FigureKind::StaticCamber),
             ("toe [min]", FigureKind::StaticToe),
-            ("Static toe (toe out positive)", FigureKind::StaticToeOut),
-            (
-                "Static toe (deg, toe out positive)",
-                FigureKind::StaticToeOut,
-            ),
+            ("Static toe (toe out positive)", FigureKind::StaticToe),
+            ("Static toe (deg, toe out positive)", FigureKind::StaticToe),
             ("Static toe (toe-in positive)", FigureKind::StaticToe),
+            ("toe (toe out negative)", FigureKind::StaticToe),
+            ("Static toe (per side, toe in)", FigureKind::StaticToe),
+            ("Toe per side", FigureKind::StaticToe),
+            ("Total toe", FigureKind::StaticToe),
+            ("Static camber (top in positive)", FigureKind::StaticCamber),
             ("Tyre width", FigureKind::TyreWidth),
             ("tyre_width", FigureKind::TyreWidth),
             ("Rim diameter [in]", FigureKind::RimDiameter),
@@ -203,7 +173,7 @@ mod tests {
             assert_eq!(found, Some(kind), "{name}");
         }
         assert_eq!(figure("camber min"), None);
-        assert_eq!(figure("toe (toe out negative)"), None);
+        assert_eq!(figure("Static toe (per side, at full bump)"), None);
         let (_, _, unit) = figure("wheel_radius_in").unwrap();
         assert_eq!(unit, FileUnit::named("in"));
     }

@@ -1,10 +1,10 @@
 //! Values of a wheel: static camber and toe with the tool's sign, loaded radius, half track, track and wheelbase.
 
 use super::ImportOptions;
+use super::angle_remark::{Direction, Sign, Wheels, sign, wheels};
 use super::angle_unit::{AngleUnit, of_angle};
 use super::corner::Corner;
 use super::figure_names::{FigureKind, figure};
-use super::names::cut;
 use super::table::{Figure, Marks, PointTable};
 use super::unit::FileUnit;
 use crate::model::LengthUnit;
@@ -38,6 +38,28 @@ impl Figures {
     pub(super) fn half_track(&self) -> Option<f64> {
         self.half_track.or(self.track.map(|track| track / 2.0))
     }
+
+    /// Stores a value. Angles are in degrees and have the signs of studies. A toe-out angle is therefore already converted to toe.
+    fn set(&mut self, kind: FigureKind, value: f64) {
+        let place = match kind {
+            FigureKind::StaticCamber => &mut self.camber,
+            FigureKind::StaticToe => &mut self.toe,
+            FigureKind::WheelRadius => &mut self.radius,
+            FigureKind::TyreDiameter => &mut self.tyre_diameter,
+            FigureKind::HalfTrack => &mut self.half_track,
+            FigureKind::Track => &mut self.track,
+            FigureKind::Wheelbase => &mut self.wheelbase,
+            FigureKind::TyreWidth => &mut self.tyre_width,
+            FigureKind::RimDiameter => &mut self.rim_diameter,
+            FigureKind::CgHeight => &mut self.cg_height,
+            FigureKind::Offset(axis) => {
+                self.offset[axis] = value;
+                return;
+            }
+            FigureKind::ContactPoint => return,
+        };
+        *place = Some(value);
+    }
 }
 
 /// Reads the values of a wheel. `toe_out` is true if the tool counts toe-out as positive.
@@ -70,19 +92,14 @@ pub(super) fn read(
             continue;
         }
         let (kind, value) = match kind {
-            FigureKind::StaticCamber | FigureKind::StaticToe | FigureKind::StaticToeOut => {
-                angle(kind, row, (table.angle_unit, toe_out), notes)?
+            FigureKind::StaticCamber | FigureKind::StaticToe => {
+                let value = angle(kind, row, (table.angle_unit, toe_out), notes)?;
+                (kind, value)
             }
             FigureKind::ContactPoint => continue,
             kind => {
                 let own = own_unit.unwrap_or(FileUnit::of(unit));
-                let value = own.to_study(row.value);
-                let value = if own.unit == unit {
-                    value
-                } else {
-                    value / own.unit.per_metre() * unit.per_metre()
-                };
-                (kind, value)
+                (kind, length(row.value, own, unit))
             }
         };
         // A value for this wheel has priority over a value without a side.
@@ -101,24 +118,7 @@ pub(super) fn read(
             }
         }
         given.push((kind, value, marks));
-        let place = match kind {
-            FigureKind::StaticCamber => &mut found.camber,
-            FigureKind::StaticToe => &mut found.toe,
-            FigureKind::WheelRadius => &mut found.radius,
-            FigureKind::TyreDiameter => &mut found.tyre_diameter,
-            FigureKind::HalfTrack => &mut found.half_track,
-            FigureKind::Track => &mut found.track,
-            FigureKind::Wheelbase => &mut found.wheelbase,
-            FigureKind::TyreWidth => &mut found.tyre_width,
-            FigureKind::RimDiameter => &mut found.rim_diameter,
-            FigureKind::CgHeight => &mut found.cg_height,
-            FigureKind::Offset(axis) => {
-                found.offset[axis] = value;
-                continue;
-            }
-            FigureKind::StaticToeOut | FigureKind::ContactPoint => continue,
-        };
-        *place = Some(value);
+        found.set(kind, value);
     }
     if let Some(half_track) = options.half_track {
         found.half_track = Some(half_track);
@@ -129,30 +129,44 @@ pub(super) fn read(
     Ok(found)
 }
 
-/// Angle in degrees with the sign of studies. `unit` applies to an angle without its own unit. `toe_out` is true if the tool
-/// counts toe-out as positive. In studies camber is positive with the top outward, and toe with the front inward.
+/// Length in the study's `unit`. `own` is the unit in the file.
+fn length(value: f64, own: FileUnit, unit: LengthUnit) -> f64 {
+    let value = own.to_study(value);
+    if own.unit == unit {
+        value
+    } else {
+        value / own.unit.per_metre() * unit.per_metre()
+    }
+}
+
+/// Angle of one wheel in degrees with the sign of studies. `unit` applies to an angle without its own unit. `toe_out` is true if
+/// the tool counts toe-out as positive.
 fn angle(
     kind: FigureKind,
     row: &Figure,
     (unit, toe_out): (Option<AngleUnit>, bool),
     notes: &mut Vec<String>,
-) -> Result<(FigureKind, f64), String> {
-    let words = cut(&row.remark);
-    let says = |wanted: &str| {
-        words
-            .iter()
-            .any(|word| wanted.split(' ').any(|w| w == word))
+) -> Result<f64, String> {
+    let is_toe = kind == FigureKind::StaticToe;
+    let key = if is_toe {
+        "static_toe"
+    } else {
+        "static_camber"
+    };
+    let own_unit = of_angle(&row.read_as, &row.remark);
+    if row.value == 0.0 {
+        return Ok(0.0);
+    }
+    let remark = match row.remark.as_str() {
+        "" => String::new(),
+        remark => format!(" with the remark {remark:?}"),
     };
     let mut value = row.value;
-    let own_unit = of_angle(&row.read_as, &row.remark);
-    if value != 0.0
-        && let Some(unit) = own_unit.or(unit)
-    {
+    if let Some(unit) = own_unit.or(unit) {
         value = unit.degrees(value).ok_or_else(|| {
-            let remark = match (own_unit, row.remark.as_str()) {
-                (None, _) => " in the unit of angles that the file states".to_owned(),
-                (_, "") => String::new(),
-                (_, remark) => format!(" with the remark {remark:?}"),
+            let remark = match own_unit {
+                None => " in the unit of angles that the file states",
+                Some(_) => &remark,
             };
             format!(
                 "{}: {:?} is {}{remark}; expected an angle in degrees or radians",
@@ -160,10 +174,6 @@ fn angle(
             )
         })?;
         if value != row.value {
-            let key = match kind {
-                FigureKind::StaticCamber => "static_camber",
-                _ => "static_toe",
-            };
             notes.push(format!(
                 "{key}: {value:.6} deg, because {:?} ({}) is {} {}",
                 row.name,
@@ -173,32 +183,64 @@ fn angle(
             ));
         }
     }
-    if kind == FigureKind::StaticCamber {
-        return Ok((kind, value));
+    let unclear = |expected: &str| {
+        let (place, name, value) = (&row.place, &row.name, row.value);
+        format!("{place}: {name:?} is {value}{remark}; {expected}")
+    };
+    match wheels(&row.read_as, &row.remark) {
+        Wheels::One => (),
+        Wheels::Sum if is_toe => {
+            value /= 2.0;
+            notes.push(format!(
+                "{key}: {value:?} deg, half of {:?} ({}), because it is the toe of both wheels together",
+                row.name, row.place
+            ));
+        }
+        Wheels::Sum | Wheels::Unclear if is_toe => {
+            return Err(unclear(
+                "expected \"per wheel\" for the toe of one wheel, or \"total\" for the sum of both wheels",
+            ));
+        }
+        Wheels::Sum => return Err(unclear("expected the camber of one wheel")),
+        Wheels::Unclear => (),
     }
-    let named_in = cut(&row.read_as).iter().any(|word| word == "in");
-    let (inward, outward) = (
-        says("in inward inwards") || named_in,
-        says("out outward outwards") || kind == FigureKind::StaticToeOut,
-    );
-    if inward && outward && value != 0.0 {
-        return Err(format!(
-            "{}: {} is {value} with the remark {:?}, which contains both toe-in and toe-out: give \
-             the positive one",
-            row.place, row.name, row.remark
-        ));
+    let statements = [sign(&row.read_as), sign(&row.remark)];
+    let [named, remarked] = statements.map(Sign::direction);
+    let is_contradiction = named.zip(remarked).is_some_and(|(a, b)| a != b);
+    // The remark "toe out" beside -0.1 may describe the value, or the positive direction.
+    let is_open = named.is_none() && matches!(statements[1], Sign::Alone(_)) && value < 0.0;
+    let is_negative = statements.contains(&Sign::Negative) && named.or(remarked).is_none();
+    let part = if is_toe { "toe" } else { "top" };
+    if statements.contains(&Sign::Unclear)
+        || is_contradiction
+        || is_open
+        || (is_negative && value > 0.0)
+    {
+        return Err(unclear(&format!(
+            "its sign is not clear. State the positive direction, as in \"{part} out positive\""
+        )));
     }
-    if value != 0.0 && (outward || (toe_out && !inward)) {
-        let why = if outward {
-            "is toe-out"
-        } else {
-            "is positive outward in OptimumKinematics"
-        };
+    let own = if is_toe {
+        Direction::Inward
+    } else {
+        Direction::Outward
+    };
+    let by_tool = (toe_out && is_toe).then_some(Direction::Outward);
+    if named
+        .or(remarked)
+        .or(by_tool)
+        .is_some_and(|positive| positive != own)
+    {
         value = -value;
+        let why = match (is_toe, named.or(remarked)) {
+            (true, Some(_)) => "is positive for toe-out; toe-in is",
+            (true, None) => "is positive outward in OptimumKinematics; toe-in is",
+            (false, _) => "is positive with the top inward; top outward is",
+        };
         notes.push(format!(
-            "static_toe: {value:?} deg, because {:?} ({}) {why}; toe-in is positive in studies",
+            "{key}: {value:?} deg, because {:?} ({}) {why} positive in studies",
             row.name, row.place
         ));
     }
-    Ok((FigureKind::StaticToe, value))
+    Ok(value)
 }

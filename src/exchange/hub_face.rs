@@ -111,6 +111,7 @@ mod tests {
                 marks: Marks::default(),
                 mirrored: false,
                 position: Ok(position),
+                has_number: true,
                 body: None,
                 place: "row 1".to_owned(),
             };

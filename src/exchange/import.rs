@@ -9,8 +9,8 @@ use super::axes::Axes;
 use super::bushings::{self, Bushing};
 use super::complete;
 use super::corner::{self, Corner, Named, Picked};
-use super::figure_names::{FigureKind, figure};
 use super::figures::{self, Figures};
+use super::names::{cut, side_of};
 use super::place::{self, Placed};
 use super::refusal::Refusal;
 use super::right_half;
@@ -23,7 +23,7 @@ use super::{optimum, unit};
 use crate::model::{AxlePosition, FrameConvention, LengthUnit, Side, Topology};
 use std::collections::BTreeMap;
 use unused::{Unused, meanings};
-use wheel::{angles, radius};
+use wheel::{angles, contact_radius, radius};
 
 /// Options of the user for a file.
 #[derive(Clone, Copy)]
@@ -177,13 +177,13 @@ fn select(
     // Missing hardpoints are reported before the unit is determined, because the unit follows from the size of the
     // suspension.
     let wheel: &[&str] = if is_optimum { &["wheel_centre"] } else { &[] };
-    refuse_missing(table, options, roles, &picked, wheel)?;
+    refuse_missing(table, options, (roles, corner), &picked, wheel)?;
     let unit = unit::unit(table, options, &picked, notes)?;
     let figures = figures::read(table, corner, unit, options, is_optimum, notes)?;
     let makes_wheel = is_optimum && figures.half_track().is_some() && figures.radius().is_some();
     let made: &[&str] = if makes_wheel { &["wheel_centre"] } else { &[] };
     // The first check has found all other points, so only the wheel centre can be missing here.
-    refuse_missing(table, options, roles, &picked, made).map_err(|reason| {
+    refuse_missing(table, options, (roles, corner), &picked, made).map_err(|reason| {
         if is_optimum {
             format!("{reason}\ngive --half-track and --radius, from which the wheel centre of this table is computed")
         } else {
@@ -196,6 +196,66 @@ fn select(
         unit,
         figures,
         makes_wheel,
+    })
+}
+
+/// Axes and side of the selected points, with the data of the file that later steps need.
+struct Located {
+    placed: Placed,
+    /// Points with the coordinates of the file, before they were mirrored or moved to the half track.
+    as_read: Vec<Picked>,
+    /// Name of the contact point, and its distance from the wheel centre.
+    contact: Option<(String, f64)>,
+}
+
+/// Finds the axes and the side of the selected points. Mirrors the points of a wheel to the wanted side if necessary, and moves
+/// the points to the half track. In a table of OptimumKinematics, also assigns the points of the rocker and adds the wheel
+/// centre.
+fn locate(
+    table: &PointTable,
+    options: &ImportOptions<'_>,
+    named: &[Named<'_>],
+    selection: &mut Selection,
+    notes: &mut Vec<String>,
+) -> Result<Located, Refusal> {
+    let is_optimum = roles::is_optimum(&table.points);
+    let corner = selection.corner;
+    let wanted = corner.side;
+    // In tools with their own layout, the half track is measured at the contact point.
+    let compare = !is_optimum && table.kinds.is_empty();
+    let half_track = selection.figures.half_track();
+    let checks = Checks {
+        table,
+        options,
+        wanted,
+        half_track,
+        compare,
+    };
+    let picked = &mut selection.picked;
+    let as_read = picked.clone();
+    let explained = |refusal| checks.explain(&as_read, refusal);
+    let placed = place::place(table, options, wanted, picked, notes);
+    let mut placed = placed.map_err(explained)?;
+    if options.topology.carries_both_wheels() {
+        refuse_fifth_link(table, named, corner, placed, picked)?;
+    }
+    let contact = contact_radius(table, corner, placed, picked);
+    if !options.topology.carries_both_wheels() {
+        place::mirror(&mut placed, wanted, picked, notes);
+    }
+    if is_optimum {
+        optimum::rod(options.topology, placed.axes, picked, notes);
+    }
+    let has_wheel = picked.iter().any(|p| p.hardpoint.name == "wheel_centre");
+    if selection.makes_wheel && !has_wheel {
+        picked.extend(optimum::wheel_centre(placed, &selection.figures, notes));
+    }
+    let flags = (options.half_track.is_some(), compare);
+    place::to_half_track(placed, half_track, flags, picked, notes).map_err(explained)?;
+    Ok(Located {
+        placed,
+        as_read,
+        contact,
     })
 }
 
@@ -214,46 +274,20 @@ pub(super) fn for_axle(
     let roles = roles_of(table, options)?;
     let named = named_points(table, &roles);
     let is_optimum = roles::is_optimum(&table.points);
-    let selection = select(table, options, (&roles, &named), &mut notes)?;
+    let mut selection = select(table, options, (&roles, &named), &mut notes)?;
+    let located = locate(table, options, &named, &mut selection, &mut notes)?;
+    let Located {
+        placed,
+        as_read,
+        contact,
+    } = located;
     let Selection {
         corner,
-        mut picked,
+        picked,
         unit,
         mut figures,
-        makes_wheel,
+        ..
     } = selection;
-
-    let wanted = corner.side;
-    // In tools with their own layout, the half track is measured at the contact point.
-    let compare = !is_optimum && table.kinds.is_empty();
-    let half_track = figures.half_track();
-    let checks = Checks {
-        table,
-        options,
-        wanted,
-        half_track,
-        compare,
-    };
-    let as_read = picked.clone();
-    let explained = |refusal| checks.explain(&as_read, refusal);
-    let placed = place::place(table, options, wanted, &picked, &mut notes);
-    let mut placed = placed.map_err(explained)?;
-    if options.topology.carries_both_wheels() {
-        refuse_fifth_link(table, &named, corner, placed, &picked)?;
-    }
-    let contact = contact_radius(table, corner, placed, &picked);
-    if !options.topology.carries_both_wheels() {
-        place::mirror(&mut placed, wanted, &mut picked, &mut notes);
-    }
-    if is_optimum {
-        optimum::rod(options.topology, placed.axes, &mut picked, &mut notes);
-    }
-    let has_wheel = picked.iter().any(|p| p.hardpoint.name == "wheel_centre");
-    if makes_wheel && !has_wheel {
-        picked.extend(optimum::wheel_centre(placed, &figures, &mut notes));
-    }
-    let flags = (options.half_track.is_some(), compare);
-    place::to_half_track(placed, half_track, flags, &mut picked, &mut notes).map_err(explained)?;
 
     let mut hardpoints = in_order(options.topology, picked);
     complete::drop_incomplete(options, &mut hardpoints, &mut left_out)?;
@@ -411,13 +445,23 @@ fn roles_of(table: &PointTable, options: &ImportOptions<'_>) -> Result<Vec<Optio
 fn refuse_missing(
     table: &PointTable,
     options: &ImportOptions<'_>,
-    roles: &[Option<Role>],
+    (roles, corner): (&[Option<Role>], Corner),
     picked: &[Picked],
     made: &[&str],
 ) -> Result<(), String> {
     let hardpoints: Vec<Hardpoint> = picked.iter().map(|p| p.hardpoint.clone()).collect();
     let meanings = meanings(roles);
-    let unused = complete::unused(table, &meanings, &hardpoints);
+    let mut unused = complete::unused(table, &meanings, &hardpoints);
+    // The message proposes the first unused point, so points of the other wheel come last.
+    let is_of_other_wheel = |name: &String| {
+        let words = cut(name);
+        let mut ends = [words.first(), words.last()].into_iter().flatten();
+        let side = ends.find_map(|word| side_of(word));
+        let of_point = table.points.iter().find(|point| point.name == *name);
+        let side = of_point.and_then(|point| point.marks.side).or(side);
+        side.is_some() && corner.side.is_some() && side != corner.side
+    };
+    unused.sort_by_key(is_of_other_wheel);
     complete::missing(options.topology, &hardpoints, &unused, made)
 }
 
@@ -451,37 +495,4 @@ fn to_study_frame(
         placed.axes
     ));
     FrameConvention::Iso8855
-}
-
-/// Distance of the contact point from the wheel centre, if the file has both points.
-fn contact_radius(
-    table: &PointTable,
-    corner: Corner,
-    placed: Placed,
-    picked: &[Picked],
-) -> Option<(String, f64)> {
-    let centre = picked.iter().find(|p| p.hardpoint.name == "wheel_centre")?;
-    let centre = centre.hardpoint.position;
-    let is_contact = |point: &&NamedPoint| {
-        figure(&point.read_as).is_some_and(|(kind, marks, _)| {
-            let marks = point.marks.or(marks);
-            let is_side = marks.side.is_none() || marks.side == corner.side;
-            let is_axle =
-                marks.axle.is_none() || corner.axle.is_none() || marks.axle == corner.axle;
-            kind == FigureKind::ContactPoint && is_side && is_axle
-        })
-    };
-    let contact = table.points.iter().find(is_contact)?;
-    let mut position = contact.position.clone().ok()?;
-    // A contact point for both wheels has the coordinates of the left wheel. So its lateral coordinate may need the
-    // other sign.
-    let (across, _) = placed.axes.across();
-    if position[across] * centre[across] < 0.0 {
-        position[across] = -position[across];
-    }
-    let apart: [f64; 3] = std::array::from_fn(|k| position[k] - centre[k]);
-    Some((
-        contact.name.clone(),
-        apart[0].hypot(apart[1]).hypot(apart[2]),
-    ))
 }

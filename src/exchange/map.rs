@@ -256,6 +256,7 @@ impl Reader {
             marks,
             mirrored: false,
             position: Ok(position),
+            has_number: true,
             body: None,
             place: place(keys),
         });

@@ -8,7 +8,7 @@
 //! | a format to a table of named rows, with the axes, units, wheels and axles that the file states | `points`, `map`, `chrono`, `chrono_vehicle`, `assetto_in`, `assetto_axle`, `hub_face`, `source`, into `table` |
 //! | names to roles | `names`, `roles` |
 //! | choice of axle and wheel | `corner`, `right_half` |
-//! | unit and values | `unit`, `angle_unit`, `figure_names`, `figures` |
+//! | unit and values | `unit`, `angle_unit`, `angle_remark`, `figure_names`, `figures` |
 //! | axes and side, and the half track | `axes`, `place`, `optimum`, `slips` |
 //! | completeness, bodies, bushings, parts that are left out | `complete`, `seats`, `bushings` |
 //! | a study that runs, or those of a car | `compose`, `car` |
@@ -23,6 +23,7 @@
 
 mod adams;
 mod adams_bushings;
+mod angle_remark;
 mod angle_unit;
 mod assetto_axle;
 mod assetto_in;

@@ -17,7 +17,7 @@ use super::corner::Picked;
 use super::refusal::{Question, Refusal};
 use super::table::PointTable;
 use crate::model::Side;
-use crate::report::{Directions, Verdict};
+use crate::report::{Directions, Reading, Verdict};
 
 /// Axes and side of the points in the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,7 +121,7 @@ fn stated(
         if !by_user {
             return Err(open_axes(
                 format!("the file states that x, y and z point {axes}, but in its points {shown}"),
-                of_reading(&other, placed.side),
+                Some(shown_axes(&other, side)),
             ));
         }
         notes.push(format!(
@@ -146,14 +146,16 @@ fn found(
         Verdict::Unclear(best) => {
             return Err(open_axes(
                 "neither the file nor its points show the directions of x, y and z".to_owned(),
-                of_reading(&best, wheel),
+                Some(of_reading(&best, wheel)).filter(|axes| axes.is_right_handed()),
             ));
         }
         Verdict::None => {
-            return Err(open_axes(
-                "the headers give two coordinates the same axis".to_owned(),
-                Axes::of(crate::model::FrameConvention::Iso8855),
-            ));
+            let likely = match directions.judge(|_| true) {
+                Verdict::Clear(reading) => Some(shown_axes(&reading, side)),
+                Verdict::Unclear(_) | Verdict::None => None,
+            };
+            let reason = "the headers give two coordinates the same axis";
+            return Err(open_axes(reason.to_owned(), likely));
         }
     };
     let placed = Placed {
@@ -169,7 +171,7 @@ fn found(
                 "the headers contradict the points, in which {}",
                 directions.describe(&other)
             ),
-            of_reading(&other, wheel),
+            Some(shown_axes(&other, side)),
         ));
     }
     let shown = directions.describe(&reading);
@@ -215,18 +217,24 @@ fn left_handed(reason: String, choices: Vec<(&'static str, String)>) -> Refusal 
     })
 }
 
-/// Question about the axes, with the most likely answer.
-fn open_axes(reason: String, likely: Axes) -> Refusal {
-    let mut choices = Vec::new();
-    if likely.is_right_handed() {
-        choices.push(("--axes", likely.to_string()));
+/// Axes that the points show. If the side of the wheel is not known, the side for which the axes are right-handed.
+fn shown_axes(reading: &Reading, side: Option<Side>) -> Axes {
+    let axes = of_reading(reading, side.unwrap_or(Side::Left));
+    if side.is_none() && !axes.is_right_handed() {
+        return of_reading(reading, Side::Right);
     }
+    axes
+}
+
+/// Question about the axes, with the most likely answer.
+fn open_axes(reason: String, likely: Option<Axes>) -> Refusal {
+    let choices = likely.map(|axes| ("--axes", axes.to_string()));
     Refusal::Open(Question {
         reason,
-        choices,
+        choices: choices.into_iter().collect(),
         free: Some((
             "--axes",
-            "with the directions of x, y and z, for example --axes forward,left,up",
+            "X,Y,Z, the directions of x, y and z, each forward, rearward, left, right, up or down",
         )),
     })
 }

@@ -5,7 +5,7 @@ mod unit_line;
 use super::angle_unit::{is_unit, of_line};
 use super::axes::{Axes, Declared};
 use super::cell::{Cell, Sheet};
-use super::decimals::Decimals;
+use super::decimals::{Decimals, plain_number};
 use super::figure_names::{FigureKind, figure};
 use super::header::{self, Columns, Triple, header, text};
 use super::names::{cut, marks_of_title, side_of};
@@ -116,6 +116,7 @@ impl Rows<'_> {
             .row(row)
             .any(|(_, cell)| self.decimals.number(cell).is_ok());
         let Some(columns) = self.columns.clone() else {
+            self.value_beside(row, |name| figure(name).is_some());
             return self.title(row, &texts, true);
         };
         let triples = columns.triples.iter();
@@ -126,7 +127,14 @@ impl Rows<'_> {
         if let Some(word) = unit_row(&numbers) {
             return self.unit(row, word);
         }
-        let own_name = sheet.cell(row, columns.name).and_then(text);
+        let own_name = sheet.cell(row, columns.name);
+        let is_number = |cell: &Cell| self.decimals.number(cell).is_ok();
+        if (filled == 0 || own_name.is_some_and(is_number))
+            && self.value_beside(row, |name| marks_of_title(name).is_none())
+        {
+            return Ok(());
+        }
+        let own_name = own_name.and_then(text);
         // Files write values of the wheel in the first column, even if another column has the names of points.
         let first = texts.first().copied().filter(|text| figure(text).is_some());
         let Some(name) = own_name.or(first.filter(|_| has_number)) else {
@@ -166,7 +174,13 @@ impl Rows<'_> {
         };
         let most = numbers.iter().map(count).max().unwrap_or(0);
         let is_figure = figure(name).is_some_and(|(kind, ..)| kind != FigureKind::ContactPoint);
-        if numbers.iter().all(alone) || (is_figure && most == 1) {
+        let has_unit = |cells: &[Option<&Cell>; 3]| {
+            let is_number = cells[0].is_none_or(|cell| self.decimals.number(cell).is_ok());
+            let unit = cells[1..].iter().flatten().next();
+            is_number && unit.is_none_or(|cell| text(cell).is_some_and(is_unit))
+        };
+        let is_value = is_figure || numbers.iter().all(has_unit);
+        if numbers.iter().all(alone) || (is_value && most == 1) {
             return self.figures(row, name, &columns, &numbers, marks.0);
         }
         if is_figure && most == 2 {
@@ -212,6 +226,10 @@ impl Rows<'_> {
                 read_as: name.to_owned(),
                 marks: found,
                 mirrored: both,
+                has_number: cells
+                    .iter()
+                    .flatten()
+                    .any(|cell| self.decimals.number(cell).is_ok()),
                 position: self.position(row, triple, cells),
                 body: body.and_then(text).map(str::to_owned),
                 place: sheet.row_place(row),
@@ -400,6 +418,37 @@ impl Rows<'_> {
         Ok((marks, both))
     }
 
+    /// Adds the value of a row without coordinates whose first cells are a name and the only number: `Loaded radius, 310, mm`.
+    /// Returns false for any other row, and for a name that is not of a value.
+    fn value_beside(&mut self, row: u32, is_of_value: impl Fn(&str) -> bool) -> bool {
+        let sheet = self.sheet;
+        let mut cells = sheet.row(row).map(|(_, cell)| cell);
+        let (Some(Cell::Text(name)), Some(cell)) = (cells.next(), cells.next()) else {
+            return false;
+        };
+        let is_number = |cell: &Cell| self.decimals.number(cell).is_ok();
+        let is_name = plain_number(name, true).is_err() && is_of_value(name);
+        let (Ok(value), true) = (self.decimals.number(cell), is_name) else {
+            return false;
+        };
+        let rest: Vec<&Cell> = cells.collect();
+        if rest.iter().any(|cell| is_number(cell)) {
+            return false;
+        }
+        let texts = rest.into_iter().filter_map(text);
+        let place = sheet.row_place(row);
+        let (units, words): (Vec<&str>, Vec<&str>) = texts.partition(|text| is_unit(text));
+        self.table.figures.push(Figure {
+            name: name.clone(),
+            read_as: with_units(name, units),
+            value,
+            marks: self.of_section(name),
+            remark: words.join(" "),
+            place,
+        });
+        true
+    }
+
     fn figures(
         &mut self,
         row: u32,
@@ -410,7 +459,9 @@ impl Rows<'_> {
     ) -> Result<(), String> {
         let place = self.sheet.row_place(row);
         let used = |column: u32| {
-            column == columns.name || columns.triples.iter().any(|t| t.columns.contains(&column))
+            column == columns.name
+                || columns.marks.contains(&column)
+                || columns.triples.iter().any(|t| t.columns.contains(&column))
         };
         let remarks = self.sheet.row(row).filter(|(column, _)| !used(*column));
         let remark: Vec<&str> = remarks.filter_map(|(_, cell)| text(cell)).collect();
@@ -439,8 +490,7 @@ impl Rows<'_> {
             let own = beside.iter().copied().filter(|text| is_unit(text));
             let after = remark.iter().copied();
             let after = after.filter(|text| is_unit(text) && without_brackets(text) != "in");
-            let units = own.chain(after).map(without_brackets);
-            let read_as = units.fold(name.to_owned(), |name, unit| format!("{name} [{unit}]"));
+            let read_as = with_units(name, own.chain(after));
             let words = beside.iter().copied().filter(|text| !is_unit(text));
             let remark: Vec<&str> = words.chain(remark.iter().copied()).collect();
             let of_columns = if is_alone {
@@ -475,6 +525,12 @@ impl Rows<'_> {
         }
         Ok(position)
     }
+}
+
+/// Name of a value, with its units after it as in `toe [deg]`.
+fn with_units<'t>(name: &str, units: impl IntoIterator<Item = &'t str>) -> String {
+    let units = units.into_iter().map(without_brackets);
+    units.fold(name.to_owned(), |name, unit| format!("{name} [{unit}]"))
 }
 
 /// Text of a cell for messages.

@@ -232,9 +232,14 @@ fn readings(words: &[String], letters: Letters) -> Vec<(Vec<String>, Marks)> {
         changed
     };
     let usual = stripped(rear(words, letters.first_is_rear, letters.last_is_rear));
+    // The side may follow the R, as in `LCA_R_LH`.
+    let (plain, marks) = usual.clone();
     let mut all = vec![usual];
     if is_r(words.last()) {
         all.push(stripped(rear(words, letters.first_is_rear, true)));
+    }
+    if marks.side.is_some() && is_r(plain.last()) {
+        all.push((rear(&plain, false, true), marks));
     }
     all
 }
@@ -320,128 +325,136 @@ mod tests {
     use crate::model::Side;
 
     /// A test case: other names of the file, a name, and its hardpoint, wheel, axle and body.
-    type Case<'a> = (
-        &'a [&'a str],
-        &'a str,
-        &'a str,
+    type Case = (
+        &'static [&'static str],
+        &'static str,
+        &'static str,
         Option<Side>,
         Option<AxlePosition>,
-        Option<&'a str>,
+        Option<&'static str>,
     );
+
+    const PAIRED: [&str; 3] = ["F_LCA_IF", "R_LCA_IF", "F_UBJ"];
+    const SIDED: [&str; 2] = ["LCA front L", "LCA front R"];
+    const DROP_LINK: [&str; 2] = ["Droplink lower (on rocker)", "Droplink upper"];
+    const FRONT: Option<AxlePosition> = Some(AxlePosition::Front);
+    const REAR: Option<AxlePosition> = Some(AxlePosition::Rear);
+    const LEFT: Option<Side> = Some(Side::Left);
+    const RIGHT: Option<Side> = Some(Side::Right);
+
+    /// Names of points of a double wishbone.
+    const CASES: [Case; 28] = [
+        (&[], "hpl_lca_front", "lower_arm_front", LEFT, None, None),
+        (&SIDED, "LCA front R", "lower_arm_front", RIGHT, None, None),
+        (
+            &[],
+            "FR lower ball joint",
+            "lower_ball_joint",
+            RIGHT,
+            FRONT,
+            None,
+        ),
+        (&[], "LCA_R", "lower_arm_rear", None, None, None),
+        (&[], "LCA_F", "lower_arm_front", None, None, None),
+        (&[], "UCA_R_LH", "upper_arm_rear", LEFT, None, None),
+        (&[], "LCA_R_L", "lower_arm_rear", LEFT, None, None),
+        (&[], "LCA_R_RH", "lower_arm_rear", RIGHT, None, None),
+        (&[], "UBJ R", "upper_ball_joint", RIGHT, None, None),
+        (&PAIRED, "F_LCA_IF", "lower_arm_front", None, FRONT, None),
+        (&PAIRED, "R_LCA_IF", "lower_arm_front", None, REAR, None),
+        (&PAIRED, "R_UBJ", "upper_ball_joint", None, REAR, None),
+        (&[], "FUCA aft", "upper_arm_rear", None, FRONT, None),
+        (
+            &[],
+            "front lower ball joint",
+            "lower_ball_joint",
+            None,
+            FRONT,
+            None,
+        ),
+        (&[], "Rack end", "tie_rod_inner", None, None, None),
+        (&[], "Steering arm", "tie_rod_outer", None, None, None),
+        (
+            &[],
+            "Damper o/b (rocker)",
+            "spring_lower",
+            None,
+            None,
+            Some("rocker"),
+        ),
+        (
+            &[],
+            "Push rod lower (on LCA)",
+            "pushrod_outer",
+            None,
+            None,
+            Some("lower_arm"),
+        ),
+        (
+            &[],
+            "Pushrod lower (on UCA)",
+            "pushrod_outer",
+            None,
+            None,
+            Some("upper_arm"),
+        ),
+        (
+            &[],
+            "Pushrod lower (on upper arm)",
+            "pushrod_outer",
+            None,
+            None,
+            Some("upper_arm"),
+        ),
+        (
+            &[],
+            "Pushrod lower (upper wishbone) L",
+            "pushrod_outer",
+            LEFT,
+            None,
+            Some("upper_arm"),
+        ),
+        (
+            &DROP_LINK,
+            "Droplink lower (on rocker)",
+            "drop_link_outer",
+            None,
+            None,
+            Some("rocker"),
+        ),
+        (
+            &DROP_LINK,
+            "Droplink upper",
+            "drop_link_inner",
+            None,
+            None,
+            None,
+        ),
+        (
+            &[],
+            "ARB link @ rocker",
+            "drop_link_outer",
+            None,
+            None,
+            Some("rocker"),
+        ),
+        (&[], "NSMA_PPAttPnt_L", "pushrod_outer", LEFT, None, None),
+        (
+            &[],
+            "Front NSMA_UBarAttPnt_L",
+            "drop_link_outer",
+            LEFT,
+            FRONT,
+            None,
+        ),
+        (&[], "LWB_IN_F", "lower_arm_front", None, None, None),
+        (&[], "TR_OUT", "tie_rod_outer", None, None, None),
+    ];
 
     #[test]
     fn names_say_wheel_axle_and_body() {
-        let paired = ["F_LCA_IF", "R_LCA_IF", "F_UBJ"];
-        let sided = ["LCA front L", "LCA front R"];
-        let drop_link = ["Droplink lower (on rocker)", "Droplink upper"];
-        let (front, rear) = (Some(AxlePosition::Front), Some(AxlePosition::Rear));
-        let (left, right) = (Some(Side::Left), Some(Side::Right));
         let topology = Topology::named("double_wishbone").unwrap();
-        let cases: [Case; 25] = [
-            (&[], "hpl_lca_front", "lower_arm_front", left, None, None),
-            (&sided, "LCA front R", "lower_arm_front", right, None, None),
-            (
-                &[],
-                "FR lower ball joint",
-                "lower_ball_joint",
-                right,
-                front,
-                None,
-            ),
-            (&[], "LCA_R", "lower_arm_rear", None, None, None),
-            (&[], "LCA_F", "lower_arm_front", None, None, None),
-            (&[], "UBJ R", "upper_ball_joint", right, None, None),
-            (&paired, "F_LCA_IF", "lower_arm_front", None, front, None),
-            (&paired, "R_LCA_IF", "lower_arm_front", None, rear, None),
-            (&paired, "R_UBJ", "upper_ball_joint", None, rear, None),
-            (&[], "FUCA aft", "upper_arm_rear", None, front, None),
-            (
-                &[],
-                "front lower ball joint",
-                "lower_ball_joint",
-                None,
-                front,
-                None,
-            ),
-            (&[], "Rack end", "tie_rod_inner", None, None, None),
-            (&[], "Steering arm", "tie_rod_outer", None, None, None),
-            (
-                &[],
-                "Damper o/b (rocker)",
-                "spring_lower",
-                None,
-                None,
-                Some("rocker"),
-            ),
-            (
-                &[],
-                "Push rod lower (on LCA)",
-                "pushrod_outer",
-                None,
-                None,
-                Some("lower_arm"),
-            ),
-            (
-                &[],
-                "Pushrod lower (on UCA)",
-                "pushrod_outer",
-                None,
-                None,
-                Some("upper_arm"),
-            ),
-            (
-                &[],
-                "Pushrod lower (on upper arm)",
-                "pushrod_outer",
-                None,
-                None,
-                Some("upper_arm"),
-            ),
-            (
-                &[],
-                "Pushrod lower (upper wishbone) L",
-                "pushrod_outer",
-                left,
-                None,
-                Some("upper_arm"),
-            ),
-            (
-                &drop_link,
-                "Droplink lower (on rocker)",
-                "drop_link_outer",
-                None,
-                None,
-                Some("rocker"),
-            ),
-            (
-                &drop_link,
-                "Droplink upper",
-                "drop_link_inner",
-                None,
-                None,
-                None,
-            ),
-            (
-                &[],
-                "ARB link @ rocker",
-                "drop_link_outer",
-                None,
-                None,
-                Some("rocker"),
-            ),
-            (&[], "NSMA_PPAttPnt_L", "pushrod_outer", left, None, None),
-            (
-                &[],
-                "Front NSMA_UBarAttPnt_L",
-                "drop_link_outer",
-                left,
-                front,
-                None,
-            ),
-            (&[], "LWB_IN_F", "lower_arm_front", None, None, None),
-            (&[], "TR_OUT", "tie_rod_outer", None, None, None),
-        ];
-        for (others, name, hardpoint, side, axle, body) in cases {
+        for (others, name, hardpoint, side, axle, body) in CASES {
             let letters = Letters::of(others.iter().copied());
             let role = read(name, topology, letters).unwrap_or_else(|| panic!("{name}"));
             assert_eq!(

@@ -4,6 +4,7 @@
 use super::adams::{self, Symmetry};
 use super::axes::{Axes, Declared};
 use super::refusal::Refusal;
+use super::subsystem::ANGLES;
 use super::table::{Figure, Marks, NamedPoint, PointTable};
 use super::unit::FileUnit;
 use super::{adams_bushings, assetto_in, chrono_vehicle, delimited, map, points, sheets, yaml};
@@ -53,6 +54,12 @@ pub fn read_map(json: &str) -> Result<PointTable, Refusal> {
 
 /// Points of a file that is not a workbook.
 fn of_plain_file(path: &Path, bytes: &[u8]) -> Result<PointTable, String> {
+    if let Some(kind) = cad(path, bytes) {
+        return Err(format!(
+            "it is a {kind} file, and the import reads no CAD files. Export the points from CAD as a table with names, x, y and z \
+             (.csv or .xlsx), and import the table. If its names are not known, assign them with --map"
+        ));
+    }
     // Old binary workbooks and encrypted workbooks begin with these bytes.
     if bytes.starts_with(&[0xd0, 0xcf, 0x11, 0xe0]) {
         return Err("it is an old or an encrypted workbook; save it as .xlsx or .csv".to_owned());
@@ -88,6 +95,35 @@ fn of_plain_file(path: &Path, bytes: &[u8]) -> Result<PointTable, String> {
     }
     let table = points::read(&delimited::read(&text)?)?;
     table.ok_or_else(|| NO_POINTS.to_owned())
+}
+
+/// Kind of a CAD file, by its content or the ending of its name. `None` for other files.
+fn cad(path: &Path, bytes: &[u8]) -> Option<&'static str> {
+    const ENDINGS: &[(&str, &str)] = &[
+        ("dxf", "DXF"),
+        ("dwg", "DWG"),
+        ("step", "STEP"),
+        ("stp", "STEP"),
+        ("iges", "IGES"),
+        ("igs", "IGES"),
+        ("stl", "STL"),
+        ("sldprt", "SolidWorks"),
+        ("sldasm", "SolidWorks"),
+        ("catpart", "CATIA"),
+        ("catproduct", "CATIA"),
+    ];
+    let begins = bytes.trim_ascii_start();
+    if begins.starts_with(b"ISO-10303-21;") {
+        return Some("STEP");
+    }
+    let second = begins.strip_prefix(b"0").unwrap_or_default();
+    if second.trim_ascii_start().starts_with(b"SECTION") {
+        return Some("DXF");
+    }
+    let ending = path.extension()?.to_str()?;
+    let mut known = ENDINGS.iter();
+    let found = known.find(|(known, _)| ending.eq_ignore_ascii_case(known));
+    found.map(|(_, kind)| *kind)
 }
 
 pub(super) const NO_POINTS: &str = "it has no table of points: a header with a column of names \
@@ -154,6 +190,7 @@ fn of_subsystem(path: &Path, text: &str) -> Result<PointTable, String> {
             marks: Marks { side, axle: None },
             mirrored: point.symmetry == Symmetry::Both,
             position: Ok(point.position),
+            has_number: true,
             body: None,
             place: format!("line {}", point.line),
         });
@@ -166,18 +203,14 @@ fn of_subsystem(path: &Path, text: &str) -> Result<PointTable, String> {
         .collect();
     for parameter in subsystem.parameters {
         // Only camber and toe are parameters of the geometry. A value of the left wheel alone applies to both wheels.
-        let is_angle = ["camber_angle", "toe_angle"].contains(&parameter.name.as_str());
+        let is_angle = ANGLES.contains(&parameter.name.as_str());
         let side = match parameter.symmetry {
             Symmetry::Right => Some(Side::Right),
             Symmetry::Left if has_right.contains(&parameter.name) => Some(Side::Left),
             _ => None,
         };
         if is_angle {
-            let degrees = if subsystem.degrees {
-                parameter.value
-            } else {
-                parameter.value.to_degrees()
-            };
+            let degrees = parameter.angle(subsystem.degrees);
             table.figures.push(Figure {
                 read_as: parameter.name.clone(),
                 name: parameter.name,

@@ -1,9 +1,10 @@
 //! Writes a study's points as hardpoints of an Adams/Car subsystem: in a new file, or in the rows of a copy of an existing file.
 
-use super::adams::{self, Symmetry};
+use super::adams::{self, SubsystemParameter, Symmetry};
 use super::names;
 use super::outgoing::Outgoing;
 use crate::model::{FrameConvention, PointId, Side, SpinAxis, Suspension};
+use crate::report::shortest;
 
 /// A file written for another tool.
 #[derive(Clone, Debug)]
@@ -13,6 +14,9 @@ pub struct Written {
     /// Notes about parts of the study that the file cannot hold.
     pub notes: Vec<String>,
 }
+
+/// Names of the static angles of a wheel in these files.
+pub(super) const ANGLES: [&str; 2] = ["camber_angle", "toe_angle"];
 
 /// Axes of these files.
 const AXES: FrameConvention = FrameConvention::XRear;
@@ -38,8 +42,7 @@ pub fn subsystem(outgoing: &Outgoing<'_>) -> Written {
             points.push((name.to_owned(), symmetry, position));
         }
         if matches!(mechanism.spin_axis, SpinAxis::Along(_)) {
-            let names = ["camber_angle", "toe_angle"].into_iter();
-            let angles = names.zip(outgoing.static_angles(*side));
+            let angles = ANGLES.into_iter().zip(outgoing.static_angles(*side));
             parameters.extend(angles.map(|(name, angle)| (name.to_owned(), symmetry, angle)));
         }
     }
@@ -89,6 +92,20 @@ pub fn into_subsystem(outgoing: &Outgoing<'_>, file: &[u8]) -> Result<Written, S
     if !absent.is_empty() {
         notes.push(format!("no row in the file for: {}", absent.join(", ")));
     }
+    let mut unknown: Vec<&str> = Vec::new();
+    for point in &subsystem.points {
+        let name = point.name.as_str();
+        let is_known = meanings.iter().any(|(known, _)| *known == name);
+        if !is_known && !unknown.contains(&name) {
+            unknown.push(name);
+        }
+    }
+    if !unknown.is_empty() {
+        notes.push(format!(
+            "rows without a hardpoint in the study, unchanged: {}",
+            unknown.join(", ")
+        ));
+    }
     let mut others = subsystem.points.iter();
     if others.any(|point| !is_for(point.symmetry)) {
         notes.push(format!(
@@ -103,10 +120,33 @@ pub fn into_subsystem(outgoing: &Outgoing<'_>, file: &[u8]) -> Result<Written, S
             unit.symbol()
         ));
     }
+    let is_of_wheel = |parameter: &&SubsystemParameter| is_for(parameter.symmetry);
+    let parameters = subsystem.parameters.iter().filter(is_of_wheel);
+    let angles = outgoing.static_angles(side);
+    notes.extend(parameters.filter_map(|p| other_angle(angles, p, subsystem.degrees)));
     notes.extend(without_bodies(&outgoing, &[side]));
     Ok(Written {
         bytes: adams::bytes_of(&rewritten.text),
         notes,
+    })
+}
+
+/// Note about a static angle of a file that differs from the angle of the study. `angles` are camber and toe of the study in
+/// degrees.
+fn other_angle(
+    angles: [f64; 2],
+    parameter: &SubsystemParameter,
+    in_degrees: bool,
+) -> Option<String> {
+    /// Largest difference of equal angles in degrees. If a point defines the spin axis, the study's angles are rounded.
+    const SAME: f64 = 1e-6;
+    let (line, name, found) = (parameter.line, &parameter.name, parameter.angle(in_degrees));
+    let own = angles[ANGLES.iter().position(|known| known == name)?];
+    ((own - found).abs() > SAME).then(|| {
+        format!(
+            "line {line}: {name} is unchanged. It is {found} deg in the file, but {} deg in the study: change it in the new file",
+            shortest(own)
+        )
     })
 }
 

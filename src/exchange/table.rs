@@ -41,6 +41,8 @@ pub(super) struct NamedPoint {
     pub marks: Marks,
     /// True if the point applies to the left wheel and, mirrored, to the right wheel.
     pub mirrored: bool,
+    /// True if at least one coordinate is a number. A row of texts is not a point.
+    pub has_number: bool,
     /// Coordinates, or the reason why they cannot be read.
     pub position: Result<[f64; 3], String>,
     /// Body that carries the point, if the file gives one.

@@ -1,8 +1,12 @@
 //! Bands of tolerances: in words, and with the share of builds within them.
 
-use super::shortest;
+use super::figure::as_written;
+use super::given_columns::GivenColumns;
 use super::tolerance_summary::ValueRecord;
-use crate::study::{AxleSite, Band};
+use super::{brief, figure};
+use crate::model::Axis;
+use crate::study::{AxleSite, AxleStudy, Band, Study};
+use crate::tolerance::Problem;
 use serde::{Deserialize, Serialize};
 
 /// A band with its yield.
@@ -58,6 +62,69 @@ impl BandRecord {
     }
 }
 
+/// Advice for a band that the nominal design misses.
+pub(super) const CENTRE_FIRST: &str = "Tighter tolerances cannot give a high yield then. First move the nominal value into the band, for example with \
+     `hardpoint optimise`, or change the band";
+
+/// Sentence about a band that the nominal design misses. `value` is the nominal value with its place.
+pub(super) fn nominal_outside(band: &str, value: &str) -> String {
+    format!("the nominal design is outside the band {band}; nominal: {value}. {CENTRE_FIRST}")
+}
+
+/// Sentences about the bands that the nominal design misses, with the value that is farthest outside. `nominal` has all values
+/// of the nominal design.
+pub(super) fn bands_missed(problem: &Problem, nominal: &[f64]) -> Vec<String> {
+    let missed = problem.bands_missed(nominal).into_iter();
+    let words = missed.map(|(number, [output, station])| {
+        let band = &problem.tolerance.bands[number];
+        let column = &problem.outputs()[output];
+        let value = nominal[problem.cell(output, station)] * column.factor();
+        let value = if value.is_finite() {
+            figure(value, &column.unit)
+        } else {
+            "missing".to_owned()
+        };
+        let value = format!("{} {value}", column.name);
+        let place = place_in_words(problem, station);
+        nominal_outside(&in_words(band), &format!("{value} at {place}"))
+    });
+    words.collect()
+}
+
+/// Sentences about the bands of a study that its nominal design misses. Empty without tolerances, and if the nominal design cannot
+/// be solved or aligned.
+pub fn study_bands_missed(study: &Study) -> Vec<String> {
+    let missed = || {
+        let with_bands = study.tolerance.as_ref().filter(|t| !t.bands.is_empty());
+        let problem = Problem::of(study, with_bands?).ok()?;
+        let nominal = problem.drawn().ok()?;
+        Some(bands_missed(&problem, &nominal))
+    };
+    missed().unwrap_or_default()
+}
+
+/// Coordinates of a station in words, as in `travel 5 mm`. A rack at 0 is left out.
+fn place_in_words(problem: &Problem, station: usize) -> String {
+    if let Some(AxleStudy { axle, plan, .. }) = problem.study.axle() {
+        let columns = GivenColumns { plan, axle };
+        let values = columns.values_anywhere(&problem.placements()[station]);
+        let names = columns.names().into_iter().zip(values);
+        let parts: Vec<String> = names
+            .map(|(name, value)| format!("{name} {}", brief(value)))
+            .collect();
+        return parts.join(", ");
+    }
+    let (stations, wheel) = (problem.stations(), problem.study.wheel());
+    let unit = wheel.length_unit.symbol();
+    let travel = brief(stations.values()[stations.value_of(station)]);
+    let rack = stations.racks[stations.rack_of(station)];
+    if rack == 0.0 {
+        return format!("travel {travel} {unit}");
+    }
+    let rack = brief(rack * wheel.frame.sign(Axis::Y));
+    format!("travel {travel} {unit}, rack {rack} {unit}")
+}
+
 /// Lowest and highest printed value of a band. `None` without a limit.
 pub(super) fn limits_of(band: &Band) -> [Option<f64>; 2] {
     let printed = |v: &f64| {
@@ -82,15 +149,15 @@ pub(super) fn in_words(band: &Band) -> String {
         (printed * 1e9).round() / 1e9
     });
     let wanted = match (low.is_finite(), high.is_finite()) {
-        (true, true) => format!("{} to {}", shortest(low), shortest(high)),
-        (true, false) => format!("at least {}", shortest(low)),
-        _ => format!("at most {}", shortest(high)),
+        (true, true) => format!("{} to {}", as_written(low), as_written(high)),
+        (true, false) => format!("at least {}", as_written(low)),
+        _ => format!("at most {}", as_written(high)),
     };
     let held = band.site.as_ref().map_or(String::new(), AxleSite::in_words);
     let over = band.site.as_ref().map(|site| site.over.key());
     match (band.at, over) {
-        (Some(at), None) => format!("{column} at {}: {wanted}", shortest(at)),
-        (Some(at), Some(over)) => format!("{column} at {over} {}{held}: {wanted}", shortest(at)),
+        (Some(at), None) => format!("{column} at {}: {wanted}", as_written(at)),
+        (Some(at), Some(over)) => format!("{column} at {over} {}{held}: {wanted}", as_written(at)),
         (None, Some(over)) => format!("{column} over {over}{held}: {wanted}"),
         (None, None) => format!("{column}: {wanted}"),
     }

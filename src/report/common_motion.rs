@@ -18,6 +18,38 @@ fn drive(table: &CurveTable) -> &str {
     given.unwrap_or_else(|| table.header.first().map_or("", String::as_str))
 }
 
+/// Returns true if all tables are of axles, and false if all are of wheels. Only tables of axles have the column `travel_left`.
+fn are_of_axles(tables: &[CurveTable], labels: &[&str], travel_left: &str) -> Result<bool, String> {
+    let is_of_axle = |table: &CurveTable| table.column(travel_left).is_some();
+    let is_axle = is_of_axle(&tables[0]);
+    let Some(other) = tables.iter().position(|t| is_of_axle(t) != is_axle) else {
+        return Ok(is_axle);
+    };
+    let (axle, wheel) = if is_axle {
+        (labels[0], labels[other])
+    } else {
+        (labels[other], labels[0])
+    };
+    Err(format!(
+        "{axle} has curves of both wheels of an axle, {wheel} of one wheel: compare axles with axles, or \
+         remove [axle]"
+    ))
+}
+
+/// Column that identifies the stations of all wheels, or an error if the wheels have different ones.
+fn common_drive<'t>(tables: &'t [CurveTable], labels: &[&str]) -> Result<&'t str, String> {
+    let own = drive(&tables[0]);
+    match tables.iter().position(|table| drive(table) != own) {
+        None => Ok(own),
+        Some(other) => Err(format!(
+            "the curves of {} are over {own}, those of {} over {}: run them over the same motion",
+            labels[0],
+            labels[other],
+            drive(&tables[other])
+        )),
+    }
+}
+
 /// Columns of the motion that several tables share. Together they identify a station.
 pub(super) struct CommonMotion {
     /// Names of the columns.
@@ -42,18 +74,7 @@ impl CommonMotion {
         let in_unit = |name: &str| format!("{name}_{}", unit.symbol());
         let has = |table: &CurveTable, name: &str| table.column(name).is_some();
         let left = in_unit("travel_left");
-        let is_axle = has(&tables[0], &left);
-        if let Some(other) = tables.iter().position(|t| has(t, &left) != is_axle) {
-            let (axle, wheel) = if is_axle {
-                (labels[0], labels[other])
-            } else {
-                (labels[other], labels[0])
-            };
-            return Err(format!(
-                "{axle} has curves of both wheels of an axle, {wheel} of one wheel: compare axles with axles, or \
-                 remove [axle]"
-            ));
-        }
+        let is_axle = are_of_axles(tables, labels, &left)?;
         let rack = in_unit("rack");
         let any = |name: &str| tables.iter().any(|table| has(table, name));
         let heave = in_unit("heave");
@@ -61,16 +82,7 @@ impl CommonMotion {
         let mut columns = Vec::new();
         let mut repeated = Vec::new();
         if !is_axle {
-            let own = drive(&tables[0]);
-            if let Some(other) = tables.iter().position(|table| drive(table) != own) {
-                return Err(format!(
-                    "the curves of {} are over {own}, those of {} over {}: run them over the same motion",
-                    labels[0],
-                    labels[other],
-                    drive(&tables[other])
-                ));
-            }
-            required.push(own.to_owned());
+            required.push(common_drive(tables, labels)?.to_owned());
             let names = ["travel", "arm_angle", "theta", "rack", "roll", "heave"];
             repeated.extend(names.map(in_unit));
             repeated.extend(names.map(|name| format!("{name}_deg")));

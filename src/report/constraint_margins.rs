@@ -23,13 +23,13 @@ pub(crate) struct ConstraintMargin {
 pub(crate) fn constraint_margins(optimise: &Optimise, margins: &[Margin]) -> Vec<ConstraintMargin> {
     let constraints = optimise.constraints.iter().zip(margins);
     constraints
-        .map(|(constraint, Margin { room, .. })| {
+        .map(|(constraint, Margin { margin, .. })| {
             let part = &constraint.parts[0];
             ConstraintMargin {
                 name: constraint.name.clone(),
-                margin: room + 0.0,
+                margin: margin + 0.0,
                 unit: part.unit.clone(),
-                is_violated: *room < -VIOLATED * part.visible,
+                is_violated: *margin < -VIOLATED * part.visible,
             }
         })
         .collect()

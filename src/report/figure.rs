@@ -9,6 +9,9 @@ use super::shortest;
 /// Number of digits shown for the largest of some numbers.
 const DIGITS: i32 = 6;
 
+/// Largest number of significant digits in a number that a person writes.
+const WRITTEN_DIGITS: usize = 9;
+
 /// Differences up to this fraction of the inputs of a number are rounding errors. Rates are accurate to 1e-11.
 const ROUNDING: f64 = 1e-11;
 
@@ -146,9 +149,16 @@ pub fn to_digits(value: f64, digits: usize) -> f64 {
     format!("{value:.decimals$e}").parse().unwrap_or(value)
 }
 
-/// Formats a number as the user wrote it, but without a trailing ".0".
+/// Formats a number as the user wrote it, but without a trailing ".0". A number with more digits than people write, such as one
+/// from a conversion of units, gets six significant digits.
 pub fn as_written(value: f64) -> String {
     let text = shortest(value);
+    let digits = text.split('e').next().unwrap_or(&text);
+    let digits = digits.chars().filter(char::is_ascii_digit);
+    let digits = digits.skip_while(|digit| *digit == '0').count();
+    if digits > WRITTEN_DIGITS {
+        return brief(value);
+    }
     text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
 }
 
@@ -211,6 +221,21 @@ mod tests {
             (9.9999999, "10"),
         ] {
             assert_eq!(brief(value), text);
+        }
+    }
+
+    /// Numbers that a person wrote stay as they are. Numbers from a conversion of units have six digits.
+    #[test]
+    fn written_numbers_have_few_digits() {
+        for (value, text) in [
+            (60.0, "60"),
+            (-0.000123, "-0.000123"),
+            (123456.789, "123456.789"),
+            (0.1 + 0.2, "0.3"),
+            (60.0 / 25.4, "2.3622"),
+            (-15.0 / 25.4, "-0.590551"),
+        ] {
+            assert_eq!(as_written(value), text);
         }
     }
 

@@ -51,7 +51,7 @@ mod yields;
 pub use crate::curves::Influence;
 pub use accuracy::{remarks, remarks_on_motion};
 pub use axle_record::SolvedAxle;
-pub use bands::BandRecord;
+pub use bands::{BandRecord, study_bands_missed};
 pub use benchmarks::{
     accuracy_picture, accuracy_summary, accuracy_table, effects_table, jobs_table, throughput_table,
 };
@@ -59,8 +59,8 @@ pub use car::{
     CarCase, CarComparison, CarConstraintRecord, CarFact, CarLimits, CarMap, CarRecord, CarResults,
     CarState, CarStateRecord, CarTargetRecord, CarToleranceSummary, CarTuningRecord,
     CarVariableRecord, CarVerdict, car_constraint_names, car_constraints_table, car_limits,
-    car_targets_json, car_targets_table, car_variables_table, car_with_axles, lift_limits_table,
-    optimised_car, settings_of_car,
+    car_study_bands_missed, car_targets_json, car_targets_table, car_variables_table,
+    car_with_axles, lift_limits_table, optimised_car, settings_of_car,
 };
 pub use choices::{FrontPoint, FrontRecord, PriceRecord, front_csv, front_remarks, front_table};
 pub use column::{ColumnConversion, ConvertedColumn, split_unit};
@@ -115,7 +115,9 @@ pub use sweep::{
 };
 pub use table::{Cell, Column, Format, Table, Tables};
 pub use text::{counted, is_printable, printable, unit_in_words, wrapped};
-pub use tolerance_summary::{RankingRecord, RejectRecord, ToleranceSummary, ValueRecord, rejected};
+pub use tolerance_summary::{
+    RankingRecord, RejectRecord, ToleranceSummary, VALUES_NOTE, ValueRecord, rejected,
+};
 pub use tuning_summary::{
     ConstraintStatus, SlightEffectRecord, StartSummary, TuningSummary, contradiction_in_words,
     interrupted_in_words, misfit_in_words, misfit_table, starts_in_words, starts_table,

@@ -7,6 +7,7 @@ mod distances;
 mod rack;
 mod slip;
 mod spring;
+mod track;
 mod tuning;
 
 pub use axle::{axle_plausibility, both_wheels_plausibility};
@@ -23,6 +24,7 @@ use crate::model::{Constraint, Drive, PointId, Seat, Side, SteeringAxis, Suspens
 use crate::number::{Jet, Vector3};
 use crate::solve::Solver;
 use crate::study::{AxleStudy, Designs, Move, Study};
+use track::track_doubt;
 
 /// Largest plausible camber, toe and inclination of a steering axis (degrees).
 const CAMBER: f64 = 15.0;
@@ -39,13 +41,17 @@ const CG_HEIGHT: [f64; 2] = [0.01, 5.0];
 /// Plausible ranges in wheel radii. Wheels of a wheelbase below two radii would overlap.
 const WHEELBASE_IN_RADII: [f64; 2] = [2.0, 30.0];
 const CG_HEIGHT_IN_RADII: [f64; 2] = [0.4, 6.0];
-/// Largest plausible difference between the track and twice the wheel's distance from the centre plane, as a fraction of the
-/// track.
-const OFF_TRACK: f64 = 0.1;
 
 /// Warnings about a suspension in its design position, one line each. If one coordinate with a wrong sign or decimal place
 /// explains all warnings, the first warning names it.
 pub fn plausibility(suspension: &Suspension) -> Result<Vec<String>, DesignFault> {
+    let mut found = wheel_plausibility(suspension)?;
+    found.extend(track_doubt([suspension; 2])?);
+    Ok(found)
+}
+
+/// Warnings about a suspension, without those that concern both wheels.
+fn wheel_plausibility(suspension: &Suspension) -> Result<Vec<String>, DesignFault> {
     let doubts = doubts(suspension)?;
     let slip = (!doubts.is_empty()).then(|| slip::explains(suspension));
     Ok(slip.flatten().into_iter().chain(doubts).collect())
@@ -346,36 +352,13 @@ impl<'a> PlausibilityRemarks<'a> {
                 2.0 * radius
             ));
         }
-        let outboard = self.at(self.suspension.mechanism.wheel_centre).y;
-        if let Some(track) = vehicle.track
-            && (2.0 * outboard - track).abs() > OFF_TRACK * track
-        {
-            self.say(format!(
-                "[vehicle] track is {track} {unit}, but the wheel centre is {outboard} {unit} from the centre \
-                 plane, y = 0"
-            ));
-        }
     }
 
     /// Warnings about camber, toe and motion ratio.
     fn angles(&mut self) -> Result<(), DesignFault> {
-        let Suspension {
-            mechanism, design, ..
-        } = self.suspension;
-        let solver = Solver::new(mechanism, design)?;
-        let design_series = DesignSeries::<2>::new(mechanism, design);
-        let motion = MotionPoint {
-            drive: Drive::Travel,
-            value: Jet::variable(0.0),
-            rack: Jet::constant(0.0),
-        };
-        // At a turning point of the path, where the travel reverses, the design position has no rates. Another check reports
-        // this case.
-        let Ok(at) = solver.configuration_series(&design_series, &solver.design_pose(), &motion)
-        else {
+        let Some(view) = design_reading(self.suspension)? else {
             return Ok(());
         };
-        let view = WheelReading::of(&at, Constants::of(self.suspension));
         for (name, angle, most) in [
             ("camber", Characteristic::Camber, CAMBER),
             ("toe", Characteristic::Toe, TOE),
@@ -387,7 +370,7 @@ impl<'a> PlausibilityRemarks<'a> {
                 ));
             }
         }
-        let Some(spring) = mechanism.spring else {
+        let Some(spring) = self.suspension.mechanism.spring else {
             return Ok(());
         };
         let ratio = view.characteristic(Characteristic::MotionRatio)[0];
@@ -405,4 +388,23 @@ impl<'a> PlausibilityRemarks<'a> {
         }
         Ok(())
     }
+}
+
+/// Wheel, steering axis and spring in the design position, with their rates. `None` if the design position has no rates: at a
+/// turning point of the path, where the travel reverses. Another check reports this case.
+fn design_reading(suspension: &Suspension) -> Result<Option<WheelReading<2>>, DesignFault> {
+    let Suspension {
+        mechanism, design, ..
+    } = suspension;
+    let solver = Solver::new(mechanism, design)?;
+    let design_series = DesignSeries::<2>::new(mechanism, design);
+    let motion = MotionPoint {
+        drive: Drive::Travel,
+        value: Jet::variable(0.0),
+        rack: Jet::constant(0.0),
+    };
+    let found = solver.configuration_series(&design_series, &solver.design_pose(), &motion);
+    Ok(found
+        .ok()
+        .map(|at| WheelReading::of(&at, Constants::of(suspension))))
 }

@@ -6,7 +6,9 @@ mod instruction;
 use super::table::{Cell, Column, Table};
 use super::{brief, ends_at};
 use crate::ask::with_unit;
-use crate::assembly::{Aim, AssemblyError, MissedTarget, SetUp, SetUpError, Static};
+use crate::assembly::{
+    Aim, AssemblyError, BuildParameter, MissedTarget, SetUp, SetUpError, Static,
+};
 use crate::model::LengthUnit;
 use crate::study::{Adjustment, Increment, Setup, Study};
 use effect::{effect_in_words, effect_of_step};
@@ -61,6 +63,9 @@ pub struct SetUpSummary {
     /// Adjustments in the order of the mechanic's work.
     pub adjustments: Vec<AdjustmentRecord>,
     unit: String,
+    /// True if an adjustment moves a point.
+    #[serde(skip)]
+    moves_points: bool,
 }
 
 /// A static value with its target and results.
@@ -164,6 +169,10 @@ impl SetUpSummary {
             statics: statics.collect(),
             adjustments: adjustments.collect(),
             unit: length.symbol().to_owned(),
+            moves_points: setup
+                .adjust
+                .iter()
+                .any(|own| matches!(own.change.0, BuildParameter::Coordinate(..))),
         }
     }
 
@@ -212,6 +221,14 @@ impl SetUpSummary {
             }
         }
         table.keyed(2)
+    }
+
+    /// Explains the signs and the meaning of shims in the tables of effects. `None` if the set-up moves no points.
+    pub fn effects_note(&self) -> Option<&'static str> {
+        self.moves_points.then_some(
+            "A positive amount of a shim moves the point along the positive axis of the study, relative to the part that \
+             carries the point.",
+        )
     }
 
     /// Table of steps for programs: the adjustments in order, with the static values after each.

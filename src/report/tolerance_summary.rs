@@ -2,7 +2,7 @@
 
 mod values;
 
-use super::bands::{BandRecord, in_words, limits_of};
+use super::bands::{BandRecord, bands_missed, in_words, limits_of};
 use super::figure::with_decimals;
 use super::files::csv_of_rows;
 use super::given_columns::GivenColumns;
@@ -17,6 +17,10 @@ use serde::{Deserialize, Serialize};
 pub(super) use values::HistogramRecord;
 pub use values::ValueRecord;
 use values::values;
+
+/// Explains the rows of [`ToleranceSummary::values_table`].
+pub const VALUES_NOTE: &str = "Each output has a row in the design position, and a row where its sigma is largest. \
+     tolerance.csv has all positions.";
 
 /// Results of `hardpoint tolerance`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,6 +48,9 @@ pub struct ToleranceSummary {
     pub values: Vec<ValueRecord>,
     /// Bands of the values.
     pub bands: Vec<BandRecord>,
+    /// Sentences about the bands that the nominal design misses.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub nominal_outside: Vec<String>,
     /// Share of builds within all bands. `None` without bands.
     pub yield_of_all: Option<f64>,
     /// Share of builds within all bands, according to the first-order estimate.
@@ -72,6 +79,9 @@ pub struct RankingRecord {
     pub contributor: String,
     /// Largest share of this contributor in the variance of a value that has a band.
     pub share: f64,
+    /// Output of this value.
+    #[serde(default)]
+    pub output: String,
     /// Predicted yield if the tolerance of this contributor is halved.
     pub yield_halved: f64,
     /// Predicted yield if the tolerance of this contributor is doubled.
@@ -99,6 +109,26 @@ impl ToleranceSummary {
     ) -> Self {
         let tolerance = problem.tolerance;
         let contributor = |number: usize| tolerance.scatter[number].name.clone();
+        let all_values = values(problem, drawn, expansion, builds);
+        let most_affected = |number: usize| {
+            let cells = problem.cells_of_bands().flatten();
+            let shares = cells.filter_map(|cell| Some((all_values[cell].shares[number]?, cell)));
+            let most = shares.max_by(|a, b| a.0.total_cmp(&b.0));
+            most.map_or_else(String::new, |(_, cell)| all_values[cell].output.clone())
+        };
+        let ranking = yields.map_or_else(Vec::new, |yields| {
+            let ranking = yields.ranking.iter();
+            ranking
+                .map(|r| RankingRecord {
+                    contributor: contributor(r.contributor),
+                    share: r.share,
+                    output: most_affected(r.contributor),
+                    yield_halved: r.halved,
+                    yield_doubled: r.doubled,
+                    may_be_looser: r.may_be_looser,
+                })
+                .collect()
+        });
         let mut summary = ToleranceSummary {
             study: problem.study.name.clone(),
             builds: builds.builds,
@@ -118,7 +148,7 @@ impl ToleranceSummary {
             incomplete: builds.incomplete,
             first_incomplete: builds.first_incomplete,
             places: places(problem),
-            values: values(problem, drawn, expansion, builds),
+            values: all_values,
             bands: yields.map_or_else(Vec::new, |yields| {
                 let bands = tolerance.bands.iter().zip(&yields.bands);
                 bands
@@ -134,20 +164,10 @@ impl ToleranceSummary {
                     })
                     .collect()
             }),
+            nominal_outside: bands_missed(problem, drawn),
             yield_of_all: yields.map(|y| y.all.monte_carlo),
             yield_of_all_linear: yields.map(|y| y.all.linear),
-            ranking: yields.map_or_else(Vec::new, |yields| {
-                let ranking = yields.ranking.iter();
-                ranking
-                    .map(|r| RankingRecord {
-                        contributor: contributor(r.contributor),
-                        share: r.share,
-                        yield_halved: r.halved,
-                        yield_doubled: r.doubled,
-                        may_be_looser: r.may_be_looser,
-                    })
-                    .collect()
-            }),
+            ranking,
         };
         summary.keep_drawn_histograms();
         summary
@@ -317,19 +337,25 @@ impl ToleranceSummary {
         let relaxed = Column::named("can be relaxed", "may be looser");
         let shares = [
             Column::for_readers("largest share"),
+            Column::for_readers("of the variance of"),
             Column::for_programs("share"),
+            Column::for_programs("output"),
         ];
         let head = [Column::from("contributor")].into_iter();
         let mut table = Table::with_columns(head.chain(shares).chain(yields).chain([relaxed]));
         for r in &self.ranking {
-            let yields = [r.share, r.share, r.yield_halved, r.yield_doubled];
-            let head = [Cell::from(r.contributor.as_str())];
-            let numbers = yields.map(|v| Cell::by(v, percent));
-            table.push_row(
-                head.into_iter()
-                    .chain(numbers)
-                    .chain([r.may_be_looser.into()]),
-            );
+            let percent = |share: f64| Cell::by(share, percent);
+            let output = || Cell::from(r.output.as_str());
+            table.push([
+                Cell::from(r.contributor.as_str()),
+                percent(r.share),
+                output(),
+                percent(r.share),
+                output(),
+                percent(r.yield_halved),
+                percent(r.yield_doubled),
+                r.may_be_looser.into(),
+            ]);
         }
         table
     }

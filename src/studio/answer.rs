@@ -112,14 +112,7 @@ fn solved_wheel(
     let misfit = || misfit::misfit(opened, study).map_err(fault);
     let (misfit, found) = beside(stop, misfit, || wheel_curves(own, &plan).map_err(fault))?;
     let (misfit, found) = (misfit?, found?);
-    let place = Plan {
-        station_order: StationOrder::through(&[in_kernel(plan.drive, drive)]),
-        racks: vec![rack],
-        loads: Vec::new(),
-        sensitivities: Vec::new(),
-        time: None,
-        ..plan.clone()
-    };
+    let place = at_sliders(&plan, [drive, rack]);
     let frame = |own: &WheelStudy| -> Option<Frame> { wheel_frames(own, &place).ok()?.pop() };
     let mut lines = plausibility(suspension).map_err(fault)?;
     lines.extend(remarks(&found, suspension.length_unit));
@@ -159,6 +152,18 @@ fn solved_wheel(
         remarks: lines,
         milliseconds: start.elapsed().as_secs_f64() * 1e3,
     })
+}
+
+/// Plan of the pose at the positions of the sliders.
+fn at_sliders(plan: &Plan, [drive, rack]: [f64; 2]) -> Plan {
+    Plan {
+        station_order: StationOrder::through(&[in_kernel(plan.drive, drive)]),
+        racks: vec![rack],
+        loads: Vec::new(),
+        sensitivities: Vec::new(),
+        time: None,
+        ..plan.clone()
+    }
 }
 
 /// Groups of stations, and the horizontal-axis value of each station.

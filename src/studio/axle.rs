@@ -211,12 +211,8 @@ pub(super) fn solved(
     let over = request.over;
     let drive = places(&plan.motion, axle).into_iter();
     let drive: Vec<Option<f64>> = drive.map(|place| Some(place[over])).collect();
-    let groups = if whole.has_rows() {
-        Groups::one(&places(&whole, axle))
-    } else {
-        Groups::of(&places(&whole, axle), over, &request.at)
-    };
     let is_partial = drive.len() < whole.stations();
+    let groups = grouped(&whole, axle, request);
     let groups = if is_partial {
         groups.with_shown_only(drive.len())
     } else {
@@ -262,6 +258,16 @@ pub(super) fn solved(
         remarks: lines,
         milliseconds: start.elapsed().as_secs_f64() * 1e3,
     })
+}
+
+/// Groups of the stations of a motion. The stations of a table of rows are one group.
+fn grouped(motion: &AxleMotion, axle: &Axle, request: &SolveRequest) -> Groups {
+    let places = places(motion, axle);
+    if motion.has_rows() {
+        Groups::one(&places)
+    } else {
+        Groups::of(&places, request.over, &request.at)
+    }
 }
 
 /// Stations of a motion that the page shows as one curve. Only the coordinate with the index `over` moves. The other

@@ -71,25 +71,31 @@ pub struct Allowed {
     pub pattern: Option<String>,
 }
 
-/// Values that the reader requests, by path, and the keys that it requires.
-fn places(root: Root) -> (BTreeMap<String, Place>, BTreeSet<String>) {
-    let notes = RefCell::new(Notes::default());
-    let read = || {
-        notes.borrow_mut().refused = None;
+/// Runs of the reader on the artificial source, and their records.
+struct Probe {
+    root: Root,
+    notes: RefCell<Notes>,
+}
+
+impl Probe {
+    /// Runs the reader once. Returns true if it accepts the offered values.
+    fn read(&self) -> bool {
+        self.notes.borrow_mut().refused = None;
         let source = Source {
-            notes: &notes,
+            notes: &self.notes,
             path: String::new(),
         };
-        root.is_read(source)
-    };
-    // If the reader refuses the offered kind of value, this function offers the next kind, until the reader accepts
-    // one.
-    let settle = || {
+        self.root.is_read(source)
+    }
+
+    /// Runs the reader until it accepts the offered values. After each refused value, offers the next kind at its path.
+    /// Returns false if the reader refuses all kinds.
+    fn settle(&self) -> bool {
         for _ in 0..1000 {
-            if read() {
+            if self.read() {
                 return true;
             }
-            let mut notes = notes.borrow_mut();
+            let mut notes = self.notes.borrow_mut();
             if std::mem::take(&mut notes.has_learnt) {
                 continue;
             }
@@ -104,53 +110,72 @@ fn places(root: Root) -> (BTreeMap<String, Place>, BTreeSet<String>) {
             }
         }
         false
-    };
-    let comes_through = settle();
-    debug_assert!(comes_through, "the types of the reader have a schema");
-    // At each path that accepts any kind, this loop offers all other kinds, until nothing new appears.
-    let mut tried = BTreeSet::new();
-    loop {
-        let open: Vec<(String, Kind)> = {
-            let notes = notes.borrow();
-            let any = notes.places.iter().filter(|(_, place)| place.takes_any);
-            let all = any.flat_map(|(path, _)| OFFERS.map(|kind| (path.clone(), kind)));
-            all.filter(|offer| !tried.contains(offer)).collect()
-        };
-        if open.is_empty() {
-            break;
-        }
-        for (path, kind) in open {
-            tried.insert((path.clone(), kind));
-            let before = notes.borrow().offers.clone();
-            notes.borrow_mut().offers.insert(path.clone(), kind);
-            // The keys of a table become known when this function offers the table for the first time.
-            if !read() && std::mem::take(&mut notes.borrow_mut().has_learnt) {
-                read();
+    }
+
+    /// Offers all other kinds at each path that accepts any kind, until nothing new appears.
+    fn offer_every_kind(&self) {
+        let mut tried = BTreeSet::new();
+        loop {
+            let open: Vec<(String, Kind)> = {
+                let notes = self.notes.borrow();
+                let any = notes.places.iter().filter(|(_, place)| place.takes_any);
+                let all = any.flat_map(|(path, _)| OFFERS.map(|kind| (path.clone(), kind)));
+                all.filter(|offer| !tried.contains(offer)).collect()
+            };
+            if open.is_empty() {
+                break;
             }
+            for (path, kind) in open {
+                tried.insert((path.clone(), kind));
+                let before = self.notes.borrow().offers.clone();
+                self.notes.borrow_mut().offers.insert(path.clone(), kind);
+                // The keys of a table become known when this function offers the table for the first time.
+                if !self.read() && std::mem::take(&mut self.notes.borrow_mut().has_learnt) {
+                    self.read();
+                }
+                self.notes.borrow_mut().offers = before;
+            }
+        }
+    }
+
+    /// Keys that the reader requires. Withholds each key of each table once.
+    fn required(&self, places: &BTreeMap<String, Place>) -> BTreeSet<String> {
+        let notes = &self.notes;
+        let mut needed = BTreeSet::new();
+        for (path, place) in places {
+            if !place.kinds.contains(&Kind::Table) {
+                continue;
+            }
+            let before = notes.borrow().offers.clone();
+            // At a path with several kinds, a table is offered.
+            if place.takes_any {
+                notes.borrow_mut().offers.insert(path.clone(), Kind::Table);
+            }
+            for key in &place.keys {
+                let key = key_path(path, key);
+                notes.borrow_mut().withheld = Some(key.clone());
+                if !self.read() {
+                    needed.insert(key);
+                }
+            }
+            notes.borrow_mut().withheld = None;
             notes.borrow_mut().offers = before;
         }
+        needed
     }
-    // Finds the required keys. At a path with several kinds, a table is offered.
-    let mut needed = BTreeSet::new();
-    let found = notes.borrow().places.clone();
-    for (path, place) in &found {
-        if !place.kinds.contains(&Kind::Table) {
-            continue;
-        }
-        let before = notes.borrow().offers.clone();
-        if place.takes_any {
-            notes.borrow_mut().offers.insert(path.clone(), Kind::Table);
-        }
-        for key in &place.keys {
-            let key = key_path(path, key);
-            notes.borrow_mut().withheld = Some(key.clone());
-            if !read() {
-                needed.insert(key);
-            }
-        }
-        notes.borrow_mut().withheld = None;
-        notes.borrow_mut().offers = before;
-    }
+}
+
+/// Values that the reader requests, by path, and the keys that it requires.
+fn places(root: Root) -> (BTreeMap<String, Place>, BTreeSet<String>) {
+    let probe = Probe {
+        root,
+        notes: RefCell::default(),
+    };
+    let comes_through = probe.settle();
+    debug_assert!(comes_through, "the types of the reader have a schema");
+    probe.offer_every_kind();
+    let found = probe.notes.borrow().places.clone();
+    let needed = probe.required(&found);
     (found, needed)
 }
 

@@ -626,7 +626,7 @@ fn stations_at_a_fold_are_flagged_or_not_proved() {
         said.contains("warning: 1 station has fewer than six correct digits"),
         "{said}"
     );
-    assert!(said.contains("at travel 349.66780703583"), "{said}");
+    assert!(said.contains("at travel 349.668 mm"), "{said}");
 
     let at_fold = "[0, 300, 349.667807035834]";
     let (code, status, rows, said) = solved(at_fold, &["outputs.certify=true"]);
@@ -634,7 +634,7 @@ fn stations_at_a_fold_are_flagged_or_not_proved() {
     assert_eq!(status, ["ok", "ok", "uncertified"], "{said}");
     assert!(rows.lines().last().unwrap().contains(",,,"), "{rows}");
     assert!(
-        said.contains("travel 349.667807035834 mm: the pose is not certified"),
+        said.contains("travel 349.668 mm: the pose is not certified"),
         "{said}"
     );
     assert!(said.contains("2 of 3 stations certified"), "{said}");
@@ -788,7 +788,7 @@ fn doubtful_studies_are_called_so() {
         ),
         (
             good.replace("[motion]", "[vehicle]\ntrack = 1000.0\n\n[motion]"),
-            "620 mm from the centre plane",
+            "track is 1000 mm",
         ),
         (
             rear_pivot("[-180.0, 220.0, -138.0]"),
@@ -977,6 +977,36 @@ fn no_builds_have_no_linear_answer() {
     );
 }
 
+/// If the nominal design is outside a band, `tolerance` and `check` report it with the value. A nominal design inside the band
+/// is not reported.
+#[test]
+fn a_nominal_design_outside_a_band_is_reported() {
+    let bands = |low: f64| {
+        let band = format!("{{ characteristic = \"toe\", at = 0.0, between = [{low:?}, 1.0] }}");
+        format!("tolerance.bands=[{band}]")
+    };
+    let [outside, inside] = [0.5, -0.5].map(bands);
+    let few = ["--set", "tolerance.builds=300", "--set"];
+    let study = studies().join("macpherson_tolerance.toml");
+    let words = "the nominal design is outside the band toe_deg at 0: 0.5 to 1; nominal: toe_deg";
+    for (set, is_outside) in [(&outside, true), (&inside, false)] {
+        let (directory, said) = run(
+            "tolerance",
+            "macpherson_tolerance.toml",
+            &[&few[..], &[set]].concat(),
+        );
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(said.contains(words), is_outside, "{said}");
+        assert_eq!(said.contains("at travel 0 mm"), is_outside, "{said}");
+        let summary = json(&directory, "summary.json");
+        assert_eq!(summary["nominal_outside"].is_array(), is_outside);
+        let call = ["check", study.to_str().unwrap(), "--set", set];
+        let said = text(&hardpoint(&call).success().get_output().stdout);
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(said.contains(words), is_outside, "{said}");
+    }
+}
+
 /// The heading of the ranking is `largest share`. The key in JSON is `share`.
 #[test]
 fn the_share_of_a_ranking_is_the_largest() {
@@ -997,6 +1027,11 @@ fn the_share_of_a_ranking_is_the_largest() {
         first["share"].is_f64() && first["largest_share"].is_null(),
         "{first}"
     );
+    // The ranking names the output to which the share belongs, and the values have an explanation of their rows.
+    let output = first["output"].as_str().unwrap();
+    assert!(["caster_deg", "toe_deg"].contains(&output), "{first}");
+    assert!(said.contains("of the variance of"), "{said}");
+    assert!(said.contains("a row where its sigma is largest"), "{said}");
 }
 
 /// A count of one is followed by a singular noun.

@@ -326,6 +326,15 @@ fn rockers_are_computed_where_they_are_asked_for() {
         ["rocker", "anti-roll bar", "rates"].map(|name| {
             let effect = effects.iter().find(|e| e.name == name).unwrap();
             assert_eq!(effect.on, effect.because.contains("(line"), "{effect:?}");
+            // The line is that of the key, not of the section.
+            let line = effect.because.rsplit_once("(line ");
+            let line = line.map(|(_, line)| line.trim_end_matches(')').parse::<usize>().unwrap());
+            let line = line.map(|line| text.lines().nth(line - 1).unwrap());
+            let keys = ["characteristics = ", "points = ", "loads = "];
+            assert!(
+                line.is_none_or(|line| keys.iter().any(|key| line.starts_with(key))),
+                "{line:?}"
+            );
             effect.on
         })
     };

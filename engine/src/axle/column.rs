@@ -62,6 +62,37 @@ pub enum Of {
 }
 
 impl AxleColumn {
+    /// Makes the column of a value that is not differentiated.
+    fn value(of: Of, unit: String, factor: f64) -> Self {
+        let mut column = AxleColumn {
+            name: String::new(),
+            of,
+            by: None,
+            is_by_time: false,
+            order: 0,
+            unit,
+            factor,
+        };
+        column.name = with_unit(column.output(), &column.unit);
+        column
+    }
+
+    /// Makes the column of a force in a member that carries a load on one wheel.
+    fn force(side: Side, force: Column) -> Self {
+        AxleColumn {
+            name: format!("{}_{}", side.name(), force.name),
+            of: Of::Force {
+                name: format!("{}_{}", side.name(), force.output),
+                positive: force.positive.unwrap_or_default(),
+            },
+            by: None,
+            is_by_time: false,
+            order: 0,
+            unit: force.unit,
+            factor: 1.0,
+        }
+    }
+
     /// Quantity in the column. `None` for other contents.
     pub fn quantity(&self) -> Option<Quantity> {
         match &self.of {
@@ -321,46 +352,41 @@ impl AxlePlan {
         motions
     }
 
+    /// Returns the columns of the derivatives of a value along these motions.
+    fn derivatives_of(
+        &self,
+        value: &AxleColumn,
+        motions: &[ByMotion],
+        axle: &Axle,
+    ) -> Vec<AxleColumn> {
+        let rack_sign = axle.left.frame.sign(Axis::Y);
+        let is_steered = axle.left.mechanism.axle_steering().is_some();
+        let by = |(order, by)| match self.motion.time {
+            Some(_) => value.by_time(order, by),
+            None => value.by_motion(order, by, rack_sign),
+        };
+        // Quantities that contain velocities have no second derivative with respect to the displacement of a drag link.
+        let is_of_rates = value.quantity().is_some_and(|q| q.rate_order() > 0);
+        let is_known = |(order, by): &(usize, &ByMotion)| {
+            let is_by_gear = is_steered && by.0 == Motion::Rack;
+            !(is_by_gear && is_of_rates && *order > 1)
+        };
+        let orders = 1..=self.derivatives;
+        let all = orders.flat_map(|order| motions.iter().map(move |motion| (order, motion)));
+        all.filter(is_known).map(by).collect()
+    }
+
     /// Returns the columns of the plan. Each value comes before its derivatives. The order is: quantities, points,
     /// wheel carriers, forces.
     pub fn columns(&self, axle: &Axle) -> Vec<AxleColumn> {
         let length = axle.left.length_unit;
         let motions = self.motions(length);
-        let rack_sign = axle.left.frame.sign(Axis::Y);
+        let derivatives = |value: &AxleColumn| self.derivatives_of(value, &motions, axle);
         let mut columns = Vec::new();
-        let value = |of: Of, unit: String, factor: f64| {
-            let mut column = AxleColumn {
-                name: String::new(),
-                of,
-                by: None,
-                is_by_time: false,
-                order: 0,
-                unit,
-                factor,
-            };
-            column.name = with_unit(column.output(), &column.unit);
-            column
-        };
-        let is_steered = axle.left.mechanism.axle_steering().is_some();
-        let derivatives = |value: &AxleColumn| -> Vec<AxleColumn> {
-            let by = |(order, by)| match self.motion.time {
-                Some(_) => value.by_time(order, by),
-                None => value.by_motion(order, by, rack_sign),
-            };
-            // Quantities that contain velocities have no second derivative with respect to the displacement of a drag link.
-            let is_of_rates = value.quantity().is_some_and(|q| q.rate_order() > 0);
-            let is_known = |(order, by): &(usize, &ByMotion)| {
-                let is_by_gear = is_steered && by.0 == Motion::Rack;
-                !(is_by_gear && is_of_rates && *order > 1)
-            };
-            let orders = 1..=self.derivatives;
-            let all = orders.flat_map(|order| motions.iter().map(move |motion| (order, motion)));
-            all.filter(is_known).map(by).collect()
-        };
         for quantity in &self.quantities {
             let unit = quantity.info().unit;
             let (suffix, factor) = (unit.suffix(length), unit.printed_factor(length));
-            let value = value(Of::Quantity(*quantity), suffix, factor);
+            let value = AxleColumn::value(Of::Quantity(*quantity), suffix, factor);
             // A test result is already a derivative.
             let derivatives = match quantity {
                 Quantity::Figure(_) => Vec::new(),
@@ -381,7 +407,7 @@ impl AxlePlan {
                     on_rocker: mechanism.rockers_moving(*id).next().is_some(),
                 };
                 let sign = axle.frame(side).sign(axis);
-                let value = value(of, length.symbol().to_owned(), sign);
+                let value = AxleColumn::value(of, length.symbol().to_owned(), sign);
                 let derivatives = derivatives(&value);
                 columns.push(value);
                 columns.extend(derivatives);
@@ -390,23 +416,14 @@ impl AxlePlan {
         if self.knuckle {
             for (side, axis) in by_wheel() {
                 let sign = axle.frame(side).turn_sign(axis);
-                let turn = value(Of::Turn(side, axis), "rad".to_owned(), sign);
+                let turn = AxleColumn::value(Of::Turn(side, axis), "rad".to_owned(), sign);
                 columns.extend(derivatives(&turn));
             }
         }
         for side in Side::ALL {
-            columns.extend(self.carried(axle, side).columns().map(|force| AxleColumn {
-                name: format!("{}_{}", side.name(), force.name),
-                of: Of::Force {
-                    name: format!("{}_{}", side.name(), force.output),
-                    positive: force.positive.unwrap_or_default(),
-                },
-                by: None,
-                is_by_time: false,
-                order: 0,
-                unit: force.unit,
-                factor: 1.0,
-            }));
+            let loads = self.carried(axle, side);
+            let forces = loads.columns();
+            columns.extend(forces.map(|force| AxleColumn::force(side, force)));
         }
         columns
     }

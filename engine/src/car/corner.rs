@@ -169,16 +169,9 @@ impl<T: Real> Corner<T> {
         let at = Displacement::of::<U, W>(carriers, &steps);
         let mirrored = |v: Vector3<T>| Vector3::new(v.x, v.y.scaled(sign), v.z);
         let zero = at.first.zero();
-        let mut turns = [Vector3::new(zero, zero, zero); 2];
-        for i in 0..3 {
-            let [column, first, second] = column(&at, wheel, i, lift);
-            turns[0] = turns[0] + column.cross(first);
-            if carriers.is_rigid() {
-                turns[1] = turns[1] + column.cross(second);
-            }
-        }
+        let turns = angular_velocities(&at, wheel, carriers.is_rigid(), lift);
         // The angular velocity is an axial vector, so a reflection also reverses its sign.
-        let turns = turns.each(|turn| mirrored(turn.scaled(0.5)).scaled(sign));
+        let turns = turns.each(|turn| mirrored(turn).scaled(sign));
         let mut vectors = [[Vector3::new(zero, zero, zero); 3]; 3];
         let parts = [
             VectorPart::Centre,
@@ -369,6 +362,28 @@ fn column<T: Real, U: Real, W: WheelParts<U>>(
         ];
     }
     at.vector(|p| wheel.column(i, p).map(lift))
+}
+
+/// Returns the angular velocities of the carrier with respect to both coordinates, in the frame of the wheel's side. The
+/// second is zero if the carrier is not part of a solid axle (`is_rigid`). An angular velocity is half the sum of the
+/// cross products of the columns of the rotation matrix with their derivatives.
+#[inline(always)]
+fn angular_velocities<T: Real, U: Real, W: WheelParts<U>>(
+    at: &Displacement<T>,
+    wheel: &W,
+    is_rigid: bool,
+    lift: impl Fn(U) -> T + Copy,
+) -> [Vector3<T>; 2] {
+    let zero = at.first.zero();
+    let mut sums = [Vector3::new(zero, zero, zero); 2];
+    for i in 0..3 {
+        let [column, first, second] = column(at, wheel, i, lift);
+        sums[0] = sums[0] + column.cross(first);
+        if is_rigid {
+            sums[1] = sums[1] + column.cross(second);
+        }
+    }
+    [sums[0].scaled(0.5), sums[1].scaled(0.5)]
 }
 
 /// Returns one value of a wheel and its derivatives, like [`vector`].

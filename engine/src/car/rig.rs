@@ -177,7 +177,7 @@ impl RigGoals {
         let margins = margins.map_err(|why| why.to_string())?;
         Ok(RigOutcome {
             targets: layout.deviations(&rows.assessment.goal.residuals),
-            margins: margins.iter().map(|margin| margin.room).collect(),
+            margins: margins.iter().map(|margin| margin.margin).collect(),
         })
     }
 }

@@ -40,6 +40,12 @@ pub(crate) struct AxleStations<'s> {
 }
 
 impl<'s> AxleStations<'s> {
+    /// Returns true for a station of the motion and for the design position, false for a station of a target outside of the
+    /// motion.
+    pub(crate) fn is_in_motion(&self, station: usize) -> bool {
+        station < self.of_motion || station == self.design
+    }
+
     /// Collects the stations of a plan, and further stations.
     pub(crate) fn of(
         axle: Cow<'s, Axle>,

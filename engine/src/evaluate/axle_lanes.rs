@@ -139,6 +139,30 @@ fn grouped(placements: &[Placement], carriers: Carriers) -> Option<Vec<Together>
     Some(groups)
 }
 
+/// Sorts groups by the displacement of the steering gear. `size` is the axle's size.
+fn by_gear(grouped: Vec<Together>, size: f64) -> Vec<Gear> {
+    let mut gears: Vec<Gear> = Vec::new();
+    for (index, group) in grouped.into_iter().enumerate() {
+        let found = gears.iter_mut().find(|g| g.displacement == group.gear);
+        let own = Group {
+            rack: group.rack,
+            index,
+            numbers: group.numbers,
+        };
+        if let Some(gear) = found {
+            gear.groups.push(own);
+        } else {
+            let share = group.gear.abs() / (GEAR_STEP * size);
+            gears.push(Gear {
+                displacement: group.gear,
+                steps: share.ceil() as usize,
+                groups: vec![own],
+            });
+        }
+    }
+    gears
+}
+
 /// Largest lift of a wheel centre when the steering gear moves and the axle rests, for the axle's own design. The result is
 /// at most the displacement of the gear.
 fn lift(suspension: &Suspension, gear: f64) -> f64 {
@@ -203,29 +227,10 @@ impl<'a> AxleLanes<'a> {
                 .map(|reader| reader.with_axle(axle.is_rigid()))
                 .ok_or(NotInLanes::Reading)
         };
-        let mut gears: Vec<Gear> = Vec::new();
-        for (index, group) in grouped.into_iter().enumerate() {
-            let found = gears.iter_mut().find(|g| g.displacement == group.gear);
-            let own = Group {
-                rack: group.rack,
-                index,
-                numbers: group.numbers,
-            };
-            if let Some(gear) = found {
-                gear.groups.push(own);
-            } else {
-                let share = group.gear.abs() / (GEAR_STEP * axle.left.size());
-                gears.push(Gear {
-                    displacement: group.gear,
-                    steps: share.ceil() as usize,
-                    groups: vec![own],
-                });
-            }
-        }
         Ok(AxleLanes {
             width,
             readers: [reader(Side::Left)?, reader(Side::Right)?],
-            gears,
+            gears: by_gear(grouped, axle.left.size()),
             batch,
             rates,
             hold,
@@ -233,6 +238,29 @@ impl<'a> AxleLanes<'a> {
             setup: &axle.setup,
             stations,
         })
+    }
+
+    /// Gathers the points of both wheels of designs, from the design number `first`. The right wheel of a solid axle follows
+    /// from the left wheel, except in builds.
+    #[inline(always)]
+    fn gather<B: SimdReal>(
+        &self,
+        [lefts, rights]: Pairs<'_>,
+        first: usize,
+        lanes: usize,
+        [left, right]: [&mut [Vector3<B>]; 2],
+    ) {
+        let suspension = &self.stations.axle.left;
+        let design = &suspension.design;
+        gather(lefts, design.len(), first, lanes, left);
+        let rigid = suspension.mechanism.rigid_axle.as_ref();
+        match rigid.filter(|_| !self.stations.of_builds) {
+            None => gather(rights, design.len(), first, lanes, right),
+            Some(rigid) => {
+                rigid.complete(design, left);
+                rigid.turn_over(left, right);
+            }
+        }
     }
 }
 
@@ -278,7 +306,7 @@ impl SimdTask for AxleBlockTask<'_, '_> {
         let axle = &solver.stations.axle;
         let [left, right] = Side::ALL.each(|side| &axle.suspension(side).mechanism);
         let points = axle.left.design.len();
-        let rights = if rights.is_empty() { designs } else { rights };
+        let pairs = [designs, if rights.is_empty() { designs } else { rights }];
         let mut history = batch.history(like);
         let mut group_left = vec![Vector3::new(like, like, like); points];
         let mut group_right = group_left.clone();
@@ -290,15 +318,7 @@ impl SimdTask for AxleBlockTask<'_, '_> {
         let mut first = 0;
         while first < count && !interrupt.is_raised() {
             let lanes = (count - first).min(B::LANES);
-            gather(designs, points, first, lanes, &mut group_left);
-            let rigid = left.rigid_axle.as_ref();
-            match rigid.filter(|_| !solver.stations.of_builds) {
-                None => gather(rights, points, first, lanes, &mut group_right),
-                Some(rigid) => {
-                    rigid.complete(&axle.left.design, &mut group_left);
-                    rigid.turn_over(&group_left, &mut group_right);
-                }
-            }
+            solver.gather(pairs, first, lanes, [&mut group_left, &mut group_right]);
             let (values, _) = block.from(first);
             let mut accepted = like.everywhere();
             for gear in &solver.gears {

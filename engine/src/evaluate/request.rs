@@ -116,6 +116,11 @@ impl<'s> Request<'s> {
         }
     }
 
+    /// Returns true for a station of the motion, of its targets in a study of one wheel, and for the design position.
+    pub(crate) fn is_in_motion(&self, station: usize) -> bool {
+        self.axle().is_none_or(|own| own.is_in_motion(station))
+    }
+
     /// Required positions and quantities of an axle. `None` for one wheel.
     pub(crate) fn axle(&self) -> Option<&AxleStations<'s>> {
         match &self.of {

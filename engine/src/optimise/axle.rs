@@ -217,6 +217,7 @@ pub(super) fn axle_rows<'a>(
     fn rows<'a, const N: usize>(
         layout: &'a AxleLayout,
         axle: &'a Axle,
+        variables: usize,
     ) -> Result<Box<dyn RowsBeside + 'a>, DesignFault> {
         let solver = AxleSolver::<N>::new(axle, &layout.quantities, false);
         Ok(Box::new(Rows {
@@ -224,16 +225,17 @@ pub(super) fn axle_rows<'a>(
             axle,
             solver: solver.map_err(|(_, fault)| fault)?,
             wanted: Vec::new(),
+            slopes: vec![0.0; variables],
         }))
     }
     if let Some(elastic) = &axle.elastic {
         return Ok(elastic_axle_rows(layout, axle, elastic, points, variables));
     }
     match layout.degree() {
-        0 => rows::<1>(layout, axle),
-        1 => rows::<2>(layout, axle),
-        2 => rows::<3>(layout, axle),
-        _ => rows::<4>(layout, axle),
+        0 => rows::<1>(layout, axle, variables.len()),
+        1 => rows::<2>(layout, axle, variables.len()),
+        2 => rows::<3>(layout, axle, variables.len()),
+        _ => rows::<4>(layout, axle, variables.len()),
     }
 }
 
@@ -242,26 +244,31 @@ struct Rows<'a, const N: usize> {
     axle: &'a Axle,
     solver: AxleSolver<'a, N>,
     wanted: Vec<Quantity>,
+    slopes: Vec<f64>,
 }
 
 impl<const N: usize> RowsBeside for Rows<'_, N> {
     fn evaluate(
         &mut self,
         moved: &Moved<'_>,
-        into: Option<(&mut Linearisation, usize)>,
-        _rows: Option<&mut Linearisation>,
+        mut into: Option<(&mut Linearisation, usize)>,
+        mut rows: Option<&mut Linearisation>,
     ) -> Result<(), Infeasible> {
-        // The rows of the left wheel already contain the constraints of a rigid axle.
-        let Some((into, first)) = into else {
-            return Ok(());
-        };
         let Rows {
             layout,
             axle,
             solver,
             wanted,
+            slopes,
         } = self;
-        let quantities = &layout.quantities;
+        let is_used = |station: &&AxleStation| {
+            into.is_some() && !station.samples.is_empty()
+                || rows.is_some() && !station.limits.is_empty()
+        };
+        let stations: Vec<&AxleStation> = layout.stations.iter().filter(is_used).collect();
+        if stations.is_empty() {
+            return Ok(());
+        }
         let designs = moved.wheels.each(|(design, _)| design);
         let prepared = if moved.is_build {
             solver.prepare_whole(designs)
@@ -269,14 +276,11 @@ impl<const N: usize> RowsBeside for Rows<'_, N> {
             solver.prepare(designs)
         };
         prepared.map_err(|fault| Infeasible::Refused(axle.describe_fault(fault)))?;
-        let placements: Vec<Placement> = layout.stations.iter().map(|s| s.placement).collect();
+        let placements: Vec<Placement> = stations.iter().map(|s| s.placement).collect();
         let placed = solver.place_all(&placements);
-        let mut pulling: Vec<&TargetSample> = Vec::new();
         let (unit, frame) = (axle.left.length_unit, axle.left.frame);
-        for (station, placed) in layout.stations.iter().zip(placed) {
-            let AxleStation {
-                placement, samples, ..
-            } = station;
+        for (station, placed) in stations.into_iter().zip(placed) {
+            let placement = station.placement;
             let place = || format!("{placement} ({})", unit.symbol());
             let unreached = |failure: NoPose| {
                 let (place, reason) = (place(), failure.describe(unit, frame));
@@ -284,35 +288,45 @@ impl<const N: usize> RowsBeside for Rows<'_, N> {
             };
             let placed = placed.map_err(unreached)?;
             let read = solver.read(&placed).map_err(unreached)?;
-            wanted.clear();
-            pulling.clear();
-            for target_sample in samples {
-                let quantity = quantities[target_sample.of];
-                let found = read.value(quantity).map_err(|void| {
+            let value = |quantity: Quantity| {
+                read.value(quantity).map_err(|void| {
                     let (name, place, why) = (quantity.name(), place(), void.reason());
                     Infeasible::Refused(format!("{name} has no value at {place}: {why}"))
-                })?;
-                let row = first + target_sample.row;
-                if target_sample.write_residual(row, found, into) {
-                    into.jacobian.row_mut(row).fill(0.0);
-                    pulling.push(target_sample);
-                    if !wanted.contains(&quantity) {
-                        wanted.push(quantity);
-                    }
-                }
-            }
+                })
+            };
+            let mut at = StationRows {
+                layout,
+                station,
+                pulling: Vec::new(),
+                limited: Vec::new(),
+                wanted,
+            };
+            at.write_values(value, &mut into, &mut rows)?;
             if moved.variables.is_empty() {
                 continue;
             }
-            let receive = |number: usize, [left, right]: [&[Vector3<f64>]; 2]| {
-                let own = |sample: &&&TargetSample| quantities[sample.of] == wanted[number];
-                for sample in pulling.iter().filter(own) {
-                    for ((_, point_rates), gradient) in moved.wheels.iter().zip([left, right]) {
-                        for rate in *point_rates {
-                            let slope = gradient[rate.point].dot(rate.by);
-                            into.jacobian[(first + sample.row, rate.column)] +=
-                                slope * sample.scale;
-                        }
+            let StationRows {
+                pulling,
+                limited,
+                wanted,
+                ..
+            } = at;
+            let wanted = &*wanted;
+            let receive = |number: usize, by_wheel: [&[Vector3<f64>]; 2]| {
+                let is_own = |of: usize| layout.quantities[of] == wanted[number];
+                if let Some((into, first)) = &mut into {
+                    for sample in pulling.iter().filter(|sample| is_own(sample.of)) {
+                        let row = *first + sample.row;
+                        each_slope(moved, by_wheel, |column, slope| {
+                            into.jacobian[(row, column)] += slope * sample.scale;
+                        });
+                    }
+                }
+                if let Some(rows) = &mut rows {
+                    for (own, value) in limited.iter().filter(|(own, _)| is_own(own.of)) {
+                        slopes.fill(0.0);
+                        each_slope(moved, by_wheel, |column, slope| slopes[column] += slope);
+                        own.check.write(&own.limited, *value, slopes, rows);
                     }
                 }
             };
@@ -322,6 +336,62 @@ impl<const N: usize> RowsBeside for Rows<'_, N> {
                 solver.gradients(&placed, wanted, receive)
             };
             found.map_err(unreached)?;
+        }
+        Ok(())
+    }
+}
+
+/// Calls `take` with the derivatives of a value with respect to the variables, in parts: the index of the variable, and the
+/// part of one point of one wheel. `by_wheel` has the gradient of the value with respect to the points of both wheels.
+fn each_slope(moved: &Moved<'_>, by_wheel: [&[Vector3<f64>]; 2], mut take: impl FnMut(usize, f64)) {
+    for ((_, point_rates), gradient) in moved.wheels.iter().zip(by_wheel) {
+        for rate in *point_rates {
+            take(rate.column, gradient[rate.point].dot(rate.by));
+        }
+    }
+}
+
+/// Targets and limits of a station whose derivatives are needed.
+struct StationRows<'r> {
+    layout: &'r AxleLayout,
+    station: &'r AxleStation,
+    /// Targets with a residual that has slopes.
+    pulling: Vec<&'r TargetSample>,
+    /// Limits with their values.
+    limited: Vec<(&'r LimitedValue, f64)>,
+    /// Quantities whose gradients are needed.
+    wanted: &'r mut Vec<Quantity>,
+}
+
+impl StationRows<'_> {
+    /// Writes the residuals of the targets and the rows of the limits, without their slopes. `value` reads a quantity.
+    fn write_values(
+        &mut self,
+        value: impl Fn(Quantity) -> Result<f64, Infeasible>,
+        into: &mut Option<(&mut Linearisation, usize)>,
+        rows: &mut Option<&mut Linearisation>,
+    ) -> Result<(), Infeasible> {
+        let quantities = &self.layout.quantities;
+        self.wanted.clear();
+        if let Some((into, first)) = into {
+            for sample in &self.station.samples {
+                let quantity = quantities[sample.of];
+                let row = *first + sample.row;
+                if sample.write_residual(row, value(quantity)?, into) {
+                    into.jacobian.row_mut(row).fill(0.0);
+                    self.pulling.push(sample);
+                    index_or_push(self.wanted, quantity);
+                }
+            }
+        }
+        if let Some(rows) = rows {
+            for own in &self.station.limits {
+                let quantity = quantities[own.of];
+                let found = value(quantity)?;
+                own.check.write(&own.limited, found, &[], rows);
+                self.limited.push((own, found));
+                index_or_push(self.wanted, quantity);
+            }
         }
         Ok(())
     }

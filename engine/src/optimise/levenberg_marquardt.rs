@@ -160,6 +160,12 @@ impl<'a> LevenbergMarquardt<'a> {
         reduction
     }
 
+    /// Returns true if the model predicts a reduction of at most `negligible`. A small reduction `predicted` by a damped step
+    /// does not show that the point is a minimum. The predicted reduction by an undamped step must be small, too.
+    fn is_flat(&mut self, predicted: f64, negligible: f64, drift: f64, damping: f64) -> bool {
+        predicted <= negligible && self.undamped_reduction(drift, damping) <= negligible
+    }
+
     /// Moves `x` to the trial point. Returns the length of the step.
     fn accept(&mut self, x: &mut DVector<f64>) -> f64 {
         let step = self.record.bounds.distance(x, &self.trial_x);
@@ -316,12 +322,9 @@ impl<P: LeastSquares> Solver<P, ArgminState> for LevenbergMarquardt<'_> {
             self.note_rounding(&x);
             let predicted = self.model.predicted_reduction();
             let found = cost - self.trial.cost();
-            // A small predicted reduction by a damped step does not show that the point is a minimum. The predicted reduction
-            // by an undamped step must be small, too.
             let is_negligible = obstacle.is_none()
-                && predicted <= negligible
                 && found.abs() <= negligible
-                && self.undamped_reduction(drift, damping) <= negligible;
+                && self.is_flat(predicted, negligible, drift, damping);
             // A point whose slope exceeds rounding errors is not a minimum, as long as steps still lower the misfit.
             let at_end = is_negligible
                 && (found <= 0.0 || self.residual(&self.trial, &self.trial_x) < CONVERGED);

@@ -83,10 +83,12 @@ pub struct Best {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstraintOutcome {
     /// Margin to the nearest limit, in the constraint's unit; negative if the limit is violated.
-    pub room: f64,
+    pub margin: f64,
     /// Drive value of the station with the smallest margin, or of the extreme near it. `None` if the constraint does not change
     /// along the motion.
     pub at: Option<f64>,
+    /// True if the nearest limit is the upper one.
+    pub is_upper: bool,
     /// Price of the constraint's limits.
     pub price: Price,
 }
@@ -362,8 +364,9 @@ impl<'a> Tuner<'a> {
         let margins = problem.get_mut().margins(&fit.x, &mut at);
         let margins = margins.unwrap_or_else(|_| self.layout.margins(state.values.as_slice(), &[]));
         let outcome = |(number, own): (usize, Margin)| ConstraintOutcome {
-            room: own.room,
+            margin: own.margin,
             at: own.at,
+            is_upper: own.is_upper,
             price: self.price(fit, state, number),
         };
         margins.into_iter().enumerate().map(outcome).collect()

@@ -202,6 +202,17 @@ impl Plan {
         if !self.loads.is_empty() && mechanism.spring.is_some_and(holds) {
             names.push("loads");
         }
+        // The key that contains the first name.
+        let first = self
+            .outputs
+            .iter()
+            .find(|o| o.of.rockers(mechanism).iter().any(moves));
+        let path: &[&str] = match first.map(|o| o.quantity()) {
+            Some(Some(Quantity::Coordinate(..))) => &["outputs", "points"],
+            Some(Some(Quantity::Characteristic(_))) => &["outputs", "characteristics"],
+            Some(_) => &["outputs"],
+            None => &["outputs", "loads"],
+        };
         if names.is_empty() {
             return None;
         }
@@ -211,7 +222,7 @@ impl Plan {
             rocker.rod,
             mechanism.seat(&rocker)
         );
-        let because = written(study, &["outputs"], &names.join(", "));
+        let because = written(study, path, &names.join(", "));
         Some((what, because, cost::ROCKER * self.coefficients as f64))
     }
 

@@ -162,7 +162,6 @@ pub(super) fn axle(
         setup,
         elastic: None,
     };
-    track_agrees(file, &axle, problems)?;
     let own = motion::motion(file, &file.motion, &axle, problems);
     let mut motions = Vec::new();
     let mut places = Vec::new();
@@ -303,31 +302,6 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
         constants: Constants::of(left),
         per_metre: left.length_unit.per_metre(),
     })
-}
-
-/// Checks that the track in `[vehicle]` equals the track of the design.
-fn track_agrees(file: &File, axle: &Axle, problems: &mut Problems) -> Option<()> {
-    let Some(track) = &file.vehicle.track else {
-        return Some(());
-    };
-    let half = |side| {
-        let wheel = axle.suspension(side);
-        wheel.design[wheel.mechanism.wheel_centre.0].y
-    };
-    let design = half(Side::Left) + half(Side::Right);
-    let tenth = 1e-4 * axle.setup.per_metre;
-    if (track.value - design).abs() <= tenth {
-        return Some(());
-    }
-    let unit = axle.left.length_unit.symbol();
-    let message = format!(
-        "the wheel centres of this axle are {design} {unit} apart, but track is {} {unit}",
-        track.value
-    );
-    problems
-        .add(track.span.clone(), message)
-        .help("remove the key \"track\"");
-    None
 }
 
 /// Reads the results to compute at these stations. `None` if the study has an error in the outputs.

@@ -365,6 +365,24 @@ fn over(
     }
 }
 
+/// Reason why a target over the coordinate `over` cannot fix another coordinate, or `over` itself.
+fn not_fixed(
+    coordinate: Coordinate,
+    over: Coordinate,
+    available: &[Coordinate],
+    of: &TargetMotion,
+) -> String {
+    let (key, motion) = (coordinate.key(), of.words());
+    if !available.contains(&coordinate) {
+        format!("{motion} has {}, but no {key}", keys(available))
+    } else if coordinate == over {
+        format!("the target is a curve over {key}, so {key} cannot have a fixed value")
+    } else {
+        format!("the rows of {motion} give {key}; remove the key {key}")
+    }
+}
+
+/// Reads the stations of a target or a band.
 fn site(
     written: &Where,
     place: Span<usize>,
@@ -398,34 +416,11 @@ fn site(
     let mut words = String::new();
     for coordinate in Coordinate::ALL {
         let given = written.held_at(coordinate);
-        if !available.contains(&coordinate) {
-            if let Some(given) = given {
-                let (key, known) = (coordinate.key(), keys(&available));
-                let message = format!("{} has {known}, but no {key}", of.words());
-                return problems.refuse(given.span(), message);
-            }
-            continue;
-        }
-        if coordinate == over {
-            if let Some(given) = given {
-                let message = format!(
-                    "the target is a curve over {0}, so {0} cannot have a fixed value",
-                    over.key()
-                );
-                return problems.refuse(given.span(), message);
-            }
-            continue;
-        }
-        if has_rows {
-            if let Some(given) = given {
-                let key = coordinate.key();
-                let message = format!(
-                    "the rows of {} give {key}; remove the key {key}",
-                    of.words()
-                );
-                return problems.refuse(given.span(), message);
-            }
-            continue;
+        let can_be_fixed = available.contains(&coordinate) && coordinate != over && !has_rows;
+        if !can_be_fixed {
+            let Some(given) = given else { continue };
+            let reason = not_fixed(coordinate, over, &available, &of);
+            return problems.refuse(given.span(), reason);
         }
         let list = match given.map(Spanned::get_ref) {
             Some(Numbers::One(value)) => vec![*value],

@@ -28,6 +28,13 @@ pub(super) struct WantedColumns<'a> {
     pub refuse_measured: &'a dyn Fn(f64) -> Option<String>,
 }
 
+impl WantedColumns<'_> {
+    /// Names of the expected columns, for messages.
+    fn expected(&self) -> String {
+        format!("expected the columns {},{}", self.drive, self.value)
+    }
+}
+
 /// Finds a column by its name. Refuses a file in which several columns have this name.
 pub(super) fn only_column(header: &csv::StringRecord, name: &str) -> Result<Option<usize>, String> {
     let mut places = (0..header.len()).filter(|place| &header[*place] == name);
@@ -99,6 +106,93 @@ pub(super) fn unreadable(path: &Text, directory: &Path, reason: &str, problems: 
     error.help("the path is relative to the study file");
 }
 
+/// Columns of a curve in a file.
+struct Columns {
+    /// Index of the column of drive values.
+    drive: usize,
+    /// Index of the column of target values.
+    value: usize,
+    /// Index of the column of rack displacements. `None` if the file has no such column.
+    rack: Option<usize>,
+    /// Name of the column of rack displacements.
+    rack_name: String,
+}
+
+impl Columns {
+    /// Finds the columns by the names in the first row.
+    fn of(header: &csv::StringRecord, wanted: &WantedColumns<'_>) -> Result<Self, String> {
+        let drive = only_column(header, wanted.drive)?;
+        let value = only_column(header, wanted.value)?;
+        let (Some(drive), Some(value)) = (drive, value) else {
+            let found = header.iter().collect::<Vec<_>>().join(",");
+            return Err(format!("{}, found {found}", wanted.expected()));
+        };
+        refuse_other_units(header, &["rack"], wanted.length_unit)?;
+        let rack_name = format!("rack_{}", wanted.length_unit.symbol());
+        Ok(Columns {
+            drive,
+            value,
+            rack: only_column(header, &rack_name)?,
+            rack_name,
+        })
+    }
+
+    /// Reads the point in a row. `None` if the row has no value, or if the target does not have the rack displacement of
+    /// the row. Adds such a displacement to `other_racks`.
+    fn point(
+        &self,
+        row: &csv::StringRecord,
+        wanted: &WantedColumns<'_>,
+        other_racks: &mut Vec<f64>,
+    ) -> Result<Option<[f64; 2]>, String> {
+        let last = self.drive.max(self.value);
+        if row.len() <= last {
+            let many = if last == 1 { "two" } else { "more" };
+            return Err(format!("expected {many} values, found {}", row.len()));
+        }
+        if let Some(rack) = self.rack
+            && let Some(rack) = number(row, rack, &self.rack_name)?
+        {
+            if wanted.racks.len() > 1 {
+                return Err(format!(
+                    "this row is for {} = {rack}, but the target has the racks {}: expected one target for each rack",
+                    self.rack_name,
+                    in_words(wanted.racks)
+                ));
+            }
+            if !wanted.racks.contains(&rack) {
+                index_or_push(other_racks, rack);
+                return Ok(None);
+            }
+        }
+        let drive = number(row, self.drive, wanted.drive)?;
+        let Some(value) = number(row, self.value, wanted.value)? else {
+            return Ok(None);
+        };
+        let Some(drive) = drive else {
+            let (column, value_column) = (wanted.drive, wanted.value);
+            return Err(format!(
+                "{column} is empty, but {value_column} is {value}: expected a number as {column}"
+            ));
+        };
+        if let (true, Some(reason)) = (wanted.as_measured, (wanted.refuse_measured)(drive)) {
+            return Err(reason);
+        }
+        Ok(Some([drive, value]))
+    }
+}
+
+/// Reads a number from a row. `None` if the row has no text in this column.
+fn number(row: &csv::StringRecord, place: usize, column: &str) -> Result<Option<f64>, String> {
+    let text = row.get(place).unwrap_or("");
+    if text.is_empty() {
+        return Ok(None);
+    }
+    let parsed = Number::parsed(text).map(Some);
+    parsed.map_err(|wanted| format!("expected {wanted} as {column}, found {text:?}"))
+}
+
+/// Reads the curve from the text of a file.
 fn curve(source: &Arc<Source>, wanted: &WantedColumns<'_>) -> Result<Vec<[f64; 2]>, StudyErrors> {
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
@@ -106,69 +200,21 @@ fn curve(source: &Arc<Source>, wanted: &WantedColumns<'_>) -> Result<Vec<[f64; 2
         .delimiter(delimiter(&source.text))
         .trim(csv::Trim::All)
         .from_reader(source.text.as_bytes());
-    let expected = format!("expected the columns {},{}", wanted.drive, wanted.value);
-    let rack_column = format!("rack_{}", wanted.length_unit.symbol());
-    let mut columns: Option<([usize; 2], Option<usize>)> = None;
+    let of_file = |message: String| StudyError::of_file(&source.name, message);
+    let mut records = reader.records();
+    let header = records.next().transpose();
+    let Some(header) = header.map_err(|e| of_file(e.to_string()))? else {
+        let message = format!("the file is empty; {}", wanted.expected());
+        return Err(of_file(message).into());
+    };
+    let columns = Columns::of(&header, wanted);
+    let columns = columns.map_err(|message| at_record(source, &header, message))?;
     let mut points: Vec<[f64; 2]> = Vec::new();
     let mut other_racks: Vec<f64> = Vec::new();
-    for record in reader.records() {
-        let record = record.map_err(|e| StudyError::of_file(&source.name, e.to_string()))?;
-        let at = |message: String| at_record(source, &record, message);
-        let error = |message: String| Err(at(message));
-        let Some((places, rack)) = columns else {
-            let place = |name: &str| only_column(&record, name).map_err(at);
-            let (Some(drive), Some(value)) = (place(wanted.drive)?, place(wanted.value)?) else {
-                let found = record.iter().collect::<Vec<_>>().join(",");
-                return error(format!("{expected}, found {found}"));
-            };
-            refuse_other_units(&record, &["rack"], wanted.length_unit).map_err(at)?;
-            columns = Some(([drive, value], place(&rack_column)?));
-            continue;
-        };
-        let number = |place: usize, column: &str| {
-            let text = record.get(place).unwrap_or("");
-            let parsed = match text {
-                "" => return Ok(None),
-                text => Number::parsed(text),
-            };
-            parsed.map(Some).map_err(|wanted| {
-                let message = format!("expected {wanted} as {column}, found {text:?}");
-                at(message)
-            })
-        };
-        if record.len() <= places[0].max(places[1]) {
-            let least = places[0].max(places[1]) + 1;
-            let many = if least == 2 { "two" } else { "more" };
-            return error(format!("expected {many} values, found {}", record.len()));
-        }
-        if let Some(rack) = rack
-            && let Some(rack) = number(rack, &rack_column)?
-        {
-            if wanted.racks.len() > 1 {
-                return error(format!(
-                    "this row is for {rack_column} = {rack}, but the target has the racks {}: expected one target for each rack",
-                    in_words(wanted.racks)
-                ));
-            }
-            if !wanted.racks.contains(&rack) {
-                index_or_push(&mut other_racks, rack);
-                continue;
-            }
-        }
-        let drive = number(places[0], wanted.drive)?;
-        let Some(value) = number(places[1], wanted.value)? else {
-            continue;
-        };
-        let Some(drive) = drive else {
-            let (column, value_column) = (wanted.drive, wanted.value);
-            return error(format!(
-                "{column} is empty, but {value_column} is {value}: expected a number as {column}"
-            ));
-        };
-        if let (true, Some(reason)) = (wanted.as_measured, (wanted.refuse_measured)(drive)) {
-            return error(reason);
-        }
-        points.push([drive, value]);
+    for record in records {
+        let row = record.map_err(|e| of_file(e.to_string()))?;
+        let point = columns.point(&row, wanted, &mut other_racks);
+        points.extend(point.map_err(|message| at_record(source, &row, message))?);
     }
     let curve = if wanted.as_measured {
         points
@@ -177,16 +223,16 @@ fn curve(source: &Arc<Source>, wanted: &WantedColumns<'_>) -> Result<Vec<[f64; 2
     };
     if curve.len() < 2 {
         let found = curve.len();
-        let message = match (columns, other_racks.as_slice()) {
-            (None, _) => format!("the file is empty; {expected}"),
-            (Some(_), []) => format!("a curve has at least two points, found {found}"),
-            (Some(_), others) => format!(
-                "a curve has at least two points, found {found} at {rack_column} = {}; other rows are at {}",
+        let message = match other_racks.as_slice() {
+            [] => format!("a curve has at least two points, found {found}"),
+            others => format!(
+                "a curve has at least two points, found {found} at {} = {}; other rows are at {}",
+                columns.rack_name,
                 in_words(wanted.racks),
                 in_words(others)
             ),
         };
-        return Err(StudyError::of_file(&source.name, message).into());
+        return Err(of_file(message).into());
     }
     Ok(curve)
 }

@@ -77,7 +77,7 @@ impl DesignTable {
         let at = |record: &_, message: String| at_record(&source, record, message);
         let mut variables: Vec<SweepVariable> = Vec::new();
         let mut places = Vec::new();
-        let is_of_sweep = header.iter().last() == Some("status");
+        let is_of_sweep = header.iter().next_back() == Some("status");
         let is_read = |column: &str| column != "design" && !(is_of_sweep && is_result(column));
         for (place, column) in header.iter().enumerate().filter(|(_, c)| is_read(c)) {
             let variable = variable(column, suspension).map_err(|m| at(&header, m))?;

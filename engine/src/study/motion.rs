@@ -119,11 +119,13 @@ pub(super) fn motion(
         return problems.refuse(place, message);
     }
     let written_rack = section.rack.as_ref().map(Spanned::get_ref);
+    let is_list = written_rack.is_some_and(|rack| !matches!(rack, Values::One(_)));
     Some(Motion {
         drive: drive?,
         values: drive_values,
+        // In a named motion, a list with one displacement is this displacement: targets and constraints apply there.
+        rack_moves: is_list && !(is_named && rack.len() == 1),
         rack,
-        rack_moves: written_rack.is_some_and(|rack| !matches!(rack, Values::One(_))),
         time,
     })
 }

@@ -104,24 +104,8 @@ pub(super) fn scatter(
         return Some(None);
     };
     let builds = within(written, 2..=MOST_BUILDS, problems);
-    let mut wrong = |message: &str| {
-        problems.add(written.span(), message);
-    };
-    if section.fit.as_ref().is_some_and(|fit| *fit.get_ref()) {
-        wrong(
-            "the key \"scatter\" does not work with fit = true, because measurements come from one car",
-        );
-        return None;
-    }
-    if context.file.tolerance.is_none() {
-        wrong("the key \"scatter\" needs [tolerance] for the scatter of the builds");
-        return None;
-    }
-    if context.suspension.mechanism.has_extra_links() {
-        wrong(
-            "the key \"scatter\" is not available yet for an axle on five links, because its builds have tensions in the links; `hardpoint tolerance` supports such axles",
-        );
-        return None;
+    if let Some(reason) = no_builds(section, context) {
+        return problems.refuse(written.span(), reason);
     }
     let tolerance = tolerance?;
     let seeks_yield = match aim {
@@ -131,28 +115,13 @@ pub(super) fn scatter(
     let travels = |motion: &Motion| motion.drive == Drive::Travel;
     let motions = context.motions.iter().map(|(_, motion)| motion);
     if !motions.chain(context.motion).all(travels) {
-        wrong(
-            "the key \"scatter\" needs motions with drive = \"travel\": at the same arm angle, each build has a different pose",
-        );
-        return None;
+        let message = "the key \"scatter\" needs motions with drive = \"travel\": at the same arm angle, each build has a different pose";
+        return problems.refuse(written.span(), message);
     }
-    if let (true, Some(robust)) = (seeks_yield, &section.robust) {
-        let mut wrong = |message: &str| {
-            problems.add(robust.span(), message);
-        };
-        if tolerance.bands.is_empty() {
-            wrong(
-                "robust = \"yield\" needs bands in [tolerance]: a build counts if it is within \
-                 all of them",
-            );
-            return None;
-        }
-        if section.front.is_some() {
-            wrong(
-                "robust = \"yield\" does not work with the key \"front\", because a tuning for yield does not use the targets",
-            );
-            return None;
-        }
+    if let (true, Some(robust)) = (seeks_yield, &section.robust)
+        && let Some(reason) = no_yield(section, tolerance)
+    {
+        return problems.refuse(robust.span(), reason);
     }
     Some(Some(Scatter {
         builds: usize::try_from(builds?).ok()?,
@@ -168,6 +137,39 @@ pub(super) fn scatter(
             RobustAim::Misfit
         },
     }))
+}
+
+/// Reason why a tuning of this study cannot evaluate builds. `None` if it can.
+fn no_builds(section: &file::Optimise, context: &Context) -> Option<&'static str> {
+    if section.fit.as_ref().is_some_and(|fit| *fit.get_ref()) {
+        Some(
+            "the key \"scatter\" does not work with fit = true, because measurements come from one car",
+        )
+    } else if context.file.tolerance.is_none() {
+        Some("the key \"scatter\" needs [tolerance] for the scatter of the builds")
+    } else if context.suspension.mechanism.has_extra_links() {
+        Some(
+            "the key \"scatter\" is not available yet for an axle on five links, because its builds have tensions in the links; `hardpoint tolerance` supports such axles",
+        )
+    } else {
+        None
+    }
+}
+
+/// Reason why a tuning cannot maximise the share of builds within all bands. `None` if it can.
+fn no_yield(section: &file::Optimise, tolerance: &Tolerance) -> Option<&'static str> {
+    if tolerance.bands.is_empty() {
+        Some(
+            "robust = \"yield\" needs bands in [tolerance]: a build counts if it is within \
+             all of them",
+        )
+    } else if section.front.is_some() {
+        Some(
+            "robust = \"yield\" does not work with the key \"front\", because a tuning for yield does not use the targets",
+        )
+    } else {
+        None
+    }
 }
 
 /// Reads the goals for the trade-off curve.

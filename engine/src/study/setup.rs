@@ -10,8 +10,11 @@ use super::members::{coordinate, member};
 use super::outputs::characteristic;
 use super::resolve::Context;
 use super::suspension::positive;
+use super::value::Text;
 use super::{Adjustment, Increment, Setup, Want};
 use crate::assembly::{BuildParameter, Static};
+use crate::axle::Quantity;
+use crate::characteristics::Characteristic;
 use crate::model::Suspension;
 use crate::sorting::sort_by_key;
 use toml::Spanned;
@@ -71,6 +74,9 @@ fn want_of_wheel(
 ) -> Option<Vec<Want>> {
     let mut want = Vec::new();
     for (name, number) in section.want.iter().flatten() {
+        if context.axle.is_some() && is_of_axle_only(name.get_ref()) {
+            return refuse_axle_value(name, problems);
+        }
         let found = characteristic(name, context.suspension, problems)?;
         if context.is_elastic() {
             in_equilibrium(name, found, context.suspension, problems)?;
@@ -92,6 +98,27 @@ fn want_of_wheel(
         value,
     });
     Some(want.collect())
+}
+
+/// Returns true for a quantity that describes both wheels of an axle.
+fn is_of_axle_only(name: &str) -> bool {
+    let mut of_wheel = Characteristic::ALL.iter().map(|c| c.info().name);
+    Quantity::names().contains(&name) && !of_wheel.any(|own| own == name)
+}
+
+/// Refuses a target value that describes both wheels of an axle whose wheels are set up one by one.
+fn refuse_axle_value(name: &Text, problems: &mut Problems) -> Option<Vec<Want>> {
+    let name_of = name.get_ref();
+    let message =
+        format!("{name_of} describes both wheels, but [setup] has target values of each wheel");
+    let help = match name_of.strip_prefix("total_") {
+        Some(of_wheel) => {
+            format!("give half of {name_of} as {of_wheel}: the value applies to each wheel")
+        }
+        None => "give values of one wheel, such as toe, camber or caster".to_owned(),
+    };
+    problems.add(name.span(), message).help(help);
+    None
 }
 
 /// Reads an adjustment of one wheel, or of both wheels of an axle if its wheels are independent.

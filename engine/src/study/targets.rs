@@ -1,5 +1,6 @@
 //! `targets` of `[optimise]`: target curves, values and bands.
 
+mod band;
 mod column_unit;
 mod drive_values;
 mod stations;
@@ -15,8 +16,8 @@ use super::resolve::{Context, each, some};
 use super::sheet_file::{self, SheetTarget};
 use super::subject::{site, subject};
 use super::suspension::above_zero;
-use super::value::{LimitText, Number, Text};
-use super::{Interpolation, Limit, Motion, Site, Target, TargetQuantity, Wanted};
+use super::value::{Number, Text};
+use super::{Interpolation, Motion, Site, Target, TargetQuantity, Wanted};
 use drive_values::DriveValues;
 use stations::{added_stations, rack_displacements};
 use std::ops::Range as Span;
@@ -122,9 +123,10 @@ fn target(
         place,
         of: &of,
         interpolation: interpolation?,
+        is_fit,
     };
 
-    let (wanted, from_file) = target.wanted(written, &site, is_fit, context, problems)?;
+    let (wanted, from_file) = target.wanted(written, &site, context, problems)?;
     let has_rows = site.axle.as_ref().is_some_and(|site| site.held.has_rows());
     if has_rows {
         target.check_rows(&wanted, written, problems)?;
@@ -247,6 +249,8 @@ struct TargetContext<'a> {
     place: Span<usize>,
     of: &'a TargetQuantity,
     interpolation: Interpolation,
+    /// True if the target belongs to a fit. Points of its curve are then measured points.
+    is_fit: bool,
 }
 
 impl TargetContext<'_> {
@@ -287,7 +291,6 @@ impl TargetContext<'_> {
         &self,
         written: &Written,
         site: &Site,
-        is_fit: bool,
         context: &Context,
         problems: &mut Problems,
     ) -> Option<(Wanted, Option<WrittenCurve>)> {
@@ -305,32 +308,17 @@ impl TargetContext<'_> {
             (Some(points), None, None, None, false) => {
                 let drives = points.get_ref().iter();
                 let drives = drives.filter_map(|point| point.get_ref().first());
-                for drive in drives.filter(|_| is_fit) {
+                for drive in drives.filter(|_| self.is_fit) {
                     if let Some(message) = self.drives.refuse_measured(drive.value) {
                         return problems.refuse(drive.span.clone(), message);
                     }
                 }
-                let curve = curve(points.get_ref(), points.span(), is_fit, problems)?;
-                self.curve(&curve, points.span(), is_fit, problems)
+                let curve = curve(points.get_ref(), points.span(), self.is_fit, problems)?;
+                self.curve(&curve, points.span(), problems)
             }
             (None, Some(path), None, None, false) => {
-                let drive = self.motion.drive.column(context.suspension.length_unit);
-                let columns = WantedColumns {
-                    drive: &drive,
-                    value: column_unit::checked(written.column.as_ref(), self.of, problems)?,
-                    length_unit: context.suspension.length_unit,
-                    racks: &rack_displacements(site, self.motion),
-                    as_measured: is_fit,
-                    refuse_measured: &|drive| {
-                        self.drives.refuse_measured(self.drives.of_column(drive))
-                    },
-                };
-                let curve = curve_file::read(path, context.directory, &columns, problems)?;
-                let curve = curve
-                    .iter()
-                    .map(|[d, value]| [self.drives.of_column(*d), *value]);
-                let curve: WrittenCurve = curve.collect();
-                let wanted = self.curve(&curve, path.span(), is_fit, problems);
+                let curve = self.curve_of_file(path, written, site, context, problems)?;
+                let wanted = self.curve(&curve, path.span(), problems);
                 from_file = Some(curve);
                 wanted
             }
@@ -366,11 +354,36 @@ impl TargetContext<'_> {
         Some((wanted?, from_file))
     }
 
+    /// Reads the curve of a target from a file.
+    fn curve_of_file(
+        &self,
+        path: &Text,
+        written: &Written,
+        site: &Site,
+        context: &Context,
+        problems: &mut Problems,
+    ) -> Option<WrittenCurve> {
+        let length_unit = context.suspension.length_unit;
+        let drive = self.motion.drive.column(length_unit);
+        let columns = WantedColumns {
+            drive: &drive,
+            value: column_unit::checked(written.column.as_ref(), self.of, problems)?,
+            length_unit,
+            racks: &rack_displacements(site, self.motion),
+            as_measured: self.is_fit,
+            refuse_measured: &|drive| self.drives.refuse_measured(self.drives.of_column(drive)),
+        };
+        let curve = curve_file::read(path, context.directory, &columns, problems)?;
+        let curve = curve.iter();
+        let curve = curve.map(|[d, value]| [self.drives.of_column(*d), *value]);
+        Some(curve.collect())
+    }
+
+    /// Converts a curve to a target, and checks that stations of the motion are on the curve.
     fn curve(
         &self,
         curve: &[[f64; 2]],
         place: Span<usize>,
-        as_measured: bool,
         problems: &mut Problems,
     ) -> Option<Wanted> {
         let motion = self.motion;
@@ -378,7 +391,7 @@ impl TargetContext<'_> {
             .iter()
             .map(|[drive, value]| [self.drives.in_kernel(*drive), self.of.from_printed(*value)])
             .collect();
-        if as_measured {
+        if self.is_fit {
             return Some(Wanted::Points(points));
         }
         let rounding = DriveRounding::of(&motion.values);
@@ -406,86 +419,5 @@ impl TargetContext<'_> {
             None => Some(self.drives.in_kernel(at.value)),
             Some(message) => problems.refuse(at.span.clone(), message),
         }
-    }
-
-    fn band(
-        &self,
-        written: &Written,
-        at: Option<&Number>,
-        problems: &mut Problems,
-    ) -> Option<Wanted> {
-        let (least, most) = (written.at_least.as_ref(), written.at_most.as_ref());
-        let [lower, upper] = match (&written.between, least, most) {
-            (Some(between), None, None) => {
-                let [lower, upper] = between.get_ref().as_slice() else {
-                    let message = format!(
-                        "expected two limits [lower, upper], found {}",
-                        between.get_ref().len()
-                    );
-                    return problems.refuse(between.span(), message);
-                };
-                [Some((lower, between.span())), Some((upper, between.span()))]
-            }
-            (None, least, most) => {
-                [least, most].map(|limit| Some((limit?.get_ref(), limit?.span())))
-            }
-            (Some(between), _, _) => {
-                let message = "\"between\" gives both limits; expected \"between\" alone, or \"at_least\" and \"at_most\"";
-                return problems.refuse(between.span(), message);
-            }
-        };
-        let mut limit = |given: Option<(&LimitText, Span<usize>)>| match given {
-            None => Some(None),
-            Some((LimitText::One(value), _)) => {
-                Some(Some(Limit::Value(self.of.from_printed(*value))))
-            }
-            Some((LimitText::Many(points), place)) => {
-                let curve = curve(points, place, false, problems)?;
-                let points = curve.iter();
-                let points =
-                    points.map(|[d, v]| [self.drives.in_kernel(*d), self.of.from_printed(*v)]);
-                Some(Some(Limit::Curve {
-                    points: points.collect(),
-                    interpolation: self.interpolation,
-                }))
-            }
-        };
-        let (lower, upper) = (limit(lower)?, limit(upper)?);
-        // If the axis has the opposite sign, upper and lower limit are exchanged.
-        let [lower, upper] = if self.of.sign < 0.0 {
-            [upper, lower]
-        } else {
-            [lower, upper]
-        };
-        let limits = [&lower, &upper].into_iter().flatten();
-        let is_level = limits
-            .into_iter()
-            .all(|limit| matches!(limit, Limit::Value(_)));
-        let is_placed = written.motion.is_some() || written.over.is_some();
-        let at = match at {
-            // Without a travel, the band of a test result applies at the design height.
-            None if self.of.is_figure() && is_level && !is_placed => Some(0.0),
-            None => None,
-            Some(at) => Some(self.single(at, problems)?),
-        };
-        let wanted = Wanted::Band { at, lower, upper };
-        let mut stations = self.motion.values.clone();
-        stations.extend(added_stations(&wanted, self.motion));
-        let samples = wanted.samples(&stations);
-        if samples.is_empty() {
-            let message = format!(
-                "no station of the motion, which {}, is within this band",
-                self.drives.range_in_words()
-            );
-            return problems.refuse(self.place.clone(), message);
-        }
-        if let Some(sample) = samples.iter().find(|s| s.low > s.high) {
-            let message = format!(
-                "the band is empty at {}: its lower limit is above the upper one",
-                self.drives.as_written(sample.drive)
-            );
-            return problems.refuse(self.place.clone(), message);
-        }
-        Some(wanted)
     }
 }

@@ -148,9 +148,8 @@ impl<'s> CarSweepPlan<'s> {
             .constraints
             .iter()
             .map(|(own, _)| {
-                let name = format!("{} in {}", own.name, self.study.cases[own.case].name);
                 let unit = own.quantity.info().unit.suffix(length);
-                margin_column(&name, &unit, Some(own.visible))
+                margin_column(&own.name, &unit, Some(own.visible))
             })
             .collect();
         for (end, goals) in self.rigs.iter().filter(|_| self.sweep.constraints) {

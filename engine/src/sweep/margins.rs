@@ -23,6 +23,7 @@ pub(super) fn margin_columns(constraints: &[Constraint], prefix: &str) -> Vec<Ou
 /// constraint fixes a value.
 pub(super) fn margin_column(name: &str, unit: &str, visible: Option<f64>) -> OutputColumn {
     let column = column_name(&format!("margin {name}"));
+    let unit = &column_name(unit);
     OutputColumn {
         // The limits at the end of a name may already have the unit.
         column: if column.ends_with(&format!("_{unit}")) {
@@ -55,9 +56,18 @@ fn fixes_value(part: &Limited) -> bool {
     part.lower.is_some() && part.lower == part.upper
 }
 
-/// Name of a column, from words. Letters, digits, signs and decimal points remain; the rest becomes underscores.
+/// Name of a column, from words. Letters, digits, signs and decimal points remain; the rest becomes underscores. Numbers have at
+/// most six digits.
 fn column_name(words: &str) -> String {
     let is_kept = |c: char| c.is_alphanumeric() || "-.".contains(c);
+    let words = words.replace('%', " percent").replace('/', " per ");
     let words = words.split(|c| !is_kept(c)).filter(|word| !word.is_empty());
-    words.collect::<Vec<_>>().join("_")
+    let short = |word: &str| match word.parse::<f64>() {
+        Ok(value) if word.len() > 8 => {
+            let digits = value.abs().max(1e-9).log10().floor().clamp(0.0, 6.0);
+            format!("{value:.*}", (5.0 - digits).max(0.0) as usize)
+        }
+        _ => word.to_owned(),
+    };
+    words.map(short).collect::<Vec<_>>().join("_")
 }

@@ -8,7 +8,9 @@ mod worker;
 
 pub use worker::Worker;
 
-use super::record::{Kind, MoveRecord, OutputColumn, TargetColumn, VariableRecord};
+use super::record::{
+    ELASTIC_BLOCKS_OF_PART, Kind, MoveRecord, OutputColumn, TargetColumn, VariableRecord,
+};
 use super::rows::{Failing, Rows};
 use super::{BLOCKS_OF_PART, FORM, Samples, SweepRecord, Swept};
 use crate::ask::with_unit;
@@ -30,7 +32,7 @@ use crate::study::{
 };
 use description::describe;
 use goals::{GoalAssessor, GoalValues, Goals};
-use requests::{is_figure, of_axle, of_corner, of_elastic, with_gains};
+use requests::{is_figure, of_study};
 use std::borrow::Cow;
 use std::ops::{ControlFlow, Range};
 use targets::{SweptTarget, SweptWish, TargetStations};
@@ -97,33 +99,9 @@ impl<'s> SweepPlan<'s> {
         let is_swept = |target: &&Target| target.is_in_sweep(study.motion());
         let swept: Vec<Target> = targets.iter().filter(is_swept).cloned().collect();
         let others = targets.iter().filter(|target| !is_swept(target)).cloned();
-        let goals = Goals::of(study, sweep, others.collect(), samples.rates());
-        let swept = &swept[..];
-        let samples_in = |target: &Target| {
-            let stations = target.stations_in(study.motion());
-            target.wanted.samples(&stations)
-        };
-        let wanted: Vec<Vec<Sample>> = swept.iter().map(samples_in).collect();
-        let further: Vec<f64> = wanted.iter().flatten().map(|s| s.drive).collect();
-        let (request, gains, wishes) = match &study.vehicle {
-            Vehicle::Axle(both) => {
-                let targets: Vec<_> = swept.iter().map(|t| t.axle_samples(&both.axle)).collect();
-                let rates = samples.rates().map(|rate| rate.parameter.into()).collect();
-                of_axle(both, both.plan_with(swept), &targets, rates, sweep.curves)
-            }
-            Vehicle::Wheel(own) => {
-                let stations = Stations::of(&own.motion, &suspension.frame, &further);
-                let plan = with_gains(own, study.optimise.as_ref());
-                match &own.compliance {
-                    None => of_corner(suspension, &plan, stations, swept, &wanted),
-                    Some(elastic) => {
-                        let rates = samples.rates().map(|rate| rate.parameter).collect();
-                        let targets = (swept, &wanted[..]);
-                        of_elastic(own, elastic, &plan, stations, targets, rates, sweep.curves)
-                    }
-                }
-            }
-        };
+        let others: Vec<Target> = others.collect();
+        let goals = Goals::of(study, sweep, &others, samples.rates());
+        let (request, gains, wishes) = of_study(study, sweep, &swept, &samples);
         let (mut wishes, mut of_goals) = (wishes.into_iter(), 0..);
         let targets = targets.iter().map(|target| SweptTarget {
             name: target.swept_name(suspension.length_unit),
@@ -154,6 +132,9 @@ impl<'s> SweepPlan<'s> {
             samples,
             study,
         };
+        if plan.goals.is_some() && study.vehicle.is_elastic() {
+            plan.record.blocks_of_part = ELASTIC_BLOCKS_OF_PART;
+        }
         plan.record.outputs = plan.output_columns();
         let columns = plan.record.columns();
         let twice = |(i, name): &(usize, &String)| columns[..*i].contains(name);
@@ -390,12 +371,16 @@ impl<'s> SweepPlan<'s> {
         let values = self.stations().values();
         let drive = self.study.motion().drive;
         for failed in block.failures() {
-            let at = drive.printed(values[self.stations().value_of(failed.station)]);
             let entry = &mut into[failed.design];
-            let nearer = |f: &Failing| f.at.is_some_and(|known| at.abs() < known.abs());
             let count = entry.as_ref().map_or(0, |f| f.stations);
-            if entry.as_ref().is_none_or(nearer) {
-                *entry = Some(Failing::stations(&failed.failure, at));
+            if self.request.is_in_motion(failed.station) {
+                let at = drive.printed(values[self.stations().value_of(failed.station)]);
+                let nearer = |f: &Failing| f.at.is_none_or(|known| at.abs() < known.abs());
+                if entry.as_ref().is_none_or(nearer) {
+                    *entry = Some(Failing::stations(&failed.failure, at));
+                }
+            } else if entry.is_none() {
+                *entry = Some(Failing::beside(&failed.failure));
             }
             if let Some(entry) = entry {
                 entry.stations = count + 1;

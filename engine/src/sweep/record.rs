@@ -19,6 +19,10 @@ pub const BLOCKS_OF_PART: u64 = 1024;
 /// Number of blocks in a part of a sweep of cars. With 16 designs per block and some milliseconds per design, one core needs a
 /// few seconds for a part.
 pub(super) const CAR_BLOCKS_OF_PART: u64 = 64;
+/// Number of blocks in a part of a sweep of elastic designs with targets or constraints that need stations of their own. Such
+/// a design takes up to 10 milliseconds, so one core needs some seconds for a part.
+pub(super) const ELASTIC_BLOCKS_OF_PART: u64 = 8;
+
 /// Number of designs in a block of cars, which have no SIMD lanes.
 const CAR_BLOCK: u64 = 16;
 

@@ -83,12 +83,24 @@ impl Failing {
         }
     }
 
-    /// Describes a design whose stations are all solved, but not all stations of its targets and constraints. The reason has no
-    /// numbers, so that equal reasons can be counted.
-    pub(super) fn of_goals() -> Self {
+    /// Describes a design of an axle that does not reach a station of a target outside of `[motion]`.
+    pub(super) fn beside(failure: &NoPose) -> Self {
+        let own = Failing::stations(failure, 0.0);
+        Failing {
+            reason: format!("target of another motion: {}", own.reason),
+            at: None,
+            ..own
+        }
+    }
+
+    /// Describes a design whose stations are all solved, but not all stations of its targets and constraints in the motion
+    /// with this name. The reason has no numbers, so that equal reasons can be counted.
+    pub(super) fn of_goals(motion: &str) -> Self {
         Failing {
             status: "unreachable".to_owned(),
-            reason: "a target or a constraint has no value at one of its own stations".to_owned(),
+            reason: format!(
+                "{motion}: a target or a constraint has no value at one of its stations"
+            ),
             stations: 0,
             at: None,
         }
@@ -96,11 +108,7 @@ impl Failing {
 
     /// Describes a car design whose targets or constraints of a single axle have no values. Its load cases are all solved.
     pub(super) fn axle_alone(axle: &str) -> Self {
-        let Failing { reason, .. } = Failing::of_goals();
-        Failing {
-            reason: format!("{axle} axle alone: {reason}"),
-            ..Failing::of_goals()
-        }
+        Failing::of_goals(&format!("{axle} axle alone"))
     }
 
     /// Describes a design that cannot be solved at all, with the reason in words. All `stations` of the design fail.

@@ -114,6 +114,17 @@ impl<'a> CarProblem<'a> {
         })
     }
 
+    /// Indices of the bands that the nominal design misses, each with its nominal value. `nominal` has all nominal results.
+    pub fn bands_missed(&self, nominal: &[f64]) -> Vec<(usize, f64)> {
+        let bands = self.tolerance.bands.iter().zip(&self.places).enumerate();
+        let missed = bands.filter_map(|(number, (band, place))| {
+            let [low, high] = with_rounding(band.between);
+            let value = nominal[*place];
+            (!(low..=high).contains(&value)).then_some((number, value))
+        });
+        missed.collect()
+    }
+
     /// Car of the build with this number. An error names the wheel that cannot be assembled, or the value that a study does
     /// not accept.
     pub fn built(&self, number: u64) -> Result<Car, String> {

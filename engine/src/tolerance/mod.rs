@@ -270,6 +270,26 @@ impl<'a> Problem<'a> {
         bands.map(move |(places, _)| places.iter().map(cell).collect())
     }
 
+    /// For each band that the nominal design misses: its index, and the output and station of the nominal value that is
+    /// farthest outside its limits. A missing value is outside. `nominal` has all values of the nominal design.
+    pub fn bands_missed(&self, nominal: &[f64]) -> Vec<(usize, [usize; 2])> {
+        let beyond = |[output, station]: [usize; 2], [low, high]: [f64; 2]| {
+            let value = nominal[self.cell(output, station)];
+            if value.is_nan() {
+                f64::INFINITY
+            } else {
+                (low - value).max(value - high)
+            }
+        };
+        let bands = self.bands.iter().enumerate();
+        let missed = bands.filter_map(|(number, (places, limits))| {
+            let outside = places.iter().map(|place| (beyond(*place, *limits), *place));
+            let (most, place) = outside.max_by(|a, b| a.0.total_cmp(&b.0))?;
+            (most > 0.0).then_some((number, place))
+        });
+        missed.collect()
+    }
+
     /// Positions of the axle (placements) at all stations. Empty for a study of one wheel.
     pub fn placements(&self) -> &[Placement] {
         self.request.axle().map_or(&[], |axle| &axle.placements)

@@ -53,6 +53,7 @@ pub(in crate::cli) fn tolerance(arguments: &ToleranceArguments) -> Result<Exit, 
     if !tolerance.bands.is_empty() {
         output.text_only("\n")?;
         output.table("bands", &summary.bands_table())?;
+        output.say_remarks(&summary.nominal_outside)?;
     }
     output.text_only("\nContributors to the scatter, sorted by their largest share of the variance of a value\n\n")?;
     output.table("ranking", &summary.ranking_table())?;

@@ -1,7 +1,44 @@
 //! Values of the wheel: loaded radius, camber and toe, with their sources.
 
+use super::super::corner::{Corner, Picked};
+use super::super::figure_names::{FigureKind, figure};
 use super::super::figures::Figures;
+use super::super::place::Placed;
+use super::super::table::{NamedPoint, PointTable};
 use super::Imported;
+
+/// Distance of the contact point from the wheel centre, if the file has both points.
+pub(super) fn contact_radius(
+    table: &PointTable,
+    corner: Corner,
+    placed: Placed,
+    picked: &[Picked],
+) -> Option<(String, f64)> {
+    let centre = picked.iter().find(|p| p.hardpoint.name == "wheel_centre")?;
+    let centre = centre.hardpoint.position;
+    let is_contact = |point: &&NamedPoint| {
+        figure(&point.read_as).is_some_and(|(kind, marks, _)| {
+            let marks = point.marks.or(marks);
+            let is_side = marks.side.is_none() || marks.side == corner.side;
+            let is_axle =
+                marks.axle.is_none() || corner.axle.is_none() || marks.axle == corner.axle;
+            kind == FigureKind::ContactPoint && is_side && is_axle
+        })
+    };
+    let contact = table.points.iter().find(is_contact)?;
+    let mut position = contact.position.clone().ok()?;
+    // A contact point for both wheels has the coordinates of the left wheel. So its lateral coordinate may need the
+    // other sign.
+    let (across, _) = placed.axes.across();
+    if position[across] * centre[across] < 0.0 {
+        position[across] = -position[across];
+    }
+    let apart: [f64; 3] = std::array::from_fn(|k| position[k] - centre[k]);
+    Some((
+        contact.name.clone(),
+        apart[0].hypot(apart[1]).hypot(apart[2]),
+    ))
+}
 
 /// Loaded radius. A note names its source: the values of the file, the tyre's diameter, or the contact point.
 pub(super) fn radius(

@@ -20,7 +20,7 @@ pub use record::{
     CarTuningRecord, CarVariableRecord,
 };
 pub use studies::{car_with_axles, optimised_car, settings_of_car};
-pub use tolerance::CarToleranceSummary;
+pub use tolerance::{CarToleranceSummary, car_study_bands_missed};
 pub use tuning::{
     car_constraint_names, car_constraints_table, car_targets_json, car_targets_table,
     car_variables_table,

@@ -3,7 +3,7 @@
 use super::files::csv;
 use super::{CarResults, CarState};
 use crate::car::{
-    AxleParameter, BodyParameter, CarGradient, CarSolver, Parameter, body_key, rate_key,
+    AXLE_NAMES, AxleParameter, BodyParameter, CarGradient, CarSolver, Parameter, body_key, rate_key,
 };
 use crate::model::{Axis, PointId};
 use crate::report::optional;
@@ -66,53 +66,72 @@ impl<'s> CarResults<'s> {
         gradient: &CarGradient,
         push: &mut impl FnMut(&str, &str, &str, f64, &str),
     ) {
-        let car = &self.study.car;
-        let (length, mass) = (self.unit(), car.mass_unit);
-        for (number, end) in crate::car::AXLE_NAMES.into_iter().enumerate() {
-            let axle = &car.axles[number].left;
-            for (k, by) in gradient.hardpoints[number].iter().enumerate() {
-                // Only the near half of a solid axle has rows. Its derivatives include the motion of the far half,
-                // which follows the near half.
-                if axle.mechanism.is_far(PointId(k)) {
-                    continue;
-                }
-                let name = axle.mechanism.name(PointId(k));
-                for axis in Axis::ALL {
-                    push(
-                        end,
-                        name,
-                        axis.name(),
-                        axle.frame.sign(axis) * by[axis],
-                        length,
-                    );
-                }
+        for number in 0..AXLE_NAMES.len() {
+            self.push_axle(number, gradient, push);
+        }
+        self.push_body(gradient, push);
+    }
+
+    /// Derivatives with respect to the hardpoints and the parameters of an axle.
+    fn push_axle(
+        &self,
+        number: usize,
+        gradient: &CarGradient,
+        push: &mut impl FnMut(&str, &str, &str, f64, &str),
+    ) {
+        let (car, end) = (&self.study.car, AXLE_NAMES[number]);
+        let axle = &car.axles[number].left;
+        for (k, by) in gradient.hardpoints[number].iter().enumerate() {
+            // Only the near half of a solid axle has rows. Its derivatives include the motion of the far half,
+            // which follows the near half.
+            if axle.mechanism.is_far(PointId(k)) {
+                continue;
             }
-            for parameter in [
-                AxleParameter::SpringRate,
-                AxleParameter::SpringForce,
-                AxleParameter::BarRate,
-                AxleParameter::HeaveSpringRate,
-                AxleParameter::HeaveSpringForce,
-                AxleParameter::TBarRate,
-                AxleParameter::HeaveBarRate,
-                AxleParameter::HeaveBarTorque,
-                AxleParameter::Rack,
-                AxleParameter::TyreRate,
-                AxleParameter::Radius,
-                AxleParameter::UnsprungMass,
-            ] {
-                if !parameter.is_of(&car.axles[number]) {
-                    continue;
-                }
-                let (unit, factor) = parameter.unit(car);
-                let sign = match parameter {
-                    AxleParameter::Rack => axle.frame.sign(Axis::Y),
-                    _ => 1.0,
-                };
-                let by = gradient.parameters[Parameter::Axle(number, parameter).place()];
-                push(end, rate_key(parameter), "", sign * factor * by, &unit);
+            let name = axle.mechanism.name(PointId(k));
+            for axis in Axis::ALL {
+                push(
+                    end,
+                    name,
+                    axis.name(),
+                    axle.frame.sign(axis) * by[axis],
+                    self.unit(),
+                );
             }
         }
+        for parameter in [
+            AxleParameter::SpringRate,
+            AxleParameter::SpringForce,
+            AxleParameter::BarRate,
+            AxleParameter::HeaveSpringRate,
+            AxleParameter::HeaveSpringForce,
+            AxleParameter::TBarRate,
+            AxleParameter::HeaveBarRate,
+            AxleParameter::HeaveBarTorque,
+            AxleParameter::Rack,
+            AxleParameter::TyreRate,
+            AxleParameter::Radius,
+            AxleParameter::UnsprungMass,
+        ] {
+            if !parameter.is_of(&car.axles[number]) {
+                continue;
+            }
+            let (unit, factor) = parameter.unit(car);
+            let sign = match parameter {
+                AxleParameter::Rack => axle.frame.sign(Axis::Y),
+                _ => 1.0,
+            };
+            let by = gradient.parameters[Parameter::Axle(number, parameter).place()];
+            push(end, rate_key(parameter), "", sign * factor * by, &unit);
+        }
+    }
+
+    /// Derivatives with respect to the parameters of the body and to the wheelbase.
+    fn push_body(
+        &self,
+        gradient: &CarGradient,
+        push: &mut impl FnMut(&str, &str, &str, f64, &str),
+    ) {
+        let (length, mass) = (self.unit(), self.study.car.mass_unit);
         let frame = self.study.frame();
         let by = |own: BodyParameter| gradient.parameters[Parameter::Body(own).place()];
         push(

@@ -1,10 +1,13 @@
 //! Scatter of a car: `tolerance.csv`, `contributors.csv`, `summary.json` and tables.
 
+use crate::report::bands::nominal_outside;
+use crate::report::figure::as_written;
 use crate::report::files::csv_of_rows;
-use crate::report::optional;
 use crate::report::table::{Cell, Column, Table};
 use crate::report::text::counted;
 use crate::report::tolerance_summary::percent;
+use crate::report::{figure, optional};
+use crate::study::CarStudy;
 use crate::tolerance::{CarBuilds, CarExpansion, CarProblem, HOLDS, PERCENTILES};
 use serde::Serialize;
 
@@ -22,6 +25,9 @@ pub struct CarToleranceSummary {
     contributors: Vec<String>,
     values: Vec<CarValue>,
     bands: Vec<CarBandRecord>,
+    /// Sentences about the bands that the nominal design misses.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub nominal_outside: Vec<String>,
     yield_of_all: Option<f64>,
 }
 
@@ -72,6 +78,43 @@ struct CarBandRecord {
 
 fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value + 0.0)
+}
+
+/// Sentences about the bands of a car that its nominal design misses. Empty without tolerances, and if the nominal design cannot be
+/// solved.
+pub fn car_study_bands_missed(study: &CarStudy) -> Vec<String> {
+    let missed = || {
+        let with_bands = study.tolerance.as_ref().filter(|t| !t.bands.is_empty());
+        let problem = CarProblem::of(study, with_bands?).ok()?;
+        let nominal = problem.nominal().ok()?;
+        Some(car_bands_missed(&problem, &nominal))
+    };
+    missed().unwrap_or_default()
+}
+
+/// Sentences about the bands that the nominal design of a car misses. `nominal` has all nominal results.
+fn car_bands_missed(problem: &CarProblem<'_>, nominal: &[f64]) -> Vec<String> {
+    let study = problem.study;
+    let length = study.car.length_unit;
+    let missed = problem.bands_missed(nominal).into_iter();
+    let words = missed.map(|(number, value)| {
+        let band = &problem.tolerance.bands[number];
+        let column = band.quantity.column(length);
+        let limits = match band.between.map(f64::is_finite) {
+            [true, true] => band.between.map(as_written).join(" to "),
+            [true, false] => format!("at least {}", as_written(band.between[0])),
+            _ => format!("at most {}", as_written(band.between[1])),
+        };
+        let band = format!("{column} in case {}: {limits}", study.cases[band.case].name);
+        let unit = problem.tolerance.bands[number].quantity.info().unit;
+        let value = if value.is_finite() {
+            figure(value, &unit.suffix(length))
+        } else {
+            "missing".to_owned()
+        };
+        nominal_outside(&band, &value)
+    });
+    words.collect()
 }
 
 impl CarToleranceSummary {
@@ -152,6 +195,7 @@ impl CarToleranceSummary {
                 .collect(),
             values: values.collect(),
             bands: bands.collect(),
+            nominal_outside: car_bands_missed(problem, nominal),
             yield_of_all: (!tolerance.bands.is_empty()).then(|| share(builds.in_all_bands)),
         }
     }

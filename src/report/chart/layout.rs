@@ -138,16 +138,8 @@ pub(in crate::report) struct EndLabel {
 impl Chart {
     /// Lays out the chart with the values of these tables.
     pub(in crate::report) fn layout(self, tables: &[CurveTable]) -> Layout {
-        // A logarithmic axis cannot show zero.
-        let can_stand =
-            |[x, y]: [f64; 2]| (!self.x.is_log || x > 0.0) && (!self.y.is_log || y > 0.0);
-        let of_line = |line: &Line| -> Vec<Option<[f64; 2]>> {
-            let points = line.source.points(tables).into_iter();
-            points
-                .map(|point| point.filter(|p| can_stand(*p)))
-                .collect()
-        };
-        let points: Vec<_> = self.lines.iter().map(of_line).collect();
+        let lines = self.lines.iter();
+        let points: Vec<_> = lines.map(|line| self.points_of(line, tables)).collect();
         let fans: Vec<[Vec<_>; 2]> = (self.fans.iter())
             .map(|fan| fan.edges.each_ref().map(|edge| edge.points(tables)))
             .collect();
@@ -218,6 +210,16 @@ impl Chart {
             before: String::new(),
             chart: self,
         }
+    }
+
+    /// Points of a curve. A logarithmic axis cannot show zero or negative values, so points with such values are `None`.
+    fn points_of(&self, line: &Line, tables: &[CurveTable]) -> Vec<Option<[f64; 2]>> {
+        let can_stand =
+            |[x, y]: [f64; 2]| (!self.x.is_log || x > 0.0) && (!self.y.is_log || y > 0.0);
+        let points = line.source.points(tables).into_iter();
+        points
+            .map(|point| point.filter(|p| can_stand(*p)))
+            .collect()
     }
 }
 

@@ -155,27 +155,92 @@ pub(in crate::report) struct Family {
     pub is_present: bool,
 }
 
-/// Classes of a curve's colour and stroke. `is_last` is true for the curves of the last design.
-fn class_of(
-    family: &Family,
+/// Curves of one design and one output in a chart. Their common properties determine the classes and the labels.
+struct DesignCurves<'a> {
+    /// Label of the design.
+    design: &'a str,
+    /// True for the last design.
     is_last: bool,
+    /// True if the chart shows no other design.
+    is_alone: bool,
+    /// Wheel of the output, if the chart shows both wheels.
     side: Option<&'static str>,
-    [several, is_scatter]: [bool; 2],
-) -> String {
-    let colour = match (is_last, side, several) {
-        (true, Some(side), _) => side.to_owned(),
-        (true, None, true) => format!("shade{}", family.shade),
-        (true, None, false) => "main".to_owned(),
-        (false, ..) => "former".to_owned(),
-    };
-    let stroke = match (is_last, family.is_present) {
-        (true, true) => " strong",
-        (true, false) if side.is_some() => " faint",
-        (false, false) => " faint",
-        _ if is_scatter && !is_last => " fine",
-        _ => "",
-    };
-    colour + stroke
+    /// Column of the second moving coordinate.
+    beside: Option<&'a str>,
+    /// Number of curves, one for each value of the second moving coordinate.
+    count: usize,
+    /// True for the designs of a tolerance run.
+    is_scatter: bool,
+}
+
+impl DesignCurves<'_> {
+    fn has_several(&self) -> bool {
+        self.count > 1
+    }
+
+    /// Classes of a curve's colour and stroke.
+    fn class(&self, family: &Family) -> String {
+        let colour = match (self.is_last, self.side, self.has_several()) {
+            (true, Some(side), _) => side.to_owned(),
+            (true, None, true) => format!("shade{}", family.shade),
+            (true, None, false) => "main".to_owned(),
+            (false, ..) => "former".to_owned(),
+        };
+        let stroke = match (self.is_last, family.is_present) {
+            (true, true) => " strong",
+            (true, false) if self.side.is_some() => " faint",
+            (false, false) => " faint",
+            _ if self.is_scatter && !self.is_last => " fine",
+            _ => "",
+        };
+        colour + stroke
+    }
+
+    /// Label at the end of a curve.
+    fn label(&self, family: &Family) -> Option<String> {
+        let own = || self.beside.map(|name| in_short(name, family.place));
+        let design = || self.design.to_owned();
+        match (self.is_last, self.side, self.has_several()) {
+            (true, Some(side), _) if family.is_present => Some(side.to_owned()),
+            (true, Some(side), _) if self.count <= MOST_OF_EACH_WHEEL => {
+                own().map(|own| format!("{} {own}", &side[..1].to_uppercase()))
+            }
+            (true, Some(_), _) => None,
+            (true, None, true) => own(),
+            (true, None, false) => (!self.is_alone).then(design),
+            (false, side, _) => (family.is_present && side != Some("right")).then(design),
+        }
+    }
+
+    /// Name of a curve in the list of values at the crosshair.
+    fn told(&self, family: &Family) -> String {
+        let beside = self.beside.filter(|_| self.has_several());
+        let own = beside.map(|name| in_words(name, family.place));
+        let names = [self.side.map(str::to_owned), own];
+        let main: Vec<String> = names.into_iter().flatten().collect();
+        let main = (!main.is_empty()).then(|| main.join(", "));
+        match (main, self.is_alone) {
+            (Some(main), true) => main,
+            (Some(main), false) => format!("{}, {main}", self.design),
+            (None, _) => self.design.to_owned(),
+        }
+    }
+}
+
+/// Remark on the second moving coordinate. It gives the number of curves if they are fewer than `all` values, or else the name
+/// of the coordinate if the labels do not contain it.
+fn family_note(curves: &DesignCurves<'_>, all: usize) -> Option<(&'static str, String)> {
+    if all > curves.count {
+        let name = curves.beside.map_or("", |name| split(name).0);
+        let name = name.replace('_', " ");
+        return Some(("", format!("{} of {all} values of {name}", curves.count)));
+    }
+    // A long column name does not fit into a short label, so a remark contains it instead.
+    let name = curves
+        .beside
+        .filter(|name| curves.has_several() && !has_short_name(name))?;
+    let note = format!("one line for each {}", Quantity::of_column(name).name);
+    Some(("", note))
 }
 
 impl Chart {
@@ -188,38 +253,31 @@ impl Chart {
         side: Option<&'static str>,
     ) {
         let moving = moving_beside(record.motion, abscissa);
-        let is_scatter = record.command == "tolerance";
-        for (number, (design, table)) in record.motion.designs.iter().zip(tables).enumerate() {
-            let is_last = number + 1 == record.motion.designs.len();
+        let designs = &record.motion.designs;
+        for (number, (design, table)) in designs.iter().zip(tables).enumerate() {
             let (families, all) = families(&moving, table);
-            if all > families.len() && is_last && self.notes.is_empty() {
-                let name = moving
-                    .first()
-                    .map_or("", |name| split(name).0)
-                    .replace('_', " ");
-                self.notes
-                    .push(("", format!("{} of {all} values of {name}", families.len())));
+            let curves = DesignCurves {
+                design: &design.label,
+                is_last: number + 1 == designs.len(),
+                is_alone: designs.len() == 1,
+                side,
+                beside: moving.first().map(|name| name.as_str()),
+                count: families.len(),
+                is_scatter: record.command == "tolerance",
+            };
+            if curves.is_last && self.notes.is_empty() {
+                self.notes.extend(family_note(&curves, all));
             }
-            let several = families.len() > 1;
-            // A long column name does not fit into a short label, so a remark contains it instead.
-            let unnamed = moving
-                .first()
-                .filter(|name| several && !has_short_name(name));
-            if let (true, [], Some(name)) = (is_last, &self.notes[..], unnamed) {
-                let note = format!("one line for each {}", Quantity::of_column(name).name);
-                self.notes.push(("", note));
-            }
-            let is_few = families.len() <= MOST_OF_EACH_WHEEL;
             for family in families {
-                let apart = moving.first().map(|name| in_words(name, family.place));
-                let class = class_of(&family, is_last, side, [several, is_scatter]);
+                let class = curves.class(&family);
+                let (label, told) = (curves.label(&family), curves.told(&family));
                 let source = Source {
                     table: record.first_table + number,
                     x: abscissa.to_owned(),
                     y: column.to_owned(),
                     rows: family.rows,
                 };
-                if is_scatter && number < 2 && record.motion.designs.len() == 5 {
+                if curves.is_scatter && number < 2 && designs.len() == 5 {
                     // Percentiles come in pairs around the nominal design.
                     let other = Source {
                         table: record.first_table + 3 - number,
@@ -230,36 +288,13 @@ impl Chart {
                         edges: [source.clone(), other],
                     });
                 }
-                let own = several.then_some(apart).flatten();
-                let names = [side.map(str::to_owned), own.clone()];
-                let main: Vec<String> = names.into_iter().flatten().collect();
-                let main = (!main.is_empty()).then(|| main.join(", "));
-                let own_in_short = || moving.first().map(|name| in_short(name, family.place));
-                let alone = record.motion.designs.len() == 1;
-                let label = match (is_last, side, several) {
-                    (true, Some(side), _) if family.is_present => Some(side.to_owned()),
-                    (true, Some(side), _) if is_few => {
-                        own_in_short().map(|own| format!("{} {own}", &side[..1].to_uppercase()))
-                    }
-                    (true, Some(_), _) => None,
-                    (true, None, true) => own_in_short(),
-                    (true, None, false) => (!alone).then(|| design.label.clone()),
-                    (false, side, _) => {
-                        (family.is_present && side != Some("right")).then(|| design.label.clone())
-                    }
-                };
-                let told = match (main, alone) {
-                    (Some(main), true) => main,
-                    (Some(main), false) => format!("{}, {main}", design.label),
-                    (None, _) => design.label.clone(),
-                };
                 self.lines.push(Line {
                     label,
                     told,
                     class,
-                    is_main: is_last && family.is_present,
+                    is_main: curves.is_last && family.is_present,
                     // The page of a sweep can show any design, so each design has a strip of deviations.
-                    in_strip: family.is_present && (is_last || record.command == "sweep"),
+                    in_strip: family.is_present && (curves.is_last || record.command == "sweep"),
                     has_dots: false,
                     source,
                 });

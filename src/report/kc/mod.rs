@@ -51,7 +51,7 @@ pub fn no_equilibrium(why: &NoEquilibrium) -> String {
         (false, motion) => {
             let motion = motion.unwrap_or_else(|| "no equilibrium is found".to_owned());
             format!(
-                "equilibria exist only for the first {:.4} % of the change from the last state; then {motion}",
+                "equilibria exist only for the first {:.1} % of the change from the last state; then {motion}",
                 100.0 * why.share
             )
         }

@@ -8,6 +8,8 @@ const titled = (k) => withUnit(columns[k].title, columns[k].unit);
 const value = (k, row) => shown.columns[k][row];
 const isWhole = (row) => shown.failing[row] === null;
 const allRows = shown.design.map((_, row) => row);
+// Rows of designs that violate a constraint.
+const outside = new Set(allRows.filter((row) => columns.some(({ least }, k) => least !== null && value(k, row) !== null && value(k, row) < least)));
 const SHADES = 9;
 const SCATTER = { size: [900, 520], box: [74, 52, 880, 462] };
 
@@ -26,12 +28,13 @@ const shadesOf = (state) => (state.colour === 'status' ? null : shadesBy(state.c
 // Groups of designs, the most important ones last: class, rows, name.
 const groupsOf = (state) => {
   const selected = (row) => state.selected === null || state.selected.has(row);
-  const plain = allRows.filter((row) => isWhole(row) && !marked.has(row));
+  const plain = allRows.filter((row) => isWhole(row) && !marked.has(row) && !outside.has(row));
   const shades = shadesOf(state);
   const groups = shades
     ? Array.from({ length: SHADES }, (_, k) => [`shade${SHADES - 1 - k}`, plain.filter((row) => shades.get(row) === SHADES - 1 - k), k ? null : `designs, by ${titled(state.colour)}: low ochre, high blue`])
     : [['former', plain, 'designs']];
   groups.push(['bad', allRows.filter((row) => !isWhole(row)), 'not solved everywhere']);
+  groups.push(['outside', allRows.filter((row) => isWhole(row) && outside.has(row)), 'outside the constraints']);
   groups.push(['target', frontRows, 'Pareto front'], ['main', bestRows, 'best']);
   return groups.map(([look, rows, name]) => ({ look, name, rows: rows.filter(selected), all: rows.length })).filter(({ all }) => all);
 };
@@ -138,7 +141,7 @@ const sayPicked = ({ picked }) => {
   byId('picked-command').textContent = `hardpoint sweep STUDY --design ${design} > design_${design}.toml`;
   const failing = shown.failing[picked];
   const at = shown.failed_at[picked];
-  byId('picked-status').textContent = failing === null ? 'Solved everywhere.' : `Not solved everywhere: ${shown.reasons[failing].join(': ')}${at === null ? '' : `, nearest at ${at}`}.`;
+  byId('picked-status').textContent = failing === null ? `Solved everywhere.${outside.has(picked) ? ' Violates a constraint.' : ''}` : `Not solved everywhere: ${shown.reasons[failing].join(': ')}${at === null ? '' : `, nearest at ${at}`}.`;
   byId('picked').value = String(picked);
   root.dataset.picked = design;
   root.dataset.pickedValues = columns.map((_, k) => exact(value(k, picked))).join(' ');

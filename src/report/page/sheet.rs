@@ -65,7 +65,12 @@ pub fn set_up_page(wheels: &[SetUpSummary]) -> String {
         sections.push(titled("Static values after each step", note, after));
         let effects = summary.effects_for_readers().html();
         let note = "Change of each static value by one unit of an adjustment, at the design.";
-        sections.push(titled("Effect of each adjustment", note, effects));
+        let note = format!("{note} {}", summary.effects_note().unwrap_or_default());
+        sections.push(titled(
+            "Effect of each adjustment",
+            note.trim_end(),
+            effects,
+        ));
     }
     let verdict = if met {
         "Every target value is reached."

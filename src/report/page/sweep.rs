@@ -58,6 +58,8 @@ struct Column<'a> {
     unit: String,
     kind: Option<Kind>,
     at_design: Option<f64>,
+    /// Smallest margin of a design that satisfies the constraint.
+    least: Option<f64>,
     /// Axis for the designs on the page.
     axis: AxisLayout,
     /// Logarithmic axis, if every value is positive.
@@ -169,6 +171,10 @@ fn not_drawn(run: &SweepRun) -> &'static str {
             "Load cases have no curves; <code>hardpoint sweep --design N</code> prints the changes of design N, and \
              <code>hardpoint solve --report</code> draws a car."
         }
+        None if run.record.is_of_axle() => {
+            "The page of a sweep of an axle has no curves; <code>hardpoint solve --report</code> draws them \
+             for the study of any design."
+        }
         None => {
             "Joined sweeps have no curves here; <code>hardpoint solve --report</code> draws them \
              for the study of any design."
@@ -228,9 +234,13 @@ fn columns(run: &SweepRun) -> Vec<Column<'_>> {
             _ => readable_unit(&o.unit),
         };
         let k = record.variables.len() + k;
-        Column::of(&o.column, title, unit, Some(o.kind), o.at_design, || {
+        let own = Column::of(&o.column, title, unit, Some(o.kind), o.at_design, || {
             shown(k)
-        })
+        });
+        Column {
+            least: o.least,
+            ..own
+        }
     });
     variables.chain(outputs).collect()
 }
@@ -256,6 +266,7 @@ impl<'a> Column<'a> {
             unit,
             kind,
             at_design,
+            least: None,
             axis,
             log_axis,
         }

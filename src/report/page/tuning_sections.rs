@@ -9,8 +9,8 @@ use super::table::table;
 use super::tuning_charts::prices_chart;
 use crate::SideEffect;
 use crate::report::{
-    ToleranceSummary, TuningSummary, further_in_words, side_effects_in_words, side_effects_table,
-    visible_side_effects,
+    ToleranceSummary, TuningSummary, VALUES_NOTE, further_in_words, side_effects_in_words,
+    side_effects_table, visible_side_effects,
 };
 
 /// Targets, moved hardpoints and convergence history of an optimisation.
@@ -121,8 +121,12 @@ fn prices_section(tuning: &TuningSummary, charts: &mut Charts) -> String {
 pub(super) fn tolerance_sections(tolerance: &ToleranceSummary, drive: &str) -> String {
     let mut sections = distributions(tolerance, drive) + &contributors(tolerance);
     sections += &tolerance.values_table().html();
+    sections += &format!("<p class=\"note\">{VALUES_NOTE}</p>");
     if !tolerance.bands.is_empty() {
         sections += &tolerance.bands_table().html();
+        for line in &tolerance.nominal_outside {
+            sections += &format!("<p>{}</p>", prose(line));
+        }
         sections += "<p>Predicted yield by tolerance</p>";
         sections += &tolerance.ranking_table().html();
     }

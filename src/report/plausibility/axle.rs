@@ -1,16 +1,21 @@
 //! Warnings about an axle: about the curves, the springs, the steering, and the hardpoints of both wheels.
 
-use super::plausibility;
+use super::{track_doubt, wheel_plausibility};
 use crate::ask::{Need, Unit};
 use crate::axle::{
-    Axle, AxleCurves, AxlePlan, BeyondCurve, ForcePart, Law, Quantity, WheelQuantity,
+    Axle, AxleCurves, AxlePlan, BeyondCurve, ForcePart, Law, Quantity, WheelQuantity, axle_curves,
 };
+use crate::car::GRAVITY;
 use crate::curves::Column;
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, LengthUnit, PointId, Side, Suspension};
 use crate::report::figure::brief;
 use crate::report::shortest;
 use crate::report::station_label::place_in_words;
+
+/// Largest plausible difference between the load that the springs carry in the design position and the weight of the sprung
+/// mass, as a fraction of the weight.
+const OFF_BALANCE: f64 = 0.05;
 
 /// Warnings about an axle, one per line: about its curves, and about both wheels in the design position. For a right wheel with
 /// its own hardpoints, warnings that the left wheel also has are omitted.
@@ -19,9 +24,11 @@ pub fn both_wheels_plausibility(
     plan: &AxlePlan,
     curves: &AxleCurves,
 ) -> Result<Vec<String>, (Side, DesignFault)> {
-    let mut found = plausibility(&axle.left).map_err(|fault| (Side::Left, fault))?;
+    let mut found = wheel_plausibility(&axle.left).map_err(|fault| (Side::Left, fault))?;
+    let wheels = Side::ALL.map(|side| axle.suspension(side));
+    found.extend(track_doubt(wheels).map_err(|fault| (Side::Left, fault))?);
     if let Some(own) = &axle.right {
-        let of_right = plausibility(own).map_err(|fault| (Side::Right, fault))?;
+        let of_right = wheel_plausibility(own).map_err(|fault| (Side::Right, fault))?;
         let new: Vec<_> = of_right.iter().filter(|d| !found.contains(d)).collect();
         let named =
             |doubt: &&String| doubt.replacen("please check: ", "please check: right wheel: ", 1);
@@ -34,7 +41,34 @@ pub fn both_wheels_plausibility(
         curves,
         axle.turns_against(plan),
     ));
+    found.extend(off_balance(axle, plan)?);
     Ok(found)
+}
+
+/// Warning if the springs carry a clearly different load in the design position than the weight of `sprung_mass`.
+fn off_balance(axle: &Axle, plan: &AxlePlan) -> Result<Option<String>, (Side, DesignFault)> {
+    let loads = axle.quantities("wheel_load");
+    let (true, Some(mass)) = (
+        loads.iter().all(|load| axle.has(*load)),
+        axle.setup.sprung_mass,
+    ) else {
+        return Ok(None);
+    };
+    let at_rest = axle_curves(axle, &AxlePlan::of(plan.motion.at_design(), loads))?;
+    let station = &at_rest.curves.stations[0];
+    let (Some(left), Some(right)) = (station.value(0), station.value(1)) else {
+        return Ok(None);
+    };
+    let weight = mass * GRAVITY * Unit::Force.printed_factor(axle.left.length_unit);
+    if (left + right - weight).abs() <= OFF_BALANCE * weight {
+        return Ok(None);
+    }
+    let unit = &at_rest.curves.columns[0].unit;
+    let [left, right, weight] = [left, right, weight].map(|load| format!("{load:.0}"));
+    Ok(Some(format!(
+        "please check: the design position is not the static position. There the springs carry {left} {unit} (left) and {right} \
+         {unit} (right), but sprung_mass weighs {weight} {unit}. Correct the force of the springs or sprung_mass"
+    )))
 }
 
 /// Warning about a soft spring of an axle in inches. Its rate may be in pounds-force per inch.

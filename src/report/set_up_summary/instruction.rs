@@ -1,12 +1,12 @@
 //! Instruction of a step of a set-up, in workshop terms.
 
 use crate::assembly::{BuildParameter, PARTS_OF_A_TURN};
-use crate::model::{Axis, Suspension};
+use crate::model::{Axis, Body, Mechanism, PointId, Suspension};
 use crate::report::text::counted;
 use crate::study::{Adjustment, Increment};
 
-/// Instruction for a mechanic, such as "shorten by 1 3/16 turns" or "move outboard by 3 shims: 1.5 mm". Directions refer to
-/// the vehicle, so they hold for both wheels and for any axes of the study.
+/// Instruction for a mechanic, such as "shorten by 1 3/16 turns" or "move outboard by 3 shims: 1.5 mm, relative to the wheel
+/// carrier". Directions refer to the vehicle, so they hold for both wheels and for any axes of the study.
 pub(super) fn instruction(adjustment: &Adjustment, suspension: &Suspension, amount: f64) -> String {
     let size = |amount: f64| {
         // The amount is a multiple of a decimal step, so digits from rounding errors are removed.
@@ -17,21 +17,24 @@ pub(super) fn instruction(adjustment: &Adjustment, suspension: &Suspension, amou
     if amount == 0.0 {
         return "leave as it is".to_owned();
     }
-    let verb = match adjustment.change.0 {
-        BuildParameter::Length(_) if amount > 0.0 => "lengthen".to_owned(),
-        BuildParameter::Length(_) => "shorten".to_owned(),
+    let (verb, reference) = match adjustment.change.0 {
+        BuildParameter::Length(_) if amount > 0.0 => ("lengthen".to_owned(), String::new()),
+        BuildParameter::Length(_) => ("shorten".to_owned(), String::new()),
         BuildParameter::Coordinate(id, axis) => {
             // `adjustment.change` includes the sign of its axis. For a right wheel, amounts are those of its mirror image,
             // which is a left wheel. So the sign from the frame of the right wheel would be wrong.
             let (_, per_unit) = adjustment.change;
             let amount = per_unit * amount;
-            format!(
-                "move {}",
-                direction(axis, amount, suspension.mechanism.is_single(id))
+            let mechanism = &suspension.mechanism;
+            let direction = direction(axis, amount, mechanism.is_single(id));
+            let carrier = carrier(mechanism, id);
+            (
+                format!("move {direction}"),
+                format!(", relative to the {carrier}"),
             )
         }
     };
-    match adjustment.increment {
+    let done = match adjustment.increment {
         Increment::Thread { per_turn } => {
             format!("{verb} by {}", turns((amount / per_turn).abs()))
         }
@@ -40,6 +43,21 @@ pub(super) fn instruction(adjustment: &Adjustment, suspension: &Suspension, amou
             let number = (amount / step).round().abs() as u64;
             format!("{verb} by {}: {}", counted(number, "shim"), size(amount))
         }
+    };
+    done + &reference
+}
+
+/// Name of the part on which a point is mounted: an adjustment moves the point relative to this part. If the wheel carrier is not
+/// a part of its own, the name is that of the axle or arm.
+fn carrier(mechanism: &Mechanism, id: PointId) -> String {
+    let body = mechanism.body(id);
+    let mut named = mechanism.bodies.iter();
+    match (body, named.find(|(_, own)| *own == body)) {
+        (Body::Rack, _) => "rack".to_owned(),
+        (Body::SteeringGear(_), _) => "steering gear".to_owned(),
+        (Body::Knuckle, None | Some(("knuckle", _))) => "wheel carrier".to_owned(),
+        (_, Some((name, _))) => name.replace('_', " "),
+        (_, None) => "chassis".to_owned(),
     }
 }
 

@@ -176,6 +176,15 @@ struct TargetSummary {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct ConstraintSummary {
     name: String,
+    /// Value at the smallest margin, and the limit that is nearest to it, in `unit`. `None` for a constraint whose limits are
+    /// not limits of a single quantity.
+    #[serde(default)]
+    value: Option<f64>,
+    #[serde(default)]
+    limit: Option<f64>,
+    /// True if `limit` is the upper limit.
+    #[serde(default)]
+    is_upper: bool,
     /// Margin to the nearest limit in `unit`; negative if it is violated.
     #[serde(alias = "room")]
     margin: f64,
@@ -200,6 +209,12 @@ impl ConstraintSummary {
     fn status(&self) -> ConstraintStatus {
         self.status
             .unwrap_or_else(|| ConstraintStatus::of(self.margin))
+    }
+
+    /// Nearest limit in words.
+    fn limit_in_words(&self) -> Option<String> {
+        let words = if self.is_upper { "at most" } else { "at least" };
+        self.limit.map(|limit| format!("{words} {}", brief(limit)))
     }
 
     /// Table cell: drive value with the smallest margin, and its unit.

@@ -1,6 +1,7 @@
 //! Makes the summary of a tuning.
 
 use super::*;
+use crate::characteristics::{Measure, Quantity};
 use crate::number::Vector3;
 use crate::optimise::StandardErrors;
 use crate::report::record::readable_unit;
@@ -153,15 +154,20 @@ impl TunedStudy<'_> {
         let motion = site.and_then(|site| site.motion.as_ref());
         let drive = motion.map_or(self.study.motion().drive, |(_, motion)| motion.drive);
         let part = &constraint.parts[0];
+        let limit = single_limit(constraint, found.is_upper);
+        let towards = if found.is_upper { -1.0 } else { 1.0 };
         ConstraintSummary {
             name: constraint.name.clone(),
-            margin: found.room + 0.0,
+            value: limit.map(|limit| limit + towards * found.margin + 0.0),
+            limit,
+            is_upper: found.is_upper,
+            margin: found.margin + 0.0,
             unit: part.unit.clone(),
             at: found.at.map(|at| drive.printed(at)),
             at_unit: drive.unit(self.study.wheel().length_unit).to_owned(),
             price: found.price.per_unit(),
             price_not_determined: found.price == Price::NotDetermined,
-            status: Some(ConstraintStatus::of(found.room / part.visible)),
+            status: Some(ConstraintStatus::of(found.margin / part.visible)),
         }
     }
 
@@ -240,6 +246,21 @@ impl TunedStudy<'_> {
         let pairs = errors.correlations.iter();
         pairs.map(|(i, j, c)| (name(*i), name(*j), *c)).collect()
     }
+}
+
+/// Upper or lower limit of a constraint on a single length or characteristic, in its unit. `None` for other constraints: of
+/// regions, clearances and forces.
+fn single_limit(constraint: &Constraint, is_upper: bool) -> Option<f64> {
+    let [part] = &constraint.parts[..] else {
+        return None;
+    };
+    let of = &part.of;
+    let is_shown = matches!(
+        of,
+        Measure::Length(_) | Measure::Quantity(Quantity::Characteristic(_))
+    );
+    let limit = part.limits()[usize::from(is_upper)];
+    limit.filter(|_| is_shown && part.lower != part.upper)
 }
 
 /// True for a band with a curve as a limit.

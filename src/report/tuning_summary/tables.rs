@@ -187,8 +187,14 @@ impl TuningSummary {
         if self.constraints.is_empty() {
             return None;
         }
-        let columns = ["constraint", "margin", "unit", "at", "kept", "price"].map(Column::from);
-        let programs = [Column::for_programs("at unit")];
+        let columns = ["margin", "unit", "at", "kept", "price"].map(Column::from);
+        let mut head = vec![Column::from("constraint")];
+        if self.constraints.iter().any(|c| c.limit.is_some()) {
+            head.extend(["value", "limit"].map(Column::for_readers));
+        }
+        let has_limits = head.len() > 1;
+        let columns = head.into_iter().chain(columns);
+        let programs = ["at unit", "value", "nearest limit"].map(Column::for_programs);
         let mut table = Table::with_columns(columns.into_iter().chain(programs));
         for c in &self.constraints {
             let status = c.status();
@@ -197,8 +203,12 @@ impl TuningSummary {
                 ConstraintStatus::Binds => "0".to_owned(),
                 _ => brief(margin),
             };
-            table.push([
-                Cell::from(c.name.as_str()),
+            let mut row = vec![Cell::from(c.name.as_str())];
+            if has_limits {
+                row.push(Cell::by(c.value, super::brief));
+                row.push(c.limit_in_words().into());
+            }
+            row.extend([
                 Cell::by(c.margin, brief),
                 c.unit.as_str().into(),
                 c.place(),
@@ -209,7 +219,10 @@ impl TuningSummary {
                     c.price.into()
                 },
                 c.at_unit.as_str().into(),
+                c.value.into(),
+                c.limit.into(),
             ]);
+            table.push_row(row);
         }
         Some(table)
     }

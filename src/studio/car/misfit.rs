@@ -148,7 +148,7 @@ fn of_cases<'s>(
         let value = value.ok_or_else(|| format!("{} has no value in {}", own.name, case.name))?;
         let margin = own.margin(value);
         constraints.push(ConstraintMargin {
-            name: format!("{} in {}", own.name, case.name),
+            name: own.name.clone(),
             margin,
             unit: own.quantity.info().unit.suffix(study.car.length_unit),
             is_violated: margin < -VIOLATED * own.visible,

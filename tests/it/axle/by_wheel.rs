@@ -57,6 +57,24 @@ fn at_design(out: &std::path::Path, name: &str) -> f64 {
 
 /// One set-up applies to both wheels of a mirrored axle. Both wheels reach the target camber and toe. The curves of the
 /// axle start from these values.
+/// A set-up of an axle has target values of each wheel. The program refuses a quantity of both wheels and names the alternative.
+#[test]
+fn a_set_up_has_target_values_of_each_wheel() {
+    let path = study("macpherson_axle.toml");
+    for (want, help) in [
+        ("total_toe", "give half of total_toe as toe"),
+        ("ackermann", "give values of one wheel"),
+    ] {
+        let set = format!(
+            "setup={{ adjust = [{{ length = \"tie_rod\", per_turn = 1.5 }}], want = {{ {want} = 0.2 }} }}"
+        );
+        let (_, said) = run(&["check", path.to_str().unwrap(), "--set", &set], 2);
+        let words = format!("{want} describes both wheels");
+        assert!(said.contains(&words) && said.contains(help), "{said}");
+        assert!(!said.contains("needs [axle]"), "{said}");
+    }
+}
+
 #[test]
 fn a_mirrored_axle_is_set_up_alike() {
     let (path, out) = (study("macpherson_axle.toml"), folder("setup_mirrored"));
@@ -162,7 +180,7 @@ fn absurd_adjustments_of_a_wheel_are_refused() {
     ];
     let (_, said) = run(&arguments, 1);
     assert!(
-        said.contains("left wheel: the target values need ") && said.contains(" mm of toe_link"),
+        said.contains("left wheel: the target values need ") && said.contains(" mm at toe_link"),
         "{said}"
     );
 }

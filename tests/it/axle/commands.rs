@@ -168,7 +168,6 @@ fn what_is_not_there_for_an_axle_is_refused_by_name() {
             "contains second derivatives",
         ),
         ("steering.c_factor=0.0", "never moves the rack"),
-        ("vehicle.track=1500.0", "but track is 1500"),
         ("vehicle.position=\"middle\"", "unknown position"),
         (
             "spring.force_curve=[[0.0, 1.0], [0.0, 2.0]]",
@@ -191,6 +190,129 @@ fn what_is_not_there_for_an_axle_is_refused_by_name() {
     let corner = corner.to_str().unwrap();
     let (_, said) = run(&["check", corner, "--set", "motion.roll=1.0"], 2);
     assert!(said.contains("roll needs [axle]"), "{said}");
+}
+
+/// A track may be that of the wheel centres or that of the contact points. Any other track gives a warning with both values, for
+/// an axle as for one wheel.
+#[test]
+fn a_track_agrees_with_wheel_centres_or_contact_points() {
+    let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    for (name, outputs) in [
+        (
+            "macpherson_axle_front.toml",
+            "outputs.characteristics=[\"track\"]",
+        ),
+        (
+            "double_wishbone_solve.toml",
+            "outputs.points=[\"wheel_centre\"]",
+        ),
+    ] {
+        let path = study(name);
+        let checked = |track: f64| {
+            let set = format!("vehicle.track={track:?}");
+            let arguments = [
+                "check",
+                path.to_str().unwrap(),
+                "--set",
+                &set,
+                "--set",
+                outputs,
+            ];
+            words(&run(&arguments, 0).0)
+        };
+        let wrong = checked(1400.0);
+        let (_, apart) = wrong
+            .split_once("please check: [vehicle] track is 1400 mm, but the wheel centres are ")
+            .unwrap_or_else(|| panic!("{wrong}"));
+        let (centres, rest) = apart
+            .split_once(" mm apart, and the contact points ")
+            .unwrap();
+        let (contacts, _) = rest.split_once(" mm. ").unwrap();
+        for track in [centres, contacts].map(|text| text.parse::<f64>().unwrap()) {
+            for track in [track, track + 0.5] {
+                let said = checked(track);
+                assert!(!said.contains("track is"), "{name} {track}: {said}");
+            }
+        }
+    }
+}
+
+/// A motion that only steers keeps both wheels at the design height.
+#[test]
+fn a_motion_may_only_steer() {
+    let path = study("macpherson_axle.toml");
+    let solved = |name: &str, motion: &str| {
+        let out = folder(name);
+        let set = format!("motion={motion}");
+        let arguments = [
+            "solve",
+            path.to_str().unwrap(),
+            "--out",
+            out.to_str().unwrap(),
+            "--set",
+            &set,
+        ];
+        run(&arguments, 0);
+        fs::read_to_string(out.join("curves.csv")).unwrap()
+    };
+    for steering in ["steering_wheel_angle = [0.0, 90.0]", "rack = [0.0, 10.0]"] {
+        let alone = solved("steers", &format!("{{ {steering} }}"));
+        let level = solved("steers_level", &format!("{{ heave = 0.0, {steering} }}"));
+        assert_eq!(alone, level);
+    }
+    let arguments = [
+        "check",
+        path.to_str().unwrap(),
+        "--set",
+        "motion={ combine = \"all\" }",
+    ];
+    let (_, said) = run(&arguments, 2);
+    assert!(said.contains("rack or steering_wheel_angle"), "{said}");
+}
+
+/// If the springs do not carry the sprung mass in the design position, `check` reports both loads.
+#[test]
+fn springs_that_do_not_carry_the_sprung_mass_are_reported() {
+    let path = study("macpherson_axle.toml");
+    let path = path.to_str().unwrap();
+    let out = folder("balance");
+    let design = [
+        "solve",
+        path,
+        "--out",
+        out.to_str().unwrap(),
+        "--set",
+        "motion={ heave = 0.0 }",
+        "--set",
+        "outputs={ characteristics = [\"wheel_load\"] }",
+    ];
+    run(&design, 0);
+    let curves = fs::read_to_string(out.join("curves.csv")).unwrap();
+    let [header, row] = [0, 1].map(|k| {
+        curves
+            .lines()
+            .nth(k)
+            .unwrap()
+            .split(',')
+            .collect::<Vec<_>>()
+    });
+    let loads = header
+        .iter()
+        .zip(row)
+        .filter(|(name, _)| name.ends_with("wheel_load_N"));
+    let load: f64 = loads.map(|(_, value)| value.parse::<f64>().unwrap()).sum();
+    for (factor, is_off) in [(1.0, false), (1.03, false), (0.9, true), (1.1, true)] {
+        let mass = factor * load / 9.80665;
+        let set = format!("vehicle={{ wheelbase = 2650.0, sprung_mass = {mass:?} }}");
+        let (said, _) = run(&["check", path, "--set", &set], 0);
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        let weight = format!("but sprung_mass weighs {:.0} N", factor * load);
+        assert_eq!(said.contains(&weight), is_off, "{factor}: {said}");
+        assert_eq!(
+            said.contains("design position is not the static position"),
+            is_off
+        );
+    }
 }
 
 /// A certificate of an axle has its own columns, grouped by cause, and a summary. A sweep omits the certificate and

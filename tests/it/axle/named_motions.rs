@@ -62,7 +62,7 @@ fn a_constraint_holds_at_both_wheels_or_at_one() {
         let study = with(&given, &[motion, &constraint, "optimise.starts=1"]).unwrap();
         let tuning = study.tune(Control::default()).unwrap();
         let best = tuning.best.unwrap();
-        let rooms: Vec<f64> = best.constraints.iter().map(|c| c.room).collect();
+        let rooms: Vec<f64> = best.constraints.iter().map(|c| c.margin).collect();
         (study.at_design(best.design), rooms)
     };
     let (both, rooms) = tuned("");

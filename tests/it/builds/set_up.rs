@@ -545,6 +545,39 @@ fn effects_of_the_steps_add_up_to_the_rounded_set_up() {
     assert_eq!(is_inboard, change > 0.0, "{}", shim.instruction);
 }
 
+/// Instructions name the part relative to which a point moves. A ball joint and a bracket that move in the same direction
+/// change camber in opposite directions, because the ball joint moves relative to the wheel carrier.
+#[test]
+fn shims_name_the_part_that_carries_the_point() {
+    for (point, part, outboard_lowers_camber) in [
+        ("upper_ball_joint", "wheel carrier", true),
+        ("upper_arm_front", "chassis", false),
+        ("tie_rod_inner", "rack", false),
+    ] {
+        let setup = format!(
+            "setup={{ adjust = [{{ shim = \"{point}\", axis = \"y\", step = 0.1 }}], want = {{ toe = 0.2 }} }}"
+        );
+        let study = study("double_wishbone_tolerance", &[&setup]);
+        let found = hardpoint::set_up::set_up(&study, study.setup.as_ref().unwrap());
+        let found = found.unwrap_or_else(|refusal| panic!("{}", refusal.reason()));
+        let summary = &found.wheels[0];
+        let words = &summary.adjustments[0].instruction;
+        assert!(
+            words.ends_with(&format!(" mm, relative to the {part}")),
+            "{words}"
+        );
+        assert!(summary.effects_note().unwrap().contains("relative to"));
+        if part != "rack" {
+            let camber = summary
+                .statics
+                .iter()
+                .position(|s| s.column == "camber_deg");
+            let effect = summary.adjustments[0].by_length[camber.unwrap()].unwrap();
+            assert_eq!(effect < 0.0, outboard_lowers_camber, "{point} {effect}");
+        }
+    }
+}
+
 /// Text of an axle whose right wheel has its own tie rod. `signs` convert points of a left wheel to the axes of the frame.
 fn differing_axle(frame: FrameConvention, signs: [f64; 3]) -> String {
     let points = [

@@ -225,7 +225,7 @@ fn a_load_that_is_not_held_is_said() {
         String::from_utf8_lossy(&ran.stderr)
     );
     assert!(
-        crate::support::one_line(&said).contains("exists for only 0.")
+        crate::support::one_line(&said).contains("equilibria exist only for the first 7")
             && said.contains("not solved"),
         "{said}"
     );

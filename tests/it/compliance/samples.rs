@@ -271,7 +271,7 @@ fn a_figure_keeps_its_limit() {
     let tuned = study.moved(&best.offsets);
     let value = figure(&study, &tuned, "toe_by_lateral_force");
     assert!((value - 0.06).abs() < 1e-6, "{value}");
-    assert!(best.constraints[0].room.abs() < 1e-6);
+    assert!(best.constraints[0].margin.abs() < 1e-6);
 }
 
 /// Printed test result of a moved study.

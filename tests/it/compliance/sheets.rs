@@ -291,7 +291,7 @@ fn a_property_file_with_straight_curves_is_a_linear_bushing() {
         (
             "-5.0 -100.0\n5.0 100.0",
             "\ncubic = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]",
-            "expected no cubic",
+            "remove the key cubic",
         ),
     ] {
         let whole = bus(fy).replace("[FY_CURVE]\n[FY_CURVE]", "[OTHER]");

@@ -75,7 +75,7 @@ fn mistakes_are_named_by_line() {
             rear,
             &with("file = \"rear.bus\""),
             "stiffness = [700.0",
-            "expected no stiffness",
+            "remove the key stiffness",
         ),
         (
             rear,

@@ -164,7 +164,7 @@ fn a_run_has_its_own_curves() {
         0,
     );
     assert!(
-        said.contains("the sheet curves_of_solve has the curves of the run"),
+        said.contains("The sheet curves_of_solve has the curves of the run"),
         "{said}"
     );
     // A CSV table has no sheets.
@@ -367,7 +367,7 @@ fn calls_that_make_no_sense_are_refused() {
         ),
         (
             vec!["--to", "adams", "--frame", "iso8855"],
-            "the axes of an Adams/Car subsystem are x_rear",
+            "an Adams/Car subsystem always has the axes x_rear",
         ),
         (
             vec!["--to", "optimumk", "--frame", "sae_j670"],

@@ -360,7 +360,7 @@ fn every_template_of_chrono_with_a_topology_is_read() {
     let left_out = read.left_out.join("; ");
     for wanted in [
         "on a link",
-        "spring_lower = [0.0000, 0.7400, -0.1400] and spring_upper = [0.0000, 0.6800, 0.1800]",
+        "spring_lower = [0.0000, 0.7400, -0.1400], spring_upper = [0.0000, 0.6800, 0.1800]",
         "multiply its motion_ratio by 0.71",
     ] {
         assert!(left_out.contains(wanted), "{left_out}");

@@ -99,7 +99,7 @@ fn other_units_and_axes_are_recognised_and_contradictions_refused() {
     };
     let refused = refusal(&TABLE.replace("name", "left wheel\nname"), &sae);
     assert!(
-        refused.contains("not the left wheel in sae_j670"),
+        refused.contains("in sae_j670 this is not the left wheel"),
         "{refused}"
     );
     assert!(refused.contains("--side right"), "{refused}");
@@ -242,6 +242,19 @@ fn other_files_are_told_from_tables() {
     };
     assert!(refused(&[0xd0, 0xcf, 0x11, 0xe0, 0xa1]).contains("old or an encrypted workbook"));
     assert!(refused(b"PK\x03\x04 and nothing else").contains("damaged"));
+    for (name, bytes) in [
+        ("c.dxf", "999\na comment\n"),
+        ("points", "  0\r\nSECTION\r\n  2\r\nHEADER\r\n"),
+        ("points", "ISO-10303-21;\nHEADER;\n"),
+        ("part.SLDPRT", "\0"),
+    ] {
+        let path = file(&directory, name, bytes.as_bytes());
+        let said = imported(&path, "macpherson", &Said::default()).unwrap_err();
+        assert!(
+            said.contains("reads no CAD files") && said.contains("--map"),
+            "{said}"
+        );
+    }
     // UTF-16 text with a byte order mark, as spreadsheets save "Unicode text".
     let tabs = TABLE.replace(',', "\t");
     let wide = tabs.encode_utf16().flat_map(u16::to_le_bytes);

@@ -380,16 +380,53 @@ fn static_angles_have_the_sign_of_their_tool() {
         ("Static toe,0.2,,,toe-in", 0.2),
         ("toe out,0.2,,,", -0.2),
         ("Static toe,0,,,toe in / out", 0.0),
+        ("static toe,-0.2,,,toe in negative", 0.2),
+        ("static toe,-0.2,,,positive = toe out", 0.2),
+        ("\"Static toe (per side, toe in)\",0.2,,,", 0.2),
+        ("Toe per side,0.2,,,", 0.2),
+        ("Toe-in,-0.2,,,", -0.2),
+        ("static toe,0.2,,,total", 0.1),
+        ("static toe,0.2,,,\"total toe, both wheels\"", 0.1),
+        (
+            "static toe,0.2,deg,,\"toe out positive, both wheels together\"",
+            -0.1,
+        ),
+        ("Total toe,0.2,deg,,", 0.1),
     ] {
         assert_eq!(with(line).unwrap().static_toe, Some(toe), "{line}");
+    }
+    for (line, camber) in [
+        ("static camber,1,,,positive = top in", -1.0),
+        ("static camber,1,,,top in positive", -1.0),
+        ("static camber,1,,,top inboard positive", -1.0),
+        ("Static camber (top in positive),1,,,", -1.0),
+        ("static camber,1,deg,,top in", -1.0),
+        ("static camber,-1,,,negative = top in", -1.0),
+        ("static camber,-1,,,negative camber", -1.0),
+        ("static camber,1,,,positive = top out", 1.0),
+        ("static camber,1,,,in degrees", 1.0),
+    ] {
+        let read = with(line).unwrap();
+        assert_eq!(read.static_camber, Some(camber), "{line}");
+        let is_reported = read
+            .notes
+            .iter()
+            .any(|n| n.starts_with("static_camber: -1.0 deg"));
+        assert_eq!(is_reported, camber < 0.0 && line.contains(",1,"), "{line}");
     }
     let radians = with("static toe,0.01,,,rad").unwrap().static_toe.unwrap();
     assert_eq!(radians, 0.01_f64.to_degrees());
     for line in [
         "static toe,2,,,mm at the rim",
         "static toe,0.2,,,toe in or toe out",
+        "static toe,-0.2,,,toe out",
+        "static toe,0.2,,,both wheels",
     ] {
         assert!(with(line).unwrap_err().contains("static toe"), "{line}");
+    }
+    for line in ["static camber,-1,,,top in", "static camber,1,,,negative"] {
+        let refused = with(line).unwrap_err();
+        assert!(refused.contains("\"top out positive\""), "{refused}");
     }
 }
 
@@ -484,6 +521,50 @@ fn a_huge_cell_is_passed_over() {
         "{}",
         refused.len()
     );
+}
+
+/// If the points contradict the axes of the file, the message proposes the axes that the points show.
+#[test]
+fn the_proposed_axes_follow_the_points() {
+    let turned: Vec<(&str, [f64; 3])> = FRONT
+        .iter()
+        .map(|(name, [x, y, z])| (*name, [-x, *y, -z]))
+        .collect();
+    let text = format!(
+        "Coordinates in SAE axes\nname,x,y,z\n{}",
+        rows(&turned, str::to_owned)
+    );
+    let refused = of("points.csv", &text, &Said::default()).unwrap_err();
+    assert!(
+        refused.contains("give --axes rearward,left,down"),
+        "{refused}"
+    );
+    assert!(!refused.contains("forward,left,up"), "{refused}");
+    let said = Said {
+        axes: Some("rearward,left,down"),
+        ..Said::default()
+    };
+    has_points(&of("points.csv", &text, &said).unwrap(), &FRONT);
+}
+
+/// A side may follow the R of a rear pivot. Then R means rear in files of one wheel and of both wheels.
+#[test]
+fn a_side_may_follow_the_letter_of_a_rear_pivot() {
+    let letters = |name: &str| name.replace(" front", "_F").replace(" rear", "_R");
+    let left = rows(&FRONT, |name| format!("{}_LH", letters(name)));
+    let mirrored = FRONT.map(|(name, [x, y, z])| (name, [x, -y, z]));
+    let right = rows(&mirrored, |name| format!("{}_RH", letters(name)));
+    let both = format!("name,x,y,z\n{left}{right}");
+    has_points(&of("points.csv", &both, &Said::default()).unwrap(), &FRONT);
+    let said = Said {
+        side: Some(Side::Right),
+        ..Said::default()
+    };
+    has_points(&of("points.csv", &both, &said).unwrap(), &mirrored);
+    // The message about a missing point proposes a point of the imported wheel.
+    let unknown = both.replace("UBJ", "Point 7");
+    let refused = of("points.csv", &unknown, &said).unwrap_err();
+    assert!(refused.contains("= \"Point 7_RH\""), "{refused}");
 }
 
 /// The import refuses a file whose points contradict its stated axes.
@@ -597,7 +678,7 @@ fn another_right_wheel_is_named() {
         .find(|line| line.contains("right wheel"))
         .unwrap();
     assert!(
-        named.contains("by up to 2.5") && named.contains(": upper_ball_joint."),
+        named.contains("up to 2.5 away") && named.contains(": upper_ball_joint."),
         "{named}"
     );
 }

@@ -246,6 +246,33 @@ fn subsystems_give_the_same_study() {
     }
 }
 
+/// The notes of `--into` list rows without a hardpoint, and static angles that differ from those of the study.
+#[test]
+fn unchanged_parts_of_a_subsystem_are_listed() {
+    let template = by_angles(Topology::named("double_wishbone").unwrap().template);
+    let study = Study::from_text("s.toml", &template, Path::new(".")).unwrap();
+    let outgoing = Outgoing::of(&study, None, None);
+    let own = String::from_utf8(subsystem(&outgoing).bytes).unwrap();
+    let notes = |file: &str| into_subsystem(&outgoing, file.as_bytes()).unwrap().notes;
+    assert_eq!(notes(&own).len(), 1, "{:?}", notes(&own));
+    let row = " 'subframe_front'  'left/right'  1.0  2.0  3.0\n";
+    let other = own.replacen(" 'lca_front", &format!("{row} 'lca_front"), 1);
+    let [camber, _] = outgoing.static_angles(Side::Left);
+    let (head, parameters) = other.split_once("[PARAMETER]").unwrap();
+    let parameters = parameters.replacen(&format!(" {camber:?}\n"), " 0.75\n", 1);
+    let found = notes(&format!("{head}[PARAMETER]{parameters}")).join("\n");
+    assert!(
+        found.contains("without a hardpoint in the study, unchanged: subframe_front"),
+        "{found}"
+    );
+    let differs =
+        format!("camber_angle is unchanged. It is 0.75 deg in the file, but {camber:?} deg");
+    assert!(
+        found.contains(&differs) && !found.contains("toe_angle"),
+        "{found}"
+    );
+}
+
 /// The import reads a subsystem file that has only the points of the right wheel, in inches. It can also return the
 /// left wheel, as the mirror image.
 #[test]

@@ -187,13 +187,13 @@ fn a_shortened_travel_is_reported_with_its_reason() {
     // The pushrod is in line with its lever after a few millimetres.
     let text = changed("Pushrod upper", "Pushrod upper", [0.0, 240.0, 425.0]);
     let found = read(&text).unwrap();
-    let (study, note) = found.study_and_note("s", "there").unwrap();
+    let (study, notes) = found.study_and_notes("s", "there").unwrap();
     assert!(!study.contains("from = -80.0"), "{study}");
-    let note = note.unwrap();
+    let note = notes.last().unwrap();
     for words in [
         "instead of the usual 80 mm",
         "pushrod",
-        "at travel",
+        "travel 21 mm",
         "wrong",
     ] {
         assert!(note.contains(words), "{note}");
@@ -207,11 +207,58 @@ fn a_shortened_travel_is_reported_with_its_reason() {
         })
         .map(|line| format!("{line}\n"))
         .collect();
-    let (_, note) = read(&without_rocker)
+    let (_, notes) = read(&without_rocker)
         .unwrap()
-        .study_and_note("s", "there")
+        .study_and_notes("s", "there")
         .unwrap();
-    assert_eq!(note, None);
+    assert_eq!(notes, Vec::<String>::new());
+}
+
+/// The import names a coordinate with a wrong decimal place, even if the suspension with this point moves.
+#[test]
+fn a_wrong_decimal_place_is_named_by_the_import() {
+    let text = "SAE J670, dimensions in mm\nPoint;X;Y;Z\nLCA front;180;-352;-205\nLCA rear;-165;-360;-212\nLBJ;12;-715;-188\n\
+                UCA front;95;-455;-560\nUCA rear;-110;-462;-548\nUBJ;-22;-66.8;-580\nTie rod inner;-118;-370;-252\n\
+                Tie rod outer;-128;-700;-243\nWheel centre;0;-775;-322\n";
+    let notes = |text: &str| {
+        let study = read(text).unwrap().study_and_notes("s", "there");
+        study.unwrap().1
+    };
+    let named = "upper_ball_joint seems to have y = -668 instead of -66.8 (a wrong decimal place)";
+    let found = notes(text);
+    assert!(found[0].contains(named), "{found:?}");
+    assert_eq!(notes(&text.replace("-66.8", "-668")), Vec::<String>::new());
+}
+
+/// A value is read or listed, if its unit is in its own cell, if its name is in a column before the names of points, and if it is
+/// above the header.
+#[test]
+fn values_in_any_column_are_read_or_listed() {
+    let base = changed("", "", [0.0; 3]);
+    for (row, listed) in [
+        ("Negative camber;1.0;deg;", "Negative camber"),
+        ("Caster;5;deg;positive rearward", "Caster"),
+        ("Rack travel;75;mm;", "Rack travel"),
+        ("Rack travel;75;total;", "Rack travel"),
+    ] {
+        let found = read(&format!("{base}{row}\n")).unwrap();
+        let line = found.left_out.iter().find(|line| line.contains(listed));
+        assert!(line.is_some(), "{row}: {:?}", found.left_out);
+    }
+    let numbered: String = base
+        .lines()
+        .enumerate()
+        .map(|(n, line)| match n {
+            0 => format!("No.;{line}\n"),
+            n => format!("{n};{line}\n"),
+        })
+        .collect();
+    let with_row = format!("{numbered}Loaded radius;228;;;;\nRide frequency;2.5;Hz;;;\n");
+    let found = read(&with_row).unwrap();
+    assert_eq!(found.wheel_radius, Some(228.0));
+    assert!(found.left_out.join("\n").contains("Ride frequency"));
+    let above = read(&format!("Loaded radius;228;mm;;\n{base}")).unwrap();
+    assert_eq!(above.wheel_radius, Some(228.0));
 }
 
 /// The message about unclear axes names the point whose coordinate has the wrong sign.

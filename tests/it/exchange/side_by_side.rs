@@ -533,7 +533,7 @@ fn runs_with_other_stations_are_compared_at_all_stations_of_the_first() {
     assert_eq!(few.lines().count(), 5, "{few}");
     let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
-        said.contains("those of 4 common stations only (first has 5, other has 10)"),
+        said.contains("cover only 4 common stations (first has 5, other has 10)"),
         "{said}"
     );
     // A run without its study does not affect the studies that follow: the command still solves them over the motion of

@@ -314,7 +314,7 @@ fn what_cannot_be_given_is_refused_by_line() {
                 "outputs.characteristics=[\"camber_gain\"]",
                 "outputs.order=acceleration",
             ],
-            "camber_gain with order = \"acceleration\" needs 3 derivatives",
+            "camber_gain with order = \"acceleration\" needs derivatives up to order 3",
         ),
         (
             "attia",

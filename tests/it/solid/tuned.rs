@@ -1,6 +1,9 @@
 //! Tests that a tuned axle equals the axle that its written study describes.
 
 use assert_cmd::Command;
+use hardpoint::axle::{AxleSolver, Placement};
+use hardpoint::characteristics::Measure;
+use hardpoint::optimise::{TargetLayout, assessed_at};
 use hardpoint::study::Study;
 use std::path::Path;
 
@@ -67,5 +70,91 @@ fn only_own_points_are_called_own() {
             .summary()
             .unwrap();
         assert!(summary.headline().contains(words), "{}", summary.headline());
+    }
+}
+
+/// Limits of quantities apply to the axle, not to one wheel: in the moved design, the margins follow from the values that
+/// an axle solver finds for the written study. The slopes are those of the margins.
+#[test]
+fn limits_of_quantities_are_those_of_the_axle() {
+    let limits = |topology: &str| {
+        let first = if topology == "twist_beam" {
+            "roll_steer"
+        } else {
+            "roll_centre_height"
+        };
+        format!(
+            "optimise.constraints=[{{ characteristic = \"{first}\", at_most = 480.0, at = \"design\" }}, \
+             {{ characteristic = \"anti_lift\", between = [-500.0, 500.0] }}]"
+        )
+    };
+    let directory = tempfile::tempdir().unwrap();
+    for (topology, with) in AXLES {
+        let read = |text: &str| {
+            let path = directory.path().join("axle.toml");
+            std::fs::write(&path, text).unwrap();
+            Study::read(&path, &[limits(topology)]).unwrap_or_else(|e| panic!("{e}"))
+        };
+        let study = read(&new(topology, with));
+        let optimise = study.optimise.as_ref().unwrap();
+        let layout = TargetLayout::of(optimise, &study.vehicle);
+        let offsets: Vec<f64> = (1..=optimise.variables.len())
+            .map(|k| 1.5 + k as f64)
+            .collect();
+        let at = |offsets: &[f64]| {
+            let variables = &optimise.variables;
+            let found = assessed_at(study.wheel(), variables, &layout, offsets);
+            found.unwrap().unwrap().rows
+        };
+        let moved = study.moved(&offsets);
+        let written = read(&study.with_points_of(&moved));
+        let axle = &written.axle().unwrap().axle;
+        let rows = at(&offsets);
+        for (row, label) in layout.labels().iter().enumerate() {
+            let constraint = &optimise.constraints[label.constraint];
+            let name = constraint.name.split(' ').next().unwrap();
+            let Measure::OfAxle(quantity) = constraint.parts[0].of else {
+                panic!("{name} of one wheel");
+            };
+            assert_eq!(quantity.name(), name);
+            let mut solver = AxleSolver::<4>::new(axle, &[quantity], false).unwrap();
+            let placed = solver.place(&Placement::Roll {
+                heave: 0.0,
+                roll: 0.0,
+                rack: 0.0,
+            });
+            let found = solver
+                .read(&placed.unwrap())
+                .unwrap()
+                .value(quantity)
+                .unwrap();
+            let part = &constraint.parts[0];
+            let wanted = if label.is_upper {
+                found - part.upper.unwrap()
+            } else {
+                part.lower.unwrap() - found
+            };
+            let wanted = wanted / part.scale;
+            let off = (rows.residuals[row] - wanted).abs();
+            assert!(
+                off < 1e-9 * (1.0 + wanted.abs()),
+                "{topology} with {with}, {name}: {off}"
+            );
+            for variable in 0..offsets.len() {
+                let beside = |step: f64| {
+                    let mut offsets = offsets.clone();
+                    offsets[variable] += step;
+                    at(&offsets).residuals[row]
+                };
+                let difference = |h: f64| (beside(h) - beside(-h)) / (2.0 * h);
+                let slope = (4.0 * difference(0.05) - difference(0.1)) / 3.0;
+                let exact = rows.jacobian[(row, variable)];
+                assert!(
+                    (exact - slope).abs() < 1e-6 * (1.0 + exact.abs()),
+                    "{topology} with {with}, {name}, variable {variable}: {exact} {slope}"
+                );
+            }
+        }
+        assert_eq!(layout.labels().len(), 3);
     }
 }

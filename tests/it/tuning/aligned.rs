@@ -44,7 +44,7 @@ fn violation(study: &Study) -> f64 {
     let optimise = study.optimise.as_ref().unwrap();
     let layout = TargetLayout::of(optimise, &study.vehicle);
     let found = assessed(study.wheel(), &optimise.variables, &layout);
-    -found.unwrap().unwrap().margins[0].room
+    -found.unwrap().unwrap().margins[0].margin
 }
 
 fn points(study: &Study, names: &[&str]) -> Vec<Vector3<f64>> {
@@ -85,7 +85,7 @@ fn the_order_of_points_on_a_plane_or_line_does_not_matter() {
             "{kind}: {wanted}"
         );
         let reference = tuned(&first).best.unwrap();
-        assert!(reference.constraints[0].room < -0.1, "{kind}");
+        assert!(reference.constraints[0].margin < -0.1, "{kind}");
         for (number, order) in orders(names).iter().enumerate() {
             let study = rocker(kind, order);
             assert_eq!(violation(&study), violation(&first), "{order:?}");
@@ -165,7 +165,7 @@ fn the_margin_of_a_limit_that_does_not_bind_is_that_between_stations() {
         wanted > 5.0 && place.abs() > 0.5 && place.abs() < 29.0,
         "{place}"
     );
-    assert!((coarse.room - wanted).abs() < 1e-4, "{coarse:?} {wanted}");
+    assert!((coarse.margin - wanted).abs() < 1e-4, "{coarse:?} {wanted}");
     assert!(
         (coarse.at.unwrap() - place).abs() < 0.02,
         "{coarse:?} {place}"

@@ -244,7 +244,7 @@ fn the_price_of_a_joint_is_per_degree() {
     };
     let free = {
         let (study, best) = tuned(60.0);
-        let margin = best.constraints[0].room;
+        let margin = best.constraints[0].margin;
         assert_eq!(best.constraints[0].price, Price::Nothing);
         let moved = study.moved(&best.offsets).into_wheel();
         let largest = largest_angle(&moved);
@@ -254,7 +254,7 @@ fn the_price_of_a_joint_is_per_degree() {
     let limit = free - 0.8;
     let (study, best) = tuned(limit);
     let outcome = best.constraints[0];
-    assert!(outcome.room.abs() < 1e-5, "{outcome:?}");
+    assert!(outcome.margin.abs() < 1e-5, "{outcome:?}");
     let largest = largest_angle(&study.moved(&best.offsets).into_wheel());
     assert!((largest - limit).abs() < 1e-4, "{largest} {limit}");
     let step = 0.02;

@@ -596,7 +596,7 @@ fn a_planted_contradiction_is_named() {
     let tuning = study.tune(Control::default()).unwrap();
     assert_eq!(tuning.contradiction, [1, 2]);
     let best = tuning.best.unwrap();
-    assert!(best.constraints[1].room < -1.0 || best.constraints[2].room < -1.0);
+    assert!(best.constraints[1].margin < -1.0 || best.constraints[2].margin < -1.0);
 }
 
 /// A constraint also applies to an extreme value between stations, which the four stations alone would miss.
@@ -618,7 +618,7 @@ fn constraints_hold_between_stations() {
     let coarse = study("motion.travel=[-60.0, -20.0, 20.0, 60.0]");
     let tuning = coarse.tune(Control::default()).unwrap();
     let best = tuning.best.unwrap();
-    assert!(best.constraints[0].room > -1e-6, "{:?}", best.constraints);
+    assert!(best.constraints[0].margin > -1e-6, "{:?}", best.constraints);
     // A fine grid of stations shows that the tuned design satisfies the limit everywhere.
     let fine = study("motion.travel={ from = -60.0, to = 60.0, steps = 241 }");
     let tuned = hardpoint::model::Suspension {

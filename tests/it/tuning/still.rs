@@ -64,7 +64,7 @@ fn kept_constraints_that_stand_still_change_nothing() {
         assert!((moved(&study, fit) - moved(&study, best(&plain))).abs() < 1e-6);
         assert!(tuning.unmoved_constraints.is_empty() && tuning.contradiction.is_empty());
         let outcome = tuning.best.as_ref().unwrap().constraints[0];
-        assert!(outcome.room.abs() < 1e-7 && outcome.price == Price::Nothing);
+        assert!(outcome.margin.abs() < 1e-7 && outcome.price == Price::Nothing);
     }
     let carrier = tuned(&stored("kept_length_of_the_carrier.toml", &[]));
     assert_converged(best(&carrier));
@@ -84,7 +84,7 @@ fn a_violated_constraint_that_stands_still_is_named() {
     assert_eq!(tuning.unmoved_constraints, [1]);
     assert!(tuning.contradiction.is_empty());
     let found = tuning.best.as_ref().unwrap();
-    assert!(found.constraints[1].room < -1.0);
+    assert!(found.constraints[1].margin < -1.0);
     assert_converged(best(&tuning));
     assert!((moved(&study, best(&tuning)) - moved(&study, best(&plain))).abs() < 1e-6);
 }
@@ -102,7 +102,7 @@ fn a_length_that_stands_still_hides_no_optimum() {
     assert!(
         outcomes
             .iter()
-            .all(|c| c.room < 1e-6 || c.price == Price::Nothing)
+            .all(|c| c.margin < 1e-6 || c.price == Price::Nothing)
     );
     assert_converged(best(&tuned(&stored("unmovable_length_hangs.toml", &[]))));
 }

@@ -98,6 +98,10 @@ fn summary(study: &Study) -> (Value, String) {
     (serde_json::to_value(&summary).unwrap(), table)
 }
 
+fn near_to(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-9 * (1.0 + b.abs())
+}
+
 #[test]
 fn margins_and_prices_are_in_the_study_s_unit() {
     let (wanted, _) = summary(&strut("mm", 1.0));
@@ -135,6 +139,23 @@ fn margins_and_prices_are_in_the_study_s_unit() {
                 assert!(near(own, mm * per, per), "{own} {mm}");
             }
         }
+        // The length of the tie rod does not change along the motion. Value, margin and limit agree.
+        let tie_rod = &lists[1][1];
+        assert!(tie_rod["at"].is_null(), "{tie_rod}");
+        let [value, limit, margin] =
+            ["value", "limit", "margin"].map(|key| tie_rod[key].as_f64().unwrap());
+        assert!(near_to((value - limit).abs(), margin.abs()), "{tie_rod}");
+        let is_limit = [340.0 * per, 400.0 * per]
+            .iter()
+            .any(|own| near_to(limit, *own));
+        assert!(is_limit, "{tie_rod}");
+        assert!(table.contains(&brief(value)), "{table}");
+        assert!(
+            table.contains("at least") || table.contains("at most"),
+            "{table}"
+        );
+        // Regions, forces and joint angles have no single value.
+        assert!(lists[1][0]["value"].is_null() && lists[1][5]["value"].is_null());
         // The table shows the travel with its unit too.
         let at = lists[1][3]["at"].as_f64().unwrap();
         let place = format!("{} {unit}", brief(at));
@@ -169,7 +190,7 @@ fn the_manual_s_planar_rocker_is_tuned() {
     let best = tuning.best.unwrap();
     assert!(best.after.misfit < 0.11, "{}", best.after.misfit);
     assert!(
-        best.constraints[0].room.abs() < 1e-5,
+        best.constraints[0].margin.abs() < 1e-5,
         "{:?}",
         best.constraints
     );

@@ -77,8 +77,8 @@ pub(super) struct ConvexModel<'a> {
     kept_offsets: Vec<f64>,
     lower: Vec<f64>,
     upper: Vec<f64>,
-    room_below: Vec<f64>,
-    room_above: Vec<f64>,
+    distance_below: Vec<f64>,
+    distance_above: Vec<f64>,
     method: ActiveSet,
     elastic: ActiveSet,
     /// Point at which the relaxed rows are satisfied.
@@ -132,8 +132,8 @@ impl<'a> ConvexModel<'a> {
             kept_offsets: Vec::with_capacity(rows),
             lower: vec![0.0; n],
             upper: vec![0.0; n],
-            room_below: vec![0.0; n],
-            room_above: vec![0.0; n],
+            distance_below: vec![0.0; n],
+            distance_above: vec![0.0; n],
             method: ActiveSet::new(n),
             elastic: ActiveSet::new(n + 1),
             relaxed: vec![0.0; n],
@@ -178,8 +178,8 @@ impl<'a> ConvexModel<'a> {
             for (normal, entry) in self.normals.chunks_exact_mut(n).zip(column.iter()) {
                 normal[j] = entry * half;
             }
-            self.room_below[j] = (self.bounds.lower()[j] - x[j]) / half;
-            self.room_above[j] = (self.bounds.upper()[j] - x[j]) / half;
+            self.distance_below[j] = (self.bounds.lower()[j] - x[j]) / half;
+            self.distance_above[j] = (self.bounds.upper()[j] - x[j]) / half;
         }
         self.offsets.copy_from_slice(at.rows.residuals.as_slice());
     }
@@ -187,8 +187,8 @@ impl<'a> ConvexModel<'a> {
     /// Finds the step within a radius. With `curved`, the estimate of the curvature is included.
     pub(super) fn solve(&mut self, radius: f64, curved: bool) -> Proposal {
         for j in 0..self.half.len() {
-            self.lower[j] = self.room_below[j].max(-radius);
-            self.upper[j] = self.room_above[j].min(radius);
+            self.lower[j] = self.distance_below[j].max(-radius);
+            self.upper[j] = self.distance_above[j].min(radius);
         }
         self.keep_rows();
         self.propose(curved)
@@ -308,7 +308,7 @@ impl<'a> ConvexModel<'a> {
             .collect();
         // Includes only the bounds of the variable itself, not the limit by the radius.
         for (j, multiplier) in self.bound_multipliers.iter().enumerate() {
-            let on_bound = self.room_below[j] == 0.0 || self.room_above[j] == 0.0;
+            let on_bound = self.distance_below[j] == 0.0 || self.distance_above[j] == 0.0;
             if on_bound && *multiplier != 0.0 {
                 let mut normal = vec![0.0; n];
                 normal[j] = 1.0;
@@ -450,9 +450,9 @@ impl<'a> ConvexModel<'a> {
     pub(super) fn step_from(&self, x: &DVector<f64>, to: &mut DVector<f64>) {
         for j in 0..x.len() {
             let (lower, upper) = (self.bounds.lower()[j], self.bounds.upper()[j]);
-            to[j] = if self.step[j] <= self.room_below[j] + RESOLUTION {
+            to[j] = if self.step[j] <= self.distance_below[j] + RESOLUTION {
                 lower
-            } else if self.step[j] >= self.room_above[j] - RESOLUTION {
+            } else if self.step[j] >= self.distance_above[j] - RESOLUTION {
                 upper
             } else {
                 (x[j] + self.half[j] * self.step[j]).clamp(lower, upper)

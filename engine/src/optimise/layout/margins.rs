@@ -10,11 +10,16 @@ pub const VIOLATED: f64 = 1e-6;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margin {
     /// Margin to the nearest limit, in the constraint's unit; negative if the limit is violated.
-    pub room: f64,
+    pub margin: f64,
     /// Drive value of the station with the smallest margin, or of the extreme near it. `None` if the constraint does not
     /// change along the motion.
     pub at: Option<f64>,
+    /// True if the nearest limit is the upper one.
+    pub is_upper: bool,
 }
+
+/// Largest difference between values of a row at several stations that counts as rounding, in the row's unit.
+const CONSTANT: f64 = 1e-6;
 
 /// For each row that is a component of a distance, finds the row of the other component.
 pub(super) fn other_components(labels: &[RowLabel], parts: &[Part]) -> Vec<Option<usize>> {
@@ -64,27 +69,51 @@ impl TargetLayout {
         extremes: &[Option<f64>],
     ) -> Vec<Margin> {
         let none = Margin {
-            room: f64::INFINITY,
+            margin: f64::INFINITY,
             at: None,
+            is_upper: false,
         };
         let mut margins = vec![none; self.constraints];
+        let mut nearest = vec![0; self.constraints];
         for (row, label) in self.labels.iter().enumerate() {
             let Some(value) = self.whole(row, |row| values[row]) else {
                 continue;
             };
-            let (room, least) = (self.margin(row, value), &mut margins[label.constraint]);
-            if room < least.room {
+            let (margin, least) = (self.margin(row, value), &mut margins[label.constraint]);
+            if margin < least.margin {
+                let extreme = extremes.get(row).copied().flatten();
                 *least = Margin {
-                    room,
-                    at: extremes
-                        .get(row)
-                        .copied()
-                        .flatten()
-                        .or_else(|| self.place_of(label)),
+                    margin,
+                    at: extreme.or_else(|| self.place_of(label)),
+                    is_upper: label.is_upper,
                 };
+                nearest[label.constraint] = row;
+            }
+        }
+        for (margin, row) in margins.iter_mut().zip(nearest) {
+            if margin.at.is_some() && self.is_constant(row, values) {
+                margin.at = None;
             }
         }
         margins
+    }
+
+    /// Returns true if the value of a row belongs to the design position, as the length of a rigid part, or if it is the same
+    /// at all stations of its leg.
+    fn is_constant(&self, row: usize, values: &[f64]) -> bool {
+        let own = self.labels[row];
+        let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut stations = 0;
+        for (other, label) in self.labels.iter().enumerate() {
+            let is_same =
+                (label.part, label.is_upper, label.leg) == (own.part, own.is_upper, own.leg);
+            if let (true, Some(value)) = (is_same, self.whole(other, |row| values[row])) {
+                ends = [ends[0].min(value), ends[1].max(value)];
+                stations += 1;
+            }
+        }
+        let is_same = stations > 1 && ends[1] - ends[0] <= CONSTANT;
+        self.parts[own.part].is_at_design || is_same
     }
 
     /// Margin between a row's value and its limit, in the constraint's unit; negative if the limit is violated.

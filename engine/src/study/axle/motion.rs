@@ -4,7 +4,7 @@ use super::super::error::Problems;
 use super::super::file::{self, File};
 use super::super::motion::{list, time_law, values};
 use super::super::names::{choose, choose_or};
-use super::super::value::{Number, Values};
+use super::super::value::{Number, Text, Values};
 use super::super::{MOST_STATIONS, TimeLaw};
 use super::coordinates;
 use crate::axle::{Axle, AxleMotion, AxleTime, Combine, Coordinate, Motion, WheelMotion};
@@ -153,6 +153,16 @@ impl MotionKeys<'_> {
             .collect()
     }
 
+    /// Returns true if the motion gives the rack or the steering wheel, as values or over time.
+    fn steers(&self) -> bool {
+        let drive = self.section.time.as_ref().and(self.section.drive.as_ref());
+        let steering = [Coordinate::Rack, Coordinate::SteeringWheel];
+        let is_driven = |drive: &Text| steering.iter().any(|own| own.key() == drive.get_ref());
+        self.section.rack.is_some()
+            || self.section.steering_wheel_angle.is_some()
+            || drive.is_some_and(is_driven)
+    }
+
     /// Motion of the wheels, from roll, heave and both travels.
     fn wheels(
         &self,
@@ -163,6 +173,9 @@ impl MotionKeys<'_> {
     ) -> Option<WheelMotion> {
         let (roll, heave, left, right) = given;
         let has_travels = left.is_some() || right.is_some();
+        // A motion that only steers has both wheels at the design height.
+        let only_steers = self.steers() && roll.is_none() && !has_travels;
+        let heave = heave.or_else(|| only_steers.then(|| vec![0.0]));
         Some(match (heave, roll) {
             (_, Some(_)) if has_travels => {
                 let message = "roll keeps the mean travel constant; expected roll and heave, or \
@@ -194,7 +207,7 @@ impl MotionKeys<'_> {
                 _ => WheelMotion::Heave(heave),
             },
             (None, None) if !has_travels => {
-                let message = "expected heave, roll, or travel_left and travel_right";
+                let message = "expected heave, roll, travel_left and travel_right, rack or steering_wheel_angle";
                 return problems.refuse(self.place.clone(), message);
             }
             (None, None) => WheelMotion::Travels {

@@ -68,9 +68,9 @@ impl Reader<'_> {
     fn constraint(&self, problems: &mut Problems) -> Option<Vec<Constraint>> {
         let written = self.written;
         if let (Some(both), Some(name)) = (self.context.axle, &written.characteristic)
-            && both.axle.elastic.is_some()
+            && (both.axle.elastic.is_some() || both.axle.is_rigid())
         {
-            return self.of_elastic_axle(both, name, problems);
+            return self.of_whole_axle(both, name, problems);
         }
         let sites = self.sites(problems)?;
         let is_design = self.is_of_design(problems)?;

@@ -1,4 +1,4 @@
-//! Constraints of an axle: its motions, and limits of an elastic axle.
+//! Constraints of an axle: its motions, and limits of an elastic or solid axle.
 
 use super::super::axle_targets::quantities_of_side;
 use super::super::error::Problems;
@@ -14,8 +14,9 @@ use crate::number::Each;
 use toml::Spanned;
 
 impl Reader<'_> {
-    /// Limits of a quantity of an elastic axle in the design position: one constraint for each wheel that has the quantity.
-    pub(super) fn of_elastic_axle(
+    /// Limits of a quantity of an elastic axle, a solid axle or a twist beam in the design position: one constraint for each
+    /// wheel that has the quantity. If the wheels of a rigid axle are mirror images, the limits of the left wheel suffice.
+    pub(super) fn of_whole_axle(
         &self,
         both: &AxleStudy,
         name: &Text,
@@ -33,18 +34,22 @@ impl Reader<'_> {
                 .map(Text::span),
         ];
         if let Some(place) = places.into_iter().flatten().next() {
-            let message = "limits of an elastic axle apply to the design position; a target with \
+            let message = "limits of a quantity of this axle apply to the design position; a target with \
                            between, at_least or at_most applies to a motion";
             return problems.refuse(place, message);
         }
-        let quantities = quantities_of_side(name, &written.side, &both.axle, problems)?;
+        let mut quantities = quantities_of_side(name, &written.side, &both.axle, problems)?;
+        let is_mirrored = both.axle.elastic.is_none() && both.axle.right.is_none();
+        if is_mirrored && written.side.is_none() {
+            quantities.retain(|quantity| quantity.side() != Some(Side::Right));
+        }
         let limits = self.needed_limits(problems)?;
         let called = written.name.as_ref().map(|name| name.get_ref().clone());
         let called = called.unwrap_or_else(|| format!("{} {}", name.get_ref(), words(limits)));
         let constraint = |quantity: &crate::axle::Quantity| Constraint {
             name: match quantity.side() {
-                Some(side) => format!("{called}, {} wheel", side.name()),
-                None => called.clone(),
+                Some(side) if !is_mirrored => format!("{called}, {} wheel", side.name()),
+                _ => called.clone(),
             },
             parts: vec![self.limited_as_printed(
                 Measure::OfAxle(*quantity),

@@ -5,42 +5,22 @@ use super::super::elastic_targets;
 use super::super::error::Problems;
 use super::super::outputs::characteristic;
 use super::super::resolve::Context;
+use super::super::value::Number;
 use super::super::{Band, TargetQuantity, axle_targets, file};
 use crate::number::Each;
+use std::ops::Range as Span;
 use toml::Spanned;
 
+/// Reads a band: its quantity, the stations at which it applies, and its limits.
 pub(super) fn band(
     spanned: &Spanned<file::Band>,
     context: &Context,
     problems: &mut Problems,
 ) -> Option<Band> {
-    let place = spanned.span();
     let written = spanned.get_ref();
-    let length = context.suspension.length_unit;
     let of = match context.axle {
         Some(axle) => axle_targets::band(spanned, axle, context, problems),
-        None => {
-            axle_targets::Where::from(written).refuse(true, problems);
-            if let Some(motion) = &written.motion {
-                let message =
-                    "a band of one wheel applies to [motion]; a named motion needs [axle]";
-                problems
-                    .add(motion.span(), message)
-                    .help("include its stations in [motion], or add [axle]");
-            }
-            let name = &written.characteristic;
-            let found = match context.elastic {
-                Some(elastic) => {
-                    elastic_targets::quantity(name, elastic, context.suspension, problems)
-                        .map(|found| found.subject(length))
-                }
-                // Errors in the elastic parts are already reported.
-                None if context.file.compliance.is_some() => None,
-                None => characteristic(name, context.suspension, problems)
-                    .map(|found| TargetQuantity::characteristic(found, length)),
-            };
-            found.map(|subject| (subject, None))
-        }
+        None => quantity_of_wheel(written, context, problems).map(|of| (of, None)),
     };
     let site = of.as_ref().and_then(|(_, site)| site.as_ref());
     let values = match (site, context.axle) {
@@ -51,18 +31,7 @@ pub(super) fn band(
     };
     let at = match (&written.at, values) {
         (None, _) => Some(None),
-        (Some(at), Some(values)) => {
-            let [lowest, highest] = ends(values);
-            if !DriveRounding::of(values).is_within(at.value, [lowest, highest]) {
-                let message = format!(
-                    "{} is outside of the motion, which runs from {lowest} to {highest}",
-                    at.value
-                );
-                problems.refuse(at.span.clone(), message)
-            } else {
-                Some(Some(at.value))
-            }
-        }
+        (Some(at), Some(values)) => drive_value(at, values, problems).map(Some),
         (Some(_), None) => None,
     };
     let rows = site.filter(|site| site.held.has_rows());
@@ -72,7 +41,56 @@ pub(super) fn band(
         let message = format!("no row of the motion has {}", at.value);
         return problems.refuse(at.span.clone(), message);
     }
-    let ends = match (&written.between, &written.at_least, &written.at_most) {
+    let limits = limits(written, spanned.span(), problems);
+    let (of, site) = of?;
+    Some(Band {
+        at: at?,
+        between: limits?.each(|end| of.from_printed(end)),
+        of,
+        site,
+    })
+}
+
+/// Reads the quantity of a band of one wheel.
+fn quantity_of_wheel(
+    written: &file::Band,
+    context: &Context,
+    problems: &mut Problems,
+) -> Option<TargetQuantity> {
+    axle_targets::Where::from(written).refuse(true, problems);
+    if let Some(motion) = &written.motion {
+        let message = "a band of one wheel applies to [motion]; a named motion needs [axle]";
+        problems
+            .add(motion.span(), message)
+            .help("include its stations in [motion], or add [axle]");
+    }
+    let (name, length) = (&written.characteristic, context.suspension.length_unit);
+    match context.elastic {
+        Some(elastic) => elastic_targets::quantity(name, elastic, context.suspension, problems)
+            .map(|found| found.subject(length)),
+        // Errors in the elastic parts are already reported.
+        None if context.file.compliance.is_some() => None,
+        None => characteristic(name, context.suspension, problems)
+            .map(|found| TargetQuantity::characteristic(found, length)),
+    }
+}
+
+/// Reads the only drive value at which a band applies. It must be within the motion, which has the drive values `values`.
+fn drive_value(at: &Number, values: &[f64], problems: &mut Problems) -> Option<f64> {
+    let [lowest, highest] = ends(values);
+    if DriveRounding::of(values).is_within(at.value, [lowest, highest]) {
+        return Some(at.value);
+    }
+    let message = format!(
+        "{} is outside of the motion, which runs from {lowest} to {highest}",
+        at.value
+    );
+    problems.refuse(at.span.clone(), message)
+}
+
+/// Reads the lowest and the highest allowed value. Without one of them, the band has no limit on this side.
+fn limits(written: &file::Band, place: Span<usize>, problems: &mut Problems) -> Option<[f64; 2]> {
+    match (&written.between, &written.at_least, &written.at_most) {
         (Some(between), None, None) => match between.get_ref().as_slice() {
             [low, high] if low.value < high.value => Some([low.value, high.value]),
             _ => {
@@ -86,12 +104,5 @@ pub(super) fn band(
             let message = "expected one of between = [lowest, highest], at_least and at_most";
             problems.refuse(place, message)
         }
-    };
-    let (of, site) = of?;
-    Some(Band {
-        at: at?,
-        between: ends?.each(|end| of.from_printed(end)),
-        of,
-        site,
-    })
+    }
 }

@@ -1,18 +1,20 @@
 //! Goals of a sweep that its stations do not give: targets in other motions, loads, lengths, and all constraints.
 //!
 //! Each design is assessed after its stations, as a tuning assesses a design: at the stations of each target and each
-//! constraint, and at extremes between them.
+//! constraint, and at extremes between them. The goals of each motion are assessed separately. So a design that does not reach
+//! a station of one motion keeps the values of the other motions.
 
 use super::{DesignFault, Failing, OutputColumn, Sweep};
+use crate::model::Mechanism;
 use crate::number::Vector3;
 use crate::optimise::{DesignAssessor, TargetLayout};
-use crate::study::{Optimise, Rate, Study, Target, Variable};
+use crate::study::{Constraint, Optimise, Rate, Site, Study, Target, Variable};
 use crate::sweep::margins::{distinguish, margin_columns};
 
 /// Goals of a sweep, with the stations at which a design is assessed.
 #[derive(Clone, Debug)]
 pub(super) struct Goals {
-    layout: TargetLayout,
+    groups: Vec<Group>,
     /// Variables that are rates of elastic parts.
     rates: Vec<Variable>,
     /// Number of targets.
@@ -21,34 +23,101 @@ pub(super) struct Goals {
     pub columns: Vec<OutputColumn>,
 }
 
+/// Stations of a goal.
+#[derive(Clone, Debug, PartialEq)]
+enum Place {
+    /// Design position.
+    Design,
+    /// Study's own motion.
+    Own,
+    /// Motion with this name.
+    Named(String),
+}
+
+impl Place {
+    fn of(site: &Site) -> Self {
+        match &site.motion {
+            Some((name, _)) => Place::Named(name.clone()),
+            None => Place::Own,
+        }
+    }
+
+    fn of_constraint(constraint: &Constraint, mechanism: &Mechanism) -> Self {
+        let is_fixed = constraint
+            .parts
+            .iter()
+            .all(|own| own.of.is_fixed(mechanism));
+        let site = constraint.site.as_ref().filter(|_| !is_fixed);
+        site.map_or(Place::Design, Place::of)
+    }
+
+    fn name(&self) -> &str {
+        match self {
+            Place::Design => "the design position",
+            Place::Own => "[motion]",
+            Place::Named(name) => name,
+        }
+    }
+}
+
+/// Goals at the same stations.
+#[derive(Clone, Debug)]
+struct Group {
+    place: Place,
+    layout: TargetLayout,
+    /// Indices of the targets.
+    targets: Vec<usize>,
+    /// Indices of the constraints.
+    constraints: Vec<usize>,
+}
+
 impl Goals {
     /// Plans the assessment of these targets and of the study's constraints. `None` if there are none.
     pub(super) fn of<'r>(
         study: &Study,
         sweep: &Sweep,
-        targets: Vec<Target>,
+        targets: &[Target],
         rates: impl Iterator<Item = &'r Rate>,
     ) -> Option<Self> {
         let optimise = study.optimise.as_ref()?;
         let constraints = if sweep.constraints {
-            optimise.constraints.clone()
+            &optimise.constraints[..]
         } else {
-            Vec::new()
+            &[]
         };
-        if targets.is_empty() && constraints.is_empty() {
-            return None;
+        let mechanism = &study.wheel().mechanism;
+        let of_targets: Vec<Place> = targets.iter().map(|own| Place::of(&own.site)).collect();
+        let of_constraints = constraints.iter();
+        let of_constraints: Vec<Place> = of_constraints
+            .map(|own| Place::of_constraint(own, mechanism))
+            .collect();
+        let mut places: Vec<Place> = Vec::new();
+        for place in of_targets.iter().chain(&of_constraints) {
+            if !places.contains(place) {
+                places.push(place.clone());
+            }
         }
-        let mut columns = margin_columns(&constraints, "");
-        distinguish(&mut columns);
-        let goals = Optimise {
-            targets,
-            constraints,
-            ..optimise.nominal()
+        let group = |place: Place| {
+            let at = |of: &[Place]| (0..of.len()).filter(|k| of[*k] == place).collect();
+            let (own, limits): (Vec<usize>, Vec<usize>) = (at(&of_targets), at(&of_constraints));
+            let goals = Optimise {
+                targets: own.iter().map(|k| targets[*k].clone()).collect(),
+                constraints: limits.iter().map(|k| constraints[*k].clone()).collect(),
+                ..optimise.nominal()
+            };
+            Group {
+                layout: TargetLayout::of(&goals, &study.vehicle),
+                place,
+                targets: own,
+                constraints: limits,
+            }
         };
-        Some(Goals {
-            layout: TargetLayout::of(&goals, &study.vehicle),
+        let mut columns = margin_columns(constraints, "");
+        distinguish(&mut columns);
+        (!places.is_empty()).then(|| Goals {
+            groups: places.into_iter().map(group).collect(),
             rates: rates.map(|rate| rate_variable(*rate)).collect(),
-            targets: goals.targets.len(),
+            targets: targets.len(),
             columns,
         })
     }
@@ -58,10 +127,14 @@ impl Goals {
         &'a self,
         study: &'a Study,
     ) -> Result<GoalAssessor<'a>, DesignFault> {
-        let assessor = DesignAssessor::new(&study.vehicle, &self.rates, &self.layout)?;
+        let assessor = |group: &'a Group| {
+            let assessor = DesignAssessor::new(&study.vehicle, &self.rates, &group.layout);
+            assessor.map(|assessor| (group, assessor))
+        };
+        let groups: Result<_, _> = self.groups.iter().map(assessor).collect();
         Ok(GoalAssessor {
             goals: self,
-            assessor,
+            groups: groups?,
             offsets: Vec::new(),
             values: GoalValues::default(),
         })
@@ -71,14 +144,15 @@ impl Goals {
 /// Assessor of the designs of one thread.
 pub(super) struct GoalAssessor<'a> {
     goals: &'a Goals,
-    assessor: DesignAssessor<'a>,
+    groups: Vec<(&'a Group, DesignAssessor<'a>)>,
     offsets: Vec<f64>,
     values: GoalValues,
 }
 
 impl GoalAssessor<'_> {
-    /// Assesses a design, given by its points and by the rates that the sweep varies. Without values for all goals, returns
-    /// the reason, and the values are NaN.
+    /// Assesses a design, given by its points and by the rates that the sweep varies. All values are NaN if `design` is
+    /// `None`. If the design does not reach all stations of a motion, the values of this motion are NaN, and the function
+    /// returns the reason.
     pub(super) fn assess(
         &mut self,
         design: Option<&[Vector3<f64>]>,
@@ -86,30 +160,38 @@ impl GoalAssessor<'_> {
     ) -> (&GoalValues, Option<Failing>) {
         let GoalAssessor {
             goals,
-            assessor,
+            groups,
             offsets,
             values,
         } = self;
         values.rms.clear();
+        values.rms.resize(goals.targets, f64::NAN);
         values.margins.clear();
+        values.margins.resize(goals.columns.len(), f64::NAN);
         let Some(design) = design else {
-            values.fill(goals);
             return (values, None);
         };
         offsets.clear();
         let variables = goals.rates.iter().zip(rates);
         offsets.extend(variables.filter_map(|(own, rate)| Some(own.rate.as_ref()?.offset(*rate))));
-        match assessor.assess(design, offsets) {
-            Ok((deviations, margins)) => {
-                values.rms.extend(deviations.iter().map(|own| own.rms));
-                values.margins.extend(margins.iter().map(|own| own.room));
-                (values, None)
-            }
-            Err(_) => {
-                values.fill(goals);
-                (values, Some(Failing::of_goals()))
+        let mut failing = None;
+        for (group, assessor) in groups {
+            match assessor.assess(design, offsets) {
+                Ok((deviations, margins)) => {
+                    for (target, found) in group.targets.iter().zip(deviations) {
+                        values.rms[*target] = found.rms;
+                    }
+                    for (constraint, found) in group.constraints.iter().zip(margins) {
+                        values.margins[*constraint] = found.margin;
+                    }
+                }
+                Err(_) if failing.is_none() => {
+                    failing = Some(Failing::of_goals(group.place.name()));
+                }
+                Err(_) => {}
             }
         }
+        (values, failing)
     }
 }
 
@@ -120,14 +202,6 @@ pub(super) struct GoalValues {
     pub rms: Vec<f64>,
     /// Margin of each constraint, in the constraint's unit.
     pub margins: Vec<f64>,
-}
-
-impl GoalValues {
-    /// Sets all values to NaN.
-    fn fill(&mut self, goals: &Goals) {
-        self.rms.resize(goals.targets, f64::NAN);
-        self.margins.resize(goals.columns.len(), f64::NAN);
-    }
 }
 
 /// Variable of a tuning that changes this rate.

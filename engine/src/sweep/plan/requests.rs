@@ -4,10 +4,46 @@ use super::*;
 use crate::sorting::sort_by_key;
 
 /// Request of a sweep, then the derivatives of each column in the design position, then the target values of each target.
-pub(super) type Planned<'s> = (Request<'s>, Vec<Vec<Gain>>, Vec<Vec<SweptWish>>);
+type Planned<'s> = (Request<'s>, Vec<Vec<Gain>>, Vec<Vec<SweptWish>>);
+
+/// Plans the sweep of a study with the target values of `swept`, the targets at stations of the sweep. `samples` are the
+/// designs of the sweep.
+pub(super) fn of_study<'s>(
+    study: &'s Study,
+    sweep: &Sweep,
+    swept: &[Target],
+    samples: &Samples,
+) -> Planned<'s> {
+    let samples_in = |target: &Target| {
+        let stations = target.stations_in(study.motion());
+        target.wanted.samples(&stations)
+    };
+    let wanted: Vec<Vec<Sample>> = swept.iter().map(samples_in).collect();
+    let further: Vec<f64> = wanted.iter().flatten().map(|s| s.drive).collect();
+    match &study.vehicle {
+        Vehicle::Axle(both) => {
+            let targets: Vec<_> = swept.iter().map(|t| t.axle_samples(&both.axle)).collect();
+            let rates = samples.rates().map(|rate| rate.parameter.into()).collect();
+            of_axle(both, both.plan_with(swept), &targets, rates, sweep.curves)
+        }
+        Vehicle::Wheel(own) => {
+            let suspension = study.wheel();
+            let stations = Stations::of(&own.motion, &suspension.frame, &further);
+            let plan = with_gains(own, study.optimise.as_ref());
+            match &own.compliance {
+                None => of_corner(suspension, &plan, stations, swept, &wanted),
+                Some(elastic) => {
+                    let rates = samples.rates().map(|rate| rate.parameter).collect();
+                    let targets = (swept, &wanted[..]);
+                    of_elastic(own, elastic, &plan, stations, targets, rates, sweep.curves)
+                }
+            }
+        }
+    }
+}
 
 /// Plans the sweep of one wheel with the target values.
-pub(super) fn of_corner<'s>(
+fn of_corner<'s>(
     suspension: &'s Suspension,
     plan: &Plan,
     stations: Stations,
@@ -44,7 +80,7 @@ pub(super) fn of_corner<'s>(
 
 /// Plans the sweep of a wheel with elastic parts: characteristics over the motion, test results in the design position. With
 /// `curves`, the sweep also reads test results over the motion.
-pub(super) fn of_elastic<'s>(
+fn of_elastic<'s>(
     own: &WheelStudy,
     elastic: &ComplianceStudy,
     plan: &Plan,
@@ -124,7 +160,7 @@ pub(super) fn is_figure(quantity: &crate::axle::Quantity) -> bool {
 }
 
 /// Plans the sweep of an axle with the target values. With `curves`, the sweep also reads test results over the motion.
-pub(super) fn of_axle<'s>(
+fn of_axle<'s>(
     both: &'s AxleStudy,
     mut plan: AxlePlan,
     samples: &[Vec<AxleSample>],
@@ -165,7 +201,7 @@ pub(super) fn of_axle<'s>(
 }
 
 /// Plans the outputs of a study and its targets. Each output has its first derivative with respect to the drive.
-pub(super) fn with_gains(own: &WheelStudy, optimise: Option<&Optimise>) -> Plan {
+fn with_gains(own: &WheelStudy, optimise: Option<&Optimise>) -> Plan {
     let plan = Plan::with_targets(own, optimise);
     let is_swept = |quantity: Quantity| !quantity.is_rate();
     let outputs = plan

@@ -77,7 +77,8 @@ impl Worker<'_> {
             let failing = &mut rows.failing[k];
             let goals = self.goals.as_mut().map(|goals| {
                 let design = &self.designs[k * points..][..points];
-                let design = failing.is_none().then_some(design);
+                let is_degenerate = self.block.faults().iter().any(|(own, _)| *own == k);
+                let design = (!is_degenerate).then_some(design);
                 let (values, reason) = goals.assess(design, &self.rates[k * rates..][..rates]);
                 *failing = failing.take().or(reason);
                 values

@@ -128,8 +128,11 @@ impl ConvexModel<'_> {
             }
         }
         for j in 0..n {
-            for (room, sign) in [(self.room_below[j], -1.0), (self.room_above[j], 1.0)] {
-                if room.abs() <= ON_BOUND {
+            for (distance, sign) in [
+                (self.distance_below[j], -1.0),
+                (self.distance_above[j], 1.0),
+            ] {
+                if distance.abs() <= ON_BOUND {
                     let mut normal = vec![0.0; n];
                     normal[j] = sign;
                     pushes.add(&normal, false);

@@ -75,10 +75,10 @@ impl ConvexModel<'_> {
             match held {
                 Held::Row(row) => culprits.push(Held::Row(self.kept[of[row]])),
                 // The limit is a bound of the variable itself, not the radius.
-                Held::Lower(j) if j < n && self.lower[j] == self.room_below[j] => {
+                Held::Lower(j) if j < n && self.lower[j] == self.distance_below[j] => {
                     culprits.push(held);
                 }
-                Held::Upper(j) if j < n && self.upper[j] == self.room_above[j] => {
+                Held::Upper(j) if j < n && self.upper[j] == self.distance_above[j] => {
                     culprits.push(held);
                 }
                 _ => {}

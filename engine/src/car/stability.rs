@@ -274,3 +274,44 @@ impl Case {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn motions_of_the_body_are_tipping_or_sinking() {
+        let even = [4000.0, 4000.0, 3500.0, 3500.0];
+        for (loads, heights, why) in [
+            (even, [-1.0, -1.0, -0.8, -0.8], NoEquilibrium::Sinks),
+            (even, [1.0, 1.0, -0.2, -0.2], NoEquilibrium::Sinks),
+            (even, [1.0, -1.0, 0.9, -0.9], NoEquilibrium::Tips),
+            (even, [1.0, 1.0, -0.9, -0.9], NoEquilibrium::Tips),
+            // Turn to the left: the body turns about its right wheels.
+            (
+                [0.0, 7638.0, 150.0, 7070.0],
+                [1.0, -0.1, 1.0, -0.1],
+                NoEquilibrium::Tips,
+            ),
+            // Acceleration in a turn to the left: the body turns about the line from the front right to the rear left
+            // wheel, and rises most over the lifted wheel.
+            (
+                [0.0, 3988.5, 157.9, 10563.5],
+                [0.0116, 0.0001, 0.0049, -0.0065],
+                NoEquilibrium::Tips,
+            ),
+        ] {
+            let mut unknowns = [0.0; UNKNOWNS];
+            unknowns[LOADS..LOADS + 4].copy_from_slice(&loads);
+            let state = Equilibrium {
+                unknowns,
+                lifted: [false; 4],
+                evaluations: 0,
+                racks: [0.0; 2],
+                placed: None,
+                factors: None,
+            };
+            assert_eq!(state.ends_in(heights), why, "{heights:?}");
+        }
+    }
+}

@@ -165,23 +165,6 @@ fn a_cornering_car_tips_over_its_outer_wheels() {
     }
 }
 
-/// In an accelerating turn, a car without the load of its front left wheel turns about the line from the front right to the
-/// rear left wheel. The body rises most over the wheel without load, so the car tips and does not sink.
-#[test]
-fn a_car_that_turns_about_a_diagonal_tips() {
-    let path = super::commands::studies().join("formula_student_car.toml");
-    let car = CarStudy::read(&path, &[]).unwrap().car;
-    let mut solver = CarSolver::new(&car).unwrap();
-    let mut rest = at_rest();
-    rest.setting.elastic_tyres = car.tyres.is_some();
-    for degrees in [45.0, 135.0, 225.0, 315.0] {
-        let limits = solver.limits(&Case::along("turn", degrees, &rest)).unwrap();
-        let why = limits.why.unwrap();
-        let tips = matches!(why, NoEquilibrium::Tips | NoEquilibrium::TipsOver { .. });
-        assert!(tips, "{degrees} {why:?}");
-    }
-}
-
 /// If the message recommends other shares of the forces, the case has an equilibrium with these shares.
 #[test]
 fn recommended_shares_give_an_equilibrium() {

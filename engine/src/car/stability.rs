@@ -51,8 +51,9 @@
 //! ```
 //!
 //! m is the motion of the body over the resultant of the wheel loads, and this resultant balances all loads on the body.
-//! If m is small compared with the largest h, the body turns about an axis near the resultant: the loads move aside, their
-//! moment grows, and the car tips. Otherwise the body moves along the load, so the springs no longer carry it: it sinks.
+//! If m is small compared with the h of largest magnitude, the body turns about an axis near the resultant: the loads move
+//! aside, their moment grows, and the car tips. It also tips if m has the opposite sign: the body then rises most over a
+//! wheel with little load. Otherwise the body moves along the load, so the springs no longer carry it: it sinks.
 //!
 //! At rest, an unstable state may be far from a fold. There the motion is a column of C in other coordinates. Let f and e
 //! be the heights of the body over the middle of the front and the rear axle. Let r be half the difference of the body's
@@ -78,7 +79,7 @@ const LONGEST: f64 = 1.0 / 16.0;
 const SHORTEST: f64 = LONGEST / 1024.0;
 /// Loads below this fraction of the sum of the wheel loads count as zero at the end of the path.
 const NO_LOAD: f64 = 1e-3;
-/// Smallest ratio of m in equation (6) to the largest h for which the body sinks.
+/// The body sinks if the ratio of m in equation (6) to the h of largest magnitude is above this limit.
 const SINKING: f64 = 0.25;
 /// Largest number of steps. The count includes steps back.
 const MOST_STEPS: usize = 400;
@@ -167,11 +168,17 @@ impl Equilibrium {
         let loads = self.loads();
         let work: f64 = (0..4).map(|wheel| loads[wheel] * heights[wheel]).sum();
         let along_load = work / loads.iter().sum::<f64>();
-        let largest = heights.iter().fold(0.0, |most: f64, h| most.max(h.abs()));
-        if along_load.abs() < SINKING * largest {
-            NoEquilibrium::Tips
-        } else {
+        let largest = heights.into_iter().fold(0.0, |most: f64, height| {
+            if height.abs() > most.abs() {
+                height
+            } else {
+                most
+            }
+        });
+        if along_load / largest > SINKING {
             NoEquilibrium::Sinks
+        } else {
+            NoEquilibrium::Tips
         }
     }
 
@@ -241,13 +248,13 @@ impl CarSolver<'_> {
                     NoEquilibrium::NotFound
                     | NoEquilibrium::Singular
                     | NoEquilibrium::NoContactSet { remedy: None, .. },
-                ) => at.end_of_path(self.car),
-                Err(why) => why,
+                ) => None,
+                Err(why) => Some(why),
             };
             failed = next;
             step *= 0.5;
             if step < SHORTEST {
-                return Err(why);
+                return Err(why.unwrap_or_else(|| at.end_of_path(self.car)));
             }
         }
         Err(NoEquilibrium::NotFound)
@@ -264,6 +271,47 @@ impl Case {
             speed: self.speed * part.sqrt(),
             yaw_acceleration: self.yaw_acceleration * part,
             ..self.clone()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn motions_of_the_body_are_tipping_or_sinking() {
+        let even = [4000.0, 4000.0, 3500.0, 3500.0];
+        for (loads, heights, why) in [
+            (even, [-1.0, -1.0, -0.8, -0.8], NoEquilibrium::Sinks),
+            (even, [1.0, 1.0, -0.2, -0.2], NoEquilibrium::Sinks),
+            (even, [1.0, -1.0, 0.9, -0.9], NoEquilibrium::Tips),
+            (even, [1.0, 1.0, -0.9, -0.9], NoEquilibrium::Tips),
+            // Turn to the left: the body turns about its right wheels.
+            (
+                [0.0, 7638.0, 150.0, 7070.0],
+                [1.0, -0.1, 1.0, -0.1],
+                NoEquilibrium::Tips,
+            ),
+            // Acceleration in a turn to the left: the body turns about the line from the front right to the rear left
+            // wheel, and rises most over the lifted wheel.
+            (
+                [0.0, 3988.5, 157.9, 10563.5],
+                [0.0116, 0.0001, 0.0049, -0.0065],
+                NoEquilibrium::Tips,
+            ),
+        ] {
+            let mut unknowns = [0.0; UNKNOWNS];
+            unknowns[LOADS..LOADS + 4].copy_from_slice(&loads);
+            let state = Equilibrium {
+                unknowns,
+                lifted: [false; 4],
+                evaluations: 0,
+                racks: [0.0; 2],
+                placed: None,
+                factors: None,
+            };
+            assert_eq!(state.ends_in(heights), why, "{heights:?}");
         }
     }
 }

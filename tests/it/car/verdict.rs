@@ -187,6 +187,7 @@ fn a_moved_spring_mount_changes_the_ride_height_of_the_same_spring() {
             "optimise.variables=[{axle=\"front\",hardpoint=\"strut_top\",axis=\"z\",range=[-15.0,15.0]}]",
             "optimise.targets=[{case=\"static\",characteristic=\"ride_height_front\",value=145.0,tolerance=0.1}]",
             "optimise.constraints=[]",
+            "tolerance.scatter=[{car=\"mass\",sigma=15.0}]",
         ];
         let mut arguments = vec!["optimise", "car.toml", "--out", "tuned", "--force"];
         arguments.extend(sets.iter().flat_map(|set| ["--set", set]));

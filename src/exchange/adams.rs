@@ -76,7 +76,7 @@ pub(super) struct SubsystemParameter {
 
 impl SubsystemParameter {
     /// Value of an angle in degrees. `in_degrees` is true if the file has angles in degrees.
-    pub fn angle(&self, in_degrees: bool) -> f64 {
+    pub(super) fn angle(&self, in_degrees: bool) -> f64 {
         if in_degrees {
             self.value
         } else {

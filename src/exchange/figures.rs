@@ -147,13 +147,6 @@ fn angle(
     (unit, toe_out): (Option<AngleUnit>, bool),
     notes: &mut Vec<String>,
 ) -> Result<f64, String> {
-    let is_toe = kind == FigureKind::StaticToe;
-    let key = if is_toe {
-        "static_toe"
-    } else {
-        "static_camber"
-    };
-    let own_unit = of_angle(&row.read_as, &row.remark);
     if row.value == 0.0 {
         return Ok(0.0);
     }
@@ -161,12 +154,57 @@ fn angle(
         "" => String::new(),
         remark => format!(" with the remark {remark:?}"),
     };
-    let mut value = row.value;
-    if let Some(unit) = own_unit.or(unit) {
-        value = unit.degrees(value).ok_or_else(|| {
+    let angle = Angle {
+        row,
+        is_toe: kind == FigureKind::StaticToe,
+        remark,
+    };
+    let value = angle.in_degrees(unit, notes)?;
+    let value = angle.of_one_wheel(value, notes)?;
+    angle.with_sign_of_studies(value, toe_out, notes)
+}
+
+/// An angle of a file that is not 0.
+struct Angle<'a> {
+    row: &'a Figure,
+    is_toe: bool,
+    /// Remark beside the angle, for messages.
+    remark: String,
+}
+
+impl Angle<'_> {
+    /// Adds a note with the value that the study gets.
+    fn note(&self, value: &str, why: &str, notes: &mut Vec<String>) {
+        let key = if self.is_toe {
+            "static_toe"
+        } else {
+            "static_camber"
+        };
+        let (name, place) = (&self.row.name, &self.row.place);
+        notes.push(format!(
+            "{key}: {value} deg, because {name:?} ({place}) {why}"
+        ));
+    }
+
+    /// Message about an angle that can be read in several ways.
+    fn unclear(&self, expected: &str) -> String {
+        let Figure {
+            place, name, value, ..
+        } = self.row;
+        format!("{place}: {name:?} is {value}{}; {expected}", self.remark)
+    }
+
+    /// Converts the angle to degrees. `unit` applies if the angle has no unit of its own.
+    fn in_degrees(&self, unit: Option<AngleUnit>, notes: &mut Vec<String>) -> Result<f64, String> {
+        let row = self.row;
+        let own_unit = of_angle(&row.read_as, &row.remark);
+        let Some(unit) = own_unit.or(unit) else {
+            return Ok(row.value);
+        };
+        let value = unit.degrees(row.value).ok_or_else(|| {
             let remark = match own_unit {
                 None => " in the unit of angles that the file states",
-                Some(_) => &remark,
+                Some(_) => &self.remark,
             };
             format!(
                 "{}: {:?} is {}{remark}; expected an angle in degrees or radians",
@@ -174,73 +212,71 @@ fn angle(
             )
         })?;
         if value != row.value {
-            notes.push(format!(
-                "{key}: {value:.6} deg, because {:?} ({}) is {} {}",
-                row.name,
-                row.place,
-                row.value,
-                unit.symbol()
-            ));
+            let why = format!("is {} {}", row.value, unit.symbol());
+            self.note(&format!("{value:.6}"), &why, notes);
         }
+        Ok(value)
     }
-    let unclear = |expected: &str| {
-        let (place, name, value) = (&row.place, &row.name, row.value);
-        format!("{place}: {name:?} is {value}{remark}; {expected}")
-    };
-    match wheels(&row.read_as, &row.remark) {
-        Wheels::One => (),
-        Wheels::Sum if is_toe => {
-            value /= 2.0;
-            notes.push(format!(
-                "{key}: {value:?} deg, half of {:?} ({}), because it is the toe of both wheels together",
-                row.name, row.place
-            ));
-        }
-        Wheels::Sum | Wheels::Unclear if is_toe => {
-            return Err(unclear(
+
+    /// Halves the sum of both wheels' toe.
+    fn of_one_wheel(&self, value: f64, notes: &mut Vec<String>) -> Result<f64, String> {
+        match (wheels(&self.row.read_as, &self.row.remark), self.is_toe) {
+            (Wheels::One, _) | (Wheels::Unclear, false) => Ok(value),
+            (Wheels::Sum, false) => Err(self.unclear("expected the camber of one wheel")),
+            (Wheels::Unclear, true) => Err(self.unclear(
                 "expected \"per wheel\" for the toe of one wheel, or \"total\" for the sum of both wheels",
-            ));
+            )),
+            (Wheels::Sum, true) => {
+                let half = value / 2.0;
+                let why = "is the sum of both wheels: the study has half of it for each wheel";
+                self.note(&format!("{half:?}"), why, notes);
+                Ok(half)
+            }
         }
-        Wheels::Sum => return Err(unclear("expected the camber of one wheel")),
-        Wheels::Unclear => (),
     }
-    let statements = [sign(&row.read_as), sign(&row.remark)];
-    let [named, remarked] = statements.map(Sign::direction);
-    let is_contradiction = named.zip(remarked).is_some_and(|(a, b)| a != b);
-    // The remark "toe out" beside -0.1 may describe the value, or the positive direction.
-    let is_open = named.is_none() && matches!(statements[1], Sign::Alone(_)) && value < 0.0;
-    let is_negative = statements.contains(&Sign::Negative) && named.or(remarked).is_none();
-    let part = if is_toe { "toe" } else { "top" };
-    if statements.contains(&Sign::Unclear)
-        || is_contradiction
-        || is_open
-        || (is_negative && value > 0.0)
-    {
-        return Err(unclear(&format!(
-            "its sign is not clear. State the positive direction, as in \"{part} out positive\""
-        )));
-    }
-    let own = if is_toe {
-        Direction::Inward
-    } else {
-        Direction::Outward
-    };
-    let by_tool = (toe_out && is_toe).then_some(Direction::Outward);
-    if named
-        .or(remarked)
-        .or(by_tool)
-        .is_some_and(|positive| positive != own)
-    {
-        value = -value;
-        let why = match (is_toe, named.or(remarked)) {
-            (true, Some(_)) => "is positive for toe-out; toe-in is",
-            (true, None) => "is positive outward in OptimumKinematics; toe-in is",
-            (false, _) => "is positive with the top inward; top outward is",
+
+    /// Changes the sign if the positive direction of the file is not that of studies: toe-in, and camber with the top outward.
+    fn with_sign_of_studies(
+        &self,
+        value: f64,
+        toe_out: bool,
+        notes: &mut Vec<String>,
+    ) -> Result<f64, String> {
+        let signs = [sign(&self.row.read_as), sign(&self.row.remark)];
+        let [named, remarked] = signs.map(Sign::direction);
+        let stated = named.or(remarked);
+        // The remark "toe out" beside -0.1 may describe the value, or the positive direction.
+        let is_open = named.is_none() && matches!(signs[1], Sign::Alone(_)) && value < 0.0;
+        let is_negative = stated.is_none() && signs.contains(&Sign::Negative);
+        if signs.contains(&Sign::Unclear)
+            || named.zip(remarked).is_some_and(|(a, b)| a != b)
+            || is_open
+            || (is_negative && value > 0.0)
+        {
+            let part = if self.is_toe { "toe" } else { "top" };
+            return Err(self.unclear(&format!(
+                "its sign is not clear. State the positive direction, as in \"{part} out positive\""
+            )));
+        }
+        let (own, why) = match (self.is_toe, stated) {
+            (false, _) => (
+                Direction::Outward,
+                "is positive with the top inward; top outward is positive in studies",
+            ),
+            (true, Some(_)) => (
+                Direction::Inward,
+                "is positive for toe-out; toe-in is positive in studies",
+            ),
+            (true, None) => (
+                Direction::Inward,
+                "is positive outward in OptimumKinematics; toe-in is positive in studies",
+            ),
         };
-        notes.push(format!(
-            "{key}: {value:?} deg, because {:?} ({}) {why} positive in studies",
-            row.name, row.place
-        ));
+        let by_tool = (toe_out && self.is_toe).then_some(Direction::Outward);
+        if stated.or(by_tool).is_none_or(|positive| positive == own) {
+            return Ok(value);
+        }
+        self.note(&format!("{:?}", -value), why, notes);
+        Ok(-value)
     }
-    Ok(value)
 }

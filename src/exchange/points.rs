@@ -128,7 +128,8 @@ impl Rows<'_> {
             return self.unit(row, word);
         }
         let own_name = sheet.cell(row, columns.name);
-        let is_number = |cell: &Cell| self.decimals.number(cell).is_ok();
+        let decimals = self.decimals;
+        let is_number = |cell: &Cell| decimals.number(cell).is_ok();
         if (filled == 0 || own_name.is_some_and(is_number))
             && self.value_beside(row, |name| marks_of_title(name).is_none())
         {
@@ -168,16 +169,14 @@ impl Rows<'_> {
         };
         let count = |cells: &[Option<&Cell>; 3]| {
             let cells = cells.iter().flatten();
-            cells
-                .filter(|cell| self.decimals.number(cell).is_ok())
-                .count()
+            cells.filter(|cell| is_number(cell)).count()
         };
         let most = numbers.iter().map(count).max().unwrap_or(0);
         let is_figure = figure(name).is_some_and(|(kind, ..)| kind != FigureKind::ContactPoint);
         let has_unit = |cells: &[Option<&Cell>; 3]| {
-            let is_number = cells[0].is_none_or(|cell| self.decimals.number(cell).is_ok());
+            let is_first = cells[0].is_none_or(is_number);
             let unit = cells[1..].iter().flatten().next();
-            is_number && unit.is_none_or(|cell| text(cell).is_some_and(is_unit))
+            is_first && unit.is_none_or(|cell| text(cell).is_some_and(is_unit))
         };
         let is_value = is_figure || numbers.iter().all(has_unit);
         if numbers.iter().all(alone) || (is_value && most == 1) {
@@ -202,6 +201,8 @@ impl Rows<'_> {
         (by_words, both): (Marks, bool),
     ) -> Result<(), String> {
         let sheet = self.sheet;
+        let decimals = self.decimals;
+        let is_number = |cell: &Cell| decimals.number(cell).is_ok();
         let unit = columns.unit.and_then(|column| sheet.cell(row, column));
         if let Some(word) = unit.and_then(text) {
             self.unit(row, word)?;
@@ -226,10 +227,7 @@ impl Rows<'_> {
                 read_as: name.to_owned(),
                 marks: found,
                 mirrored: both,
-                has_number: cells
-                    .iter()
-                    .flatten()
-                    .any(|cell| self.decimals.number(cell).is_ok()),
+                has_number: cells.iter().flatten().any(|cell| is_number(cell)),
                 position: self.position(row, triple, cells),
                 body: body.and_then(text).map(str::to_owned),
                 place: sheet.row_place(row),

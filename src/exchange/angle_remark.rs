@@ -194,8 +194,9 @@ pub(super) fn without_remarks(name: &mut Vec<String>) {
         let known = [BESIDE, EACH, POSITIVE, NEGATIVE];
         let is_known = known.iter().any(|words| words.contains(&word)) || *word == all[angle];
         let is_per_axle = word == "axle" && all[..at].last().is_some_and(|word| word == "per");
-        SUM.contains(&word)
-            || at > angle && (is_known || is_per_axle || direction(&all, at).is_some())
+        // In "toe in rad", "in" is no unit of length.
+        let is_of_angle = is_known || word == "in" || direction(&all, at).is_some();
+        SUM.contains(&word) || at > angle && (is_of_angle || is_per_axle)
     };
     let mut at = 0;
     name.retain(|_| {

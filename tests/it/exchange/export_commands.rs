@@ -371,7 +371,7 @@ fn calls_that_make_no_sense_are_refused() {
         ),
         (
             vec!["--to", "optimumk", "--frame", "sae_j670"],
-            "the axes of OptimumKinematics are iso8855",
+            "OptimumKinematics always has the axes iso8855",
         ),
         (vec!["--to", "assetto", "--unit", "mm"], "is in metres"),
         (

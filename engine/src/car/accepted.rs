@@ -131,7 +131,7 @@ impl Moves {
         }
     }
 
-    /// Returns the reason for limits that depend on other values of the car.
+    /// Returns the reason why other values of the car limit the range of this variable.
     pub(crate) fn reason_of_limits(&self, car: &Car) -> Option<&'static str> {
         match (self, car.masses) {
             (Moves::Body(BodyParameter::Mass), Masses::Whole) => {

@@ -35,7 +35,7 @@ macro_rules! instruction_set {
             }
         }
 
-        /// Compilation for the set, implemented for all pieces of work.
+        /// Compilation of a function for the instruction set. Every [`Outlined`] function has it.
         trait $compiled: Outlined {
             /// Runs the piece in a separate function.
             ///

@@ -44,8 +44,9 @@ pub(super) struct Search {
     rise: f64,
 }
 
-/// Lists the searches of a leg (a motion at one rack displacement) in `into`. Uses the values of the leg's parts and the
-/// rows of constraints at its stations. Leaves out rows that are farther than `far` below their limit.
+/// Lists in `into` where a leg (a motion at one rack displacement) needs a search for an extreme between stations. Uses the
+/// values of the leg's parts and the rows of constraints at its stations. Leaves out rows that are farther than `far` below
+/// their limit.
 pub(super) fn searches(
     leg: &Leg,
     parts: &[Part],

@@ -15,7 +15,7 @@ pub struct ValueEdit {
     pub value: Option<Json>,
 }
 
-/// One step of a path through a study.
+/// Part of the path to a value of a study file: a key, or the index of an entry of a list.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum PathStep {

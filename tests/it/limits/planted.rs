@@ -316,7 +316,8 @@ fn plant_links(sample: &Suspension, number: u64) -> Planted {
     }
 }
 
-/// Examines every part with every quantity, `each` times.
+/// Plants a limit in every part of three suspensions, `each` times for every quantity, and compares it with the limit that
+/// the program finds.
 fn examine(each: u64) {
     let [strut, wishbone, links] = [
         "macpherson_solve",

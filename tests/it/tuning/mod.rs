@@ -135,7 +135,8 @@ fn a_planted_design_is_recovered_from_every_start() {
     }
 }
 
-/// The test moves several points together: a raised and tilted arm, with the rack. A tuning finds these moves.
+/// The test raises and tilts an arm together with the rack, and takes the curves of this design as targets. The tuning finds
+/// the same moves.
 #[test]
 fn points_moved_together_come_back() {
     let variables = "optimise.variables=[

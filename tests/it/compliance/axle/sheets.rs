@@ -14,7 +14,7 @@ const RATES: [(&str, &str); 5] = [
     ("subframe_front", "y"),
     ("subframe_rear", "y"),
 ];
-/// Factors of the rates that produce a sheet.
+/// Factors on the elastic rates. The test computes its K&C sheet with the changed rates.
 const FACTORS: [f64; 5] = [0.8, 1.3, 1.2, 0.75, 1.15];
 
 fn asked(targets: &str) -> String {

@@ -46,56 +46,53 @@ impl Objective<'_> {
         (first, count)
     }
 
+    /// Puts an entry for each row in the order of the rows: equalities of the rigs first, then rows of the cases, then the other
+    /// rows of the rigs. `of_rigs` has the entries of each rig.
+    fn in_row_order<T>(&self, of_cases: Vec<T>, of_rigs: Vec<Vec<T>>) -> Vec<T> {
+        let (mut equalities, mut others) = (Vec::new(), of_cases);
+        for (rig, mut entries) in self.rigs.iter().zip(of_rigs) {
+            others.extend(entries.drain(rig.shape().equalities..));
+            equalities.extend(entries);
+        }
+        equalities.extend(others);
+        equalities
+    }
+
     /// Returns, for each row, the index of the constraint to which it belongs, and the number of constraints. The
     /// constraints of the cases come first, then those of the front rig and of the rear rig.
     pub(super) fn constraints_of_rows(&self) -> (Vec<usize>, usize) {
-        let (mut equalities, mut others) = (Vec::new(), Vec::new());
+        let mut of_cases = Vec::new();
         for (number, constraint) in self.goals.constraints.iter().enumerate() {
             let limits = constraint.between.iter().filter(|l| l.is_finite());
-            others.extend(limits.map(|_| number));
+            of_cases.extend(limits.map(|_| number));
         }
         let mut count = self.goals.constraints.len();
+        let mut of_rigs = Vec::new();
         for rig in &self.rigs {
-            let own = rig.shape().equalities;
-            for (row, constraint) in rig.constraints_of_rows().enumerate() {
-                let into = if row < own {
-                    &mut equalities
-                } else {
-                    &mut others
-                };
-                into.push(count + constraint);
-            }
+            let own = rig.constraints_of_rows();
+            of_rigs.push(own.map(|constraint| count + constraint).collect());
             count += rig.constraints();
         }
-        equalities.extend(others);
-        (equalities, count)
+        (self.in_row_order(of_cases, of_rigs), count)
     }
 
     /// For each row that is a component of a distance, returns the row of the other component.
     pub(super) fn other_components(&self) -> Vec<Option<usize>> {
         let of_cases = self.rows_of_cases().1;
         let (mut equality, mut other) = (0, self.equalities() + of_cases);
-        let (mut equalities, mut others) = (Vec::new(), vec![None; of_cases]);
+        let mut of_rigs = Vec::new();
         for rig in &self.rigs {
             let shape = rig.shape();
-            let own = shape.equalities;
-            let place = |row: usize| match row.checked_sub(own) {
+            let place = |row: usize| match row.checked_sub(shape.equalities) {
                 None => equality + row,
                 Some(row) => other + row,
             };
-            for (row, component) in rig.other_components().enumerate() {
-                let into = if row < own {
-                    &mut equalities
-                } else {
-                    &mut others
-                };
-                into.push(component.map(place));
-            }
-            equality += own;
-            other += shape.rows - own;
+            let components = rig.other_components();
+            of_rigs.push(components.map(|own| own.map(place)).collect());
+            equality += shape.equalities;
+            other += shape.rows - shape.equalities;
         }
-        equalities.extend(others);
-        equalities
+        self.in_row_order(vec![None; of_cases], of_rigs)
     }
 
     /// Returns the violation of each constraint that counts as 1 in its rows, in the unit of the constraint. Its size

@@ -240,17 +240,8 @@ fn limits(objective: &Objective<'_>, fit: &Fit) -> (Vec<Price>, Vec<usize>) {
     let (of_rows, _) = objective.constraints_of_rows();
     let others = objective.other_components();
     let units = objective.visible_units();
-    // The first component of a distance counts for both.
-    let limit = |row: usize| match others[row] {
-        Some(other) if other < row => None,
-        other => Some(Limit {
-            rows: [Some(row), other],
-            violation: match other {
-                None => violation(row, state.values[row]),
-                Some(other) => state.values[row].hypot(state.values[other]),
-            },
-        }),
-    };
+    let values = state.values.as_slice();
+    let limit = |row: usize| Limit::of_row(row, others[row], values, violation);
     let price = |(number, visible): (usize, &f64)| {
         let rows = (0..of_rows.len()).filter(|row| of_rows[*row] == number);
         Price::of(fit, rows.filter_map(limit), *visible)

@@ -379,12 +379,10 @@ impl<'a> Tuner<'a> {
         let own = labels.filter(|(_, label)| label.constraint == number);
         let rows: Vec<usize> = own.map(|(row, _)| row).collect();
         let visible = rows.last().map_or(1.0, |row| layout.visible(*row));
+        let values = state.values.as_slice();
         let limits = rows.iter().filter_map(|row| {
-            let value = layout.whole(*row, |row| state.values[row])?;
-            Some(Limit {
-                rows: [Some(*row), layout.other_component(*row)],
-                violation: layout.violation(*row, value),
-            })
+            let violation = |row, value| layout.violation(row, value);
+            Limit::of_row(*row, layout.other_component(*row), values, violation)
         });
         Price::of(fit, limits, visible)
     }

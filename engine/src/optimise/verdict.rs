@@ -20,6 +20,27 @@ pub(crate) struct Limit {
     pub violation: f64,
 }
 
+impl Limit {
+    /// Limit of a row, and of the row of the other component of its distance. `values` are the values of all rows. `violation`
+    /// returns the violation of a row with a value. `None` for the second component, because the first one counts for both.
+    pub(crate) fn of_row(
+        row: usize,
+        other: Option<usize>,
+        values: &[f64],
+        violation: impl Fn(usize, f64) -> f64,
+    ) -> Option<Self> {
+        let value = match other {
+            None => values[row],
+            Some(other) if row < other => values[row].hypot(values[other]),
+            Some(_) => return None,
+        };
+        Some(Limit {
+            rows: [Some(row), other],
+            violation: violation(row, value),
+        })
+    }
+}
+
 /// Price of a limit: reduction of the misfit, in multiples of the tolerance, if the limit moves outwards by one unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Price {

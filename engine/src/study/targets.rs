@@ -281,7 +281,7 @@ impl TargetContext<'_> {
             return problems.refuse(place, message);
         }
         if samples.is_empty() {
-            return problems.refuse(place, "no row of the motion is on the curve of this target");
+            return problems.refuse(place, "no row of the motion is within the range of this target's curve");
         }
         Some(())
     }

@@ -192,10 +192,9 @@ impl<'s> CarSweepPlan<'s> {
             let deviation = target.deviation(results[*place]) / target.tolerance;
             weigh(deviation.abs(), target.weight);
         }
-        let case_margins = self.constraints.iter();
-        let mut margins: Vec<f64> = case_margins
-            .map(|(own, place)| own.margin(results[*place]))
-            .collect();
+        let of_cases = self.constraints.iter();
+        let of_cases = of_cases.map(|(own, place)| own.margin(results[*place]));
+        let mut margins: Vec<f64> = of_cases.collect();
         let mut failing = failed.map(|failed| {
             let case = &self.study.cases[failed.first].name;
             Failing::case(case, &failed, car)
@@ -206,24 +205,20 @@ impl<'s> CarSweepPlan<'s> {
                 let rms = outcome.as_ref().map(|found| found.targets[number].rms);
                 weigh(rms.unwrap_or(f64::NAN), target.weight);
             }
-            let count = goals.optimise.constraints.len();
-            margins.extend((0..count).map(|number| {
-                let own = outcome.as_ref().ok();
-                own.map_or(f64::NAN, |found| found.margins[number])
-            }));
-            if outcome.is_err() {
-                failing = failing.or_else(|| Some(Failing::axle_alone(AXLE_NAMES[*end])));
+            match outcome {
+                Ok(found) => margins.extend(found.margins),
+                Err(_) => {
+                    let missing = goals.optimise.constraints.iter().map(|_| f64::NAN);
+                    margins.extend(missing);
+                    failing = failing.or_else(|| Some(Failing::axle_alone(AXLE_NAMES[*end])));
+                }
             }
         }
         if weights > 0.0 {
             put((squares / weights).sqrt());
         }
-        for cell in rest {
-            *cell = f64::NAN;
-        }
         if self.sweep.constraints {
-            let first = into.len() - margins.len();
-            into[first..].copy_from_slice(&margins);
+            margins.into_iter().for_each(put);
         }
         Ok(failing)
     }

@@ -17,15 +17,18 @@ pub(super) fn track_doubt(wheels: [&Suspension; 2]) -> Result<Option<String>, De
     };
     let centre = |wheel: &Suspension| wheel.design[wheel.mechanism.wheel_centre.0].y;
     let centres = wheels.map(centre).iter().sum::<f64>();
+    let rounding = ROUNDING * own.length_unit.per_metre();
+    let agrees = |distance: f64| (distance - track).abs() <= rounding;
+    if agrees(centres) {
+        return Ok(None);
+    }
     let mut contacts = own.wheel_radius.map(|_| 0.0);
     for wheel in wheels {
         let reading = design_reading(wheel)?;
         let half = reading.map(|reading| reading.contact_point().y[0]);
         contacts = contacts.zip(half).map(|(sum, half)| sum + half);
     }
-    let rounding = ROUNDING * own.length_unit.per_metre();
-    let agrees = |distance: f64| (distance - track).abs() <= rounding;
-    if agrees(centres) || contacts.is_some_and(agrees) {
+    if contacts.is_some_and(agrees) {
         return Ok(None);
     }
     let unit = own.length_unit.symbol();

@@ -196,7 +196,7 @@ fn rows_that_do_not_fit_are_refused() {
     );
     refused(
         &[rows, &target("points = [[1.2, 0.0], [1.8, 0.0]]")],
-        "no row of the motion is on the curve",
+        "no row of the motion is within the range of this target's curve",
     );
     refused(
         &[rows, &target("at = 1.0, value = 0.0, travel_right = 2.0")],

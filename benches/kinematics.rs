@@ -45,8 +45,8 @@ fn poses(bencher: Bencher) {
     });
 }
 
-/// Camber and kingpin inclination at 41 poses with gradients with respect to every hardpoint coordinate (`N` = 1). `N` = 3 adds the gradients
-/// of their first and second derivatives with respect to travel.
+/// Camber and kingpin inclination at 41 poses, with gradients with respect to every hardpoint coordinate (`N` = 1). `N` = 3 adds
+/// the gradients of their first and second derivatives with respect to travel.
 #[divan::bench(consts = [1, 3])]
 fn gradients<const N: usize>(bencher: Bencher) {
     let study = front();

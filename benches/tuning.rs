@@ -42,7 +42,7 @@ fn tuned(study: &Study) -> Tuning {
     study.tune(Control::default()).unwrap()
 }
 
-/// One start to the smallest misfit: without constraints, or with about 120 constraint rows.
+/// One start to the smallest misfit: without constraints, or with about 120 limits (the constraints at all stations).
 #[divan::bench(args = [false, true])]
 fn a_start(bencher: Bencher, constrained: bool) {
     let more = ["optimise.good_enough=0.0", CONSTRAINTS];

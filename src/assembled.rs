@@ -18,8 +18,8 @@ const ANGLES: [Characteristic; 4] = [
     Characteristic::Caster,
 ];
 
-/// Width of an undecided range of the arm angle (rad) that separates two causes. In a wider range, the program stopped the
-/// search. In a narrower range, interval arithmetic could not decide.
+/// Width of an undecided range of the arm angle (rad). In a wider range, the program stopped the search. In a narrower range,
+/// interval arithmetic could not decide whether there is an assembly.
 const GIVEN_UP: f64 = 1e-6;
 
 /// Assemblies that the search found.
@@ -69,7 +69,7 @@ impl Assembled {
 /// and the rack is in the middle, both wheels have the same assemblies. Then the right wheel is left out.
 ///
 /// # Errors
-/// The reason in words.
+/// Returns the reason in words if the mechanism carries both wheels, or if a wheel cannot be searched.
 pub fn assemblies(study: &Study, travel: f64, rack_displacement: f64) -> Result<Assembled, String> {
     if study.wheel().mechanism.rigid_axle.is_some() {
         return Err(
@@ -117,7 +117,7 @@ struct Wheel<'s> {
 }
 
 impl Wheel<'_> {
-    /// Position in the study's axes.
+    /// Converts a position from the kernel's frame to the study's axes.
     fn in_study(&self, place: Vector3<f64>) -> [f64; 3] {
         let place = place.to_array();
         [0, 1, 2].map(|axis| self.signs[axis] * place[axis])

@@ -77,7 +77,7 @@ impl FirstMotion {
     }
 }
 
-/// Motion of another wheel, in the unit and axes of this wheel.
+/// Converts the motion of another wheel to the unit and axes of `wheel`. `unit` and `frame` belong to the other wheel.
 fn motion_in(motion: &Motion, (unit, frame): (LengthUnit, Frame), wheel: &Suspension) -> Motion {
     let ratio = wheel.length_unit.per_metre() / unit.per_metre();
     let axes = [frame, wheel.frame].map(|frame| Frame::new(frame.meaning().0, Side::Left));
@@ -122,7 +122,7 @@ fn check_drive(motion: &Motion, own: &WheelStudy) -> Result<(), String> {
 /// `first` is `None`, this call sets it to the motion of this study.
 ///
 /// # Errors
-/// The reason in words.
+/// Returns the reason in words if the study cannot follow the first motion, or cannot be solved in its design position.
 pub fn of_study(
     mut study: Study,
     label: String,
@@ -143,7 +143,8 @@ pub fn of_study(
     Ok((compared, is_complete))
 }
 
-/// Makes a design with these curves. For an axle whose right wheel is not mirrored, the points of both wheels are included.
+/// Makes a design for a comparison from a study and its curves. For an axle whose right wheel is not mirrored, the design has the
+/// points of both wheels.
 pub fn compared(label: String, study: &Study, mut curves: CurveTable) -> Compared {
     let suspension = study.wheel();
     if let Some(motion) = study.one_wheel().map(|own| &own.motion)

@@ -59,7 +59,7 @@ impl InMotion {
         })
     }
 
-    /// Files with the curves: name and curves of each design.
+    /// Files with the curves, one for each design: name and curves.
     pub fn files(&self) -> impl Iterator<Item = (&str, &Curves)> {
         let designs = self.record.motion.designs.iter();
         designs

@@ -13,7 +13,7 @@
 //! positive in jounce. The catalogue states the signs of characteristics ([`Characteristic::info`]).
 //!
 //! A derivative with respect to a hardpoint coordinate moves the *design*: lengths and the shape of the knuckle are recomputed,
-//! and the value of the drive stays constant.
+//! and the value of the drive (wheel travel or an angle) stays constant.
 //!
 //! # Public interface
 //!

@@ -99,7 +99,8 @@ impl<'s> RigTests<'s> {
         })
     }
 
-    /// Number of bushings and elastic links. For an axle it counts the parts of one side, and the rack.
+    /// Number of bushings and elastic links. For an axle it counts the parts of one wheel, the mounts of the subframe, an elastic
+    /// rack and an elastic steering column.
     pub fn elastic_parts(&self) -> usize {
         self.elastic_parts
     }
@@ -134,7 +135,8 @@ impl<'s> RigTests<'s> {
 fn stations(both: &AxleStudy) -> Vec<([f64; 2], f64)> {
     let placements = both.plan.motion.placements();
     let along = both.axle.left.frame.sign(Axis::Y);
-    // The reader of elastic axles has already refused motions without level wheel pads, so no placement is left out.
+    // Motions of axles with elastic parts always have level wheel pads. For other axles the motion may have none. Then the list is
+    // empty, and `rigid_axle` refuses the motion.
     let on_pads = placements.iter().filter_map(Placement::on_level_pads);
     let in_study = |(travels, rack): ([f64; 2], f64)| (travels, along * rack + 0.0);
     on_pads.map(in_study).collect()

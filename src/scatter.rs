@@ -43,7 +43,7 @@ pub fn curves_alone(study: &Study) -> Study {
 /// computed separately at each station.
 ///
 /// # Errors
-/// The reason in words, if the nominal design cannot be solved.
+/// Returns the reason in words if the nominal design cannot be solved.
 pub fn with_fans<R>(
     problem: &Problem,
     builds: &MonteCarlo,

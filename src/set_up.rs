@@ -139,14 +139,14 @@ fn refusal(
     Refusal::NotMet(reason, nominal.unwrap_or_default())
 }
 
-/// A wheel that needs a set-up, or an axle.
+/// A wheel that needs a set-up, or an axle that is set up as a whole.
 struct WheelToSetUp {
     side: Option<SetUpSide>,
     /// Study of this wheel alone. If the axle is set up as a whole, or if elastic parts can couple the wheels, this is the
     /// study of the axle.
     study: Study,
     assembler: Assembler,
-    /// Assembler of the right wheel of an axle that is set up as a whole. `None` for one wheel, and if both wheels are alike.
+    /// Assembler of the right wheel, if the axle is set up as a whole. Otherwise `None`.
     from_right: Option<Assembler>,
 }
 

@@ -12,7 +12,7 @@ use crate::report::{
 };
 use crate::study::{AxleStudy, Study, Vehicle, WheelStudy};
 
-/// Curves of a study. An error explains in words which wheel cannot be solved in its design position.
+/// Curves of a study, with the plan by which they were computed.
 pub struct Solved<'s> {
     study: &'s Study,
     pub(crate) curves: Curves,
@@ -30,7 +30,7 @@ enum Planned<'s> {
 pub type Labelled<'a> = (&'a str, &'a str, &'a Solved<'a>);
 
 impl<'s> Solved<'s> {
-    /// Solves the curves of the study's outputs.
+    /// Solves the curves of the study's outputs. An error explains in words which wheel cannot be solved in its design position.
     pub fn of(study: &'s Study) -> Result<Self, String> {
         match &study.vehicle {
             Vehicle::Wheel(own) => Solved::of_wheel(study, own, Plan::of(own)),
@@ -38,7 +38,8 @@ impl<'s> Solved<'s> {
         }
     }
 
-    /// Solves the curves of the study's outputs and of the quantities of its targets.
+    /// Solves the curves of the study's outputs and of the quantities of its targets. An error explains in words which wheel cannot
+    /// be solved in its design position.
     pub fn with_targets(study: &'s Study) -> Result<Self, String> {
         let targets = study.optimise.as_ref().map(|o| &o.targets[..]);
         match &study.vehicle {
@@ -70,8 +71,8 @@ impl<'s> Solved<'s> {
         })
     }
 
-    /// Copy with other values. `value` returns the value of a column at a station, in internal units (radians for angles). For
-    /// an axle, cells without a value stay empty.
+    /// Copy of these curves with other values. `value` returns the value of a column at a station, in internal units (radians for
+    /// angles). For an axle, cells without a value stay empty.
     pub fn with_values(&self, value: impl Fn(usize, usize) -> f64) -> Self {
         let mut curves = self.curves.clone();
         let keeps_empty = matches!(self.plan, Planned::Axle(..));

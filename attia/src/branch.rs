@@ -7,14 +7,14 @@ use super::{Moving, Singular};
 /// Signs that distinguish the proper solution from the improper ones at a given position of the arm.
 ///
 /// The first two signs cannot change along a motion. Each of the other two changes where its volume passes zero (see
-/// `Volumes`). For a driven arm such a position is singular. For a given arm the signs make the pose unique. Only two square
-/// roots have a choice of sign: the strut's length, and the distance of the tie-rod end from the plane 3-4-5. All other points
-/// follow rigidly.
+/// `Volumes`). If the arm is driven, such a position is singular. At a given position of the arm, the four signs make the pose
+/// unique. Only two square roots have a choice of sign: the strut's length, and the distance of the tie-rod end from the plane
+/// 3-4-5. All other points follow rigidly.
 ///
 /// So a check of these signs excludes wrong roots for [`Drive::ArmAngle`]. For [`Drive::PaperTheta`] the check also needs the
 /// side of the arm. The sign of the Jacobian's determinant distinguishes the two sides. The drive with the wheel travel could
 /// pass through a strut of zero length, as it passes through a tie-rod toggle. No real strut has zero length, so the branch
-/// ends there, too.
+/// ends at this length, too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Branch {
     /// Handedness of the knuckle. The mirror image of the knuckle has the other sign.

@@ -13,8 +13,8 @@ use super::{Moving, Strut};
 use hardpoint_engine::number::Vector3;
 pub use hardpoint_engine::solve::Drive;
 
-/// Equation (15) at one value of the drive. It is linear in the points 5 to 8, and d51 scales it to a squared length: the sum of
-/// `gradient` times point equals `level`.
+/// Equation (15) at one value of the drive. It is linear in points 5 to 8, and d51 scales it to a squared length. The products
+/// `gradient` times point add up to the constant right-hand side `level`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Driver {
     pub(crate) gradient: [Vector3<f64>; 4],
@@ -154,14 +154,14 @@ impl Driving {
         }
     }
 
-    /// Scale of the drive with the wheel travel. The equation is divided by the sum of the weights, so its rounding error is as
-    /// small as the rounding errors of the other equations.
+    /// Scale of the drive with the wheel travel. The equation is divided by the sum of the absolute weights of points 5 to 8 in
+    /// the wheel centre. So its rounding error is as small as the rounding errors of the other equations.
     fn travel_scale(&self) -> f64 {
         self.d51 / self.wheel_centre.shares().map(f64::abs).iter().sum::<f64>()
     }
 
-    /// Right-hand side `-C_t` of the velocity equation for equation (15) and a unit rate of the drive's value. C_t is the
-    /// partial derivative of the equation with respect to the drive, with fixed points.
+    /// Right-hand side `-C_t` of the velocity equation for equation (15) and a unit rate of the drive's value. C_t is the partial
+    /// derivative of the equation with respect to the drive, while the points are held fixed.
     pub(crate) fn rate(&self, value: f64, moving: &Moving) -> f64 {
         match self.kind {
             Drive::ArmAngle => self.d51 * self.turned(value)[1].dot(moving[0] - self.centre),

@@ -36,7 +36,7 @@
 //!
 //! - the knuckle or its mirror image;
 //! - the rod in its direction or reversed;
-//! - the strut longer or reversed;
+//! - point 4 on either side of the foot of point 5 on the strut's axis;
 //! - the tie-rod end on either side of the plane 3-4-5;
 //! - with (15) as printed, the arm on either side.
 //!

@@ -20,8 +20,8 @@ impl PointCoordinates {
         })
     }
 
-    /// Visits the drive's values outward from `start`; each pose starts from its neighbour. `visit` receives the
-    /// number of the value, and its pose or the reason why it has no pose.
+    /// Visits the drive's values outward from `start`. The search for each pose starts from the previous pose on the same
+    /// side. `visit` receives the index of the value, and its pose or the reason why it has no pose.
     ///
     /// The order uses the form in which the value enters the drive's equation: the cosine for the paper's angle. So values on
     /// both sides of a dead centre are visited in the order of the arm's positions.
@@ -49,8 +49,8 @@ impl PointCoordinates {
         }
     }
 
-    /// Returns the pose of the knuckle as a Taylor series along the motion with these rates. Its origin is the ball
-    /// joint. The series has `N` coefficients, at most three.
+    /// Returns the pose of the knuckle as a Taylor series along the motion with these rates. The origin of the pose is the
+    /// ball joint. The series has `N` coefficients, at most three.
     pub fn knuckle_pose<const N: usize>(
         &self,
         pose: &Pose,

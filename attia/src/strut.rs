@@ -137,6 +137,6 @@ impl Strut {
 }
 
 /// Depths of points 6, 7 and 9 below the top mount with [`StrutPoints::Spread`]. The unit is the distance from the mount to the
-/// foot of the ball joint on the axis. Multiples of a quarter of this distance were tried. These three gave the lowest median
-/// condition number, 73, over sixty road-car struts with random hardpoint moves of 50 mm.
+/// foot of the ball joint on the axis. Multiples of a quarter of this distance were tried. These three depths gave the lowest
+/// median condition number, 73, over sixty road-car struts with random hardpoint moves of 50 mm.
 const SPREAD: [f64; 3] = [1.25, 0.5, 0.5];

@@ -23,7 +23,8 @@ const CONTRACTION: f64 = 0.25;
 /// Smallest step, as a fraction of the whole distance. Smaller steps are not tried.
 ///
 /// Steps must shrink with the distance from the end of a branch. Towards the end, the condition number grows with the inverse
-/// square root of the distance. At this fraction of the distance it has grown by 2^20, to about [`WORST_CONDITION`].
+/// square root of the distance. At this fraction of the distance, the condition number has grown by a factor of 2^20, to about
+/// [`WORST_CONDITION`].
 const SMALLEST_STEP: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// A point of a motion: drive value and rack displacement.
@@ -150,8 +151,8 @@ impl PointCoordinates {
     /// Drive and rack change in proportion to each other, up to the new station. The solver makes one step if that is safe,
     /// otherwise as many as necessary. It accepts a step if three conditions hold along the step:
     ///
-    /// - Newton's method contracts from the start. This estimates Kantorovich's condition. If it holds, the root is the only
-    ///   one nearby, and a path of regular roots joins this root to the start.
+    /// - Newton's method contracts from the start. The contraction is an estimate of Kantorovich's condition. If this
+    ///   condition holds, the root is the only one nearby, and a path of regular roots joins this root to the start.
     /// - The determinant of the Jacobian keeps its sign. The volumes that distinguish the assemblies keep their signs, too.
     /// - The condition number of the Jacobian leaves half of the digits correct.
     ///
@@ -247,7 +248,7 @@ impl PointCoordinates {
     /// With a rounding error r in every F, each with the worst sign, the two roots meet at h = |c| r sum|w| = 1/2. This h is
     /// Kantorovich's. The test requires h <= 1/4.
     fn is_clear_of_rounding(&self, factors: &Factors) -> bool {
-        // If J is nearly singular, its solution for almost any right-hand side is nearly parallel to v.
+        // If J is nearly singular, then for almost any b the solution x of J x = b is nearly parallel to v.
         let v = Column::from(factors.solve([1.0; 15])).normalize();
         let w = Column::from(factors.solve_transposed(v.into()));
         let curvature = w.dot(&quadratic(0.0, &moving_of(&v)));
@@ -308,7 +309,7 @@ fn condition(jacobian: &Jacobian, factors: Option<&Factors>) -> f64 {
 
 /// Returns a bound on the rounding error of the equations at their solution.
 ///
-/// Take coordinates up to M and distances up to D. Each coordinate difference has an error of eps M. It changes a squared
+/// Take coordinates up to M and distances up to D. Each coordinate difference has an error of eps M. This error changes a squared
 /// distance or a component of a vector product by at most 2 sqrt(3) D eps M. The squares, products and sums add at most 4 D^2
 /// eps. If M is at least D, the total is below 8 D M eps.
 fn rounding(points: &[Vector3<f64>; 9], lengths_squared: &[f64; 10]) -> f64 {

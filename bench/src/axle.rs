@@ -14,7 +14,7 @@ use hardpoint_engine::{DesignFunction, DesignStatus, DesignVariable, FunctionErr
 use std::hint::black_box;
 use std::sync::Mutex;
 
-/// Number of blocks of designs that one thread solves in lanes per sample.
+/// Number of blocks of designs that one CPU thread solves in SIMD lanes per timing sample.
 const BLOCKS: u64 = 8;
 /// Number of designs for slow methods.
 const FEW: u64 = 16;
@@ -31,7 +31,7 @@ struct Question<'s> {
     few: SweepPlan<'s>,
 }
 
-/// Measures an axle over its motion, on up to `threads` threads.
+/// Measures an axle over its motion, on up to `threads` CPU threads.
 pub(super) fn measure(
     study: &Study,
     both: &AxleStudy,
@@ -71,7 +71,7 @@ pub(super) fn measure(
     found.push((JACOBIAN, ONE_BY_ONE.to_owned(), 1));
     jobs.push(jacobians(&of_angles, variables)?);
     let mut timings = clock.in_rounds(&mut jobs);
-    // Each job with several threads is measured alone, not in turn with other jobs.
+    // A job with several CPU threads is measured alone, not in turn with other jobs.
     let many = &questions[0].many;
     let method = match (Width::widest(), many.worker()?.not_in_lanes()) {
         (Some(width), None) => format!("lanes, {}", width.name()),
@@ -147,7 +147,8 @@ fn of_one_thread<'p>(plan: &'p SweepPlan<'p>, mut worker: Worker<'p>) -> Job<'p>
     }
 }
 
-/// Makes a job in which each of several threads solves every design.
+/// Makes a job for several CPU threads. Each thread solves every design, so the number of poses grows with the number of
+/// threads.
 fn of_threads<'p>(plan: &'p SweepPlan<'p>, threads: usize) -> Result<Job<'p>, Unmeasurable> {
     let pool = hardpoint_engine::threads::pool(threads);
     let pool = pool.map_err(|_| Unmeasurable::threads(threads))?;

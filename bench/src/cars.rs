@@ -23,11 +23,11 @@ pub struct Cars {
     pub measurements: Vec<JobTime>,
 }
 
-/// Number of accelerations on each axis of a whole map.
+/// Number of accelerations on each axis of the map that is timed as a whole.
 const WHOLE: usize = 41;
-/// Largest number of timing samples for a whole map.
+/// Largest number of timing samples for the map that is timed as a whole.
 const WHOLE_SAMPLES: usize = 5;
-/// Threads of a whole map.
+/// Number of CPU threads that solve the map that is timed as a whole.
 const THREADS: usize = 2;
 
 /// Evenly spaced numbers from `from` to `to`.
@@ -36,8 +36,8 @@ fn between([from, to]: [f64; 2], count: usize) -> Vec<f64> {
     (0..count).map(at).collect()
 }
 
-/// Cases of a map, row by row. Each row has one value of ax, and each case follows a neighbouring case. `count` replaces the
-/// numbers of accelerations of the study's map.
+/// Load cases of a map, row by row. All cases of a row have the same ax, and neighbouring cases of a row have neighbouring ay.
+/// If `count` is given, it replaces the numbers of accelerations of the study's map.
 fn map(study: &CarStudy, count: Option<usize>) -> Vec<Vec<Case>> {
     let usual = || {
         let mut case = Case::at_rest("map");
@@ -58,15 +58,15 @@ fn map(study: &CarStudy, count: Option<usize>) -> Vec<Vec<Case>> {
     map.ax.iter().map(row).collect()
 }
 
-/// A case that has a state, with the state of the previous case in the same row.
+/// A load case that has a state, with the state of the previous case in the same row.
 struct Step {
     case: Case,
     found: Equilibrium,
     before: Option<Equilibrium>,
 }
 
-/// Solves the cases of a row, each from the state before it. `take` receives each case with a state, this state, and
-/// the previous state.
+/// Solves the load cases of a row, each from the state of the previous case. `take` receives each case with a state, this
+/// state, and the previous state.
 fn along<'c>(
     solver: &mut CarSolver<'c>,
     row: &[Case],
@@ -85,7 +85,7 @@ fn along<'c>(
     }
 }
 
-/// The cases of a map that have a state.
+/// The load cases of a map that have a state.
 fn steps(solver: &mut CarSolver<'_>, map: &[Vec<Case>]) -> Vec<Step> {
     let mut steps = Vec::new();
     for row in map {
@@ -100,7 +100,7 @@ fn steps(solver: &mut CarSolver<'_>, map: &[Vec<Case>]) -> Vec<Step> {
     steps
 }
 
-/// Solves the rows of a map on two threads, each with its own solver, and calls `work` for every state.
+/// Solves the rows of a map on two CPU threads, each with its own solver, and calls `work` for every state.
 fn on_two_threads(
     car: &Car,
     rows: &[Vec<Case>],

@@ -189,7 +189,7 @@ impl Scalar for DoubleDouble {
 mod tests {
     use super::*;
 
-    /// One hundred times 2^-104, relative to one.
+    /// Largest accepted relative error: one hundred times the rounding unit 2^-104.
     const ROUNDING: f64 = 5e-30;
 
     #[test]

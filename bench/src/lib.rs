@@ -67,26 +67,26 @@ pub enum Unmeasurable {
     /// The design position has no equilibrium.
     #[error("the suspension has no equilibrium at its design height")]
     NoEquilibrium,
-    /// Threads cannot be started.
+    /// CPU threads cannot be started.
     #[error(
         "{threads} threads cannot be started; the measurement can use 1 to {most} threads: give a smaller number with --threads"
     )]
     Threads {
-        /// Number of threads that cannot be started.
+        /// Number of CPU threads that cannot be started.
         threads: usize,
-        /// Largest number of threads in the measurement.
+        /// Largest number of CPU threads in the measurement.
         most: usize,
     },
 }
 
 impl Unmeasurable {
-    /// Reason that this number of threads cannot be started.
+    /// Makes the error for a number of CPU threads that cannot be started.
     fn threads(threads: usize) -> Self {
         let most = threads;
         Unmeasurable::Threads { threads, most }
     }
 
-    /// Completes the reason with the largest number of threads in the measurement.
+    /// Adds to the error the largest number of CPU threads in the measurement.
     fn up_to(self, most: usize) -> Self {
         match self {
             Unmeasurable::Threads { threads, .. } => Unmeasurable::Threads { threads, most },

@@ -8,7 +8,7 @@ use serde::Serialize;
 pub struct Machine {
     /// Name that the processor reports, or its architecture if it reports none.
     pub processor: String,
-    /// Number of threads that the machine runs at once.
+    /// Number of CPU threads that the machine runs at once.
     pub cores: usize,
     /// Operating system.
     pub system: &'static str,

@@ -117,7 +117,7 @@ impl<'m, T: Scalar> SixEquations<'m, T> {
         }
     }
 
-    /// Configuration of the design in a pose.
+    /// Returns the mechanism in a pose: the design positions of all points, and the pose of the wheel carrier.
     #[inline]
     pub(crate) fn configuration(&self, pose: Pose<T>) -> Configuration<'_, T> {
         Configuration::new(self.mechanism, &self.design, pose, self.rack)

@@ -7,7 +7,7 @@
 //!
 //! A variable of an axle moves the same points of both wheels, each in the frame of its side. So a derivative is a sum over
 //! the moved points of both wheels: the gradient with respect to the point, times the rate of the point. If the right wheel
-//! has different hardpoints, it moves by the same displacements as the left wheel.
+//! has different hardpoints, these have the same displacements in the frame of the right side.
 
 mod variable;
 
@@ -99,7 +99,8 @@ impl DesignFunction {
             let values = function.values().map(drop);
             values.map_err(|fault| fault.describe(&study.wheel().mechanism))
         });
-        // Each evaluation later makes the same workspace. If making it succeeds here, it also succeeds there.
+        // Checks that the evaluators can be made for this design. Later evaluations make them in the same way, so they
+        // cannot fail.
         solved.map_err(FunctionError::Design)?;
         Ok(function)
     }
@@ -136,8 +137,8 @@ impl DesignFunction {
         self.len() == 0
     }
 
-    /// Makes a workspace for evaluations, one for each thread. The workspace makes its evaluators when values or derivatives
-    /// are first requested.
+    /// Makes a workspace for evaluations, one for each CPU thread. The workspace makes its evaluators when values or
+    /// derivatives are first requested.
     pub fn evaluation(&self) -> Evaluation<'_> {
         Evaluation {
             function: self,
@@ -453,8 +454,8 @@ impl DesignFunction {
         moved
     }
 
-    /// Writes the design of the right wheel into `into`, if its hardpoints differ from the left ones. The right wheel moves
-    /// by the same displacements as the left wheel.
+    /// Writes the design of the right wheel into `into`, if its hardpoints differ from the left ones. In the frame of
+    /// its side, the right wheel has the same displacements as the left wheel.
     fn right_design(
         &self,
         own: &Suspension,

@@ -1,4 +1,5 @@
-//! Thread pools for the numerics, with stacks that are large enough for every profile, and flags that stop their work.
+//! Thread pools for the numerics, with stacks that are large enough for every compiler profile (debug and release), and
+//! flags that stop the work.
 
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use std::cell::{Cell, RefCell};
@@ -59,8 +60,8 @@ pub(crate) fn checkpoint() {
 
 /// Stack size of every thread in bytes. Without optimisation, every temporary takes space in the stack frame. At opt-level
 /// 0 a sweep overflows 4 MiB, and a certificate overflows 10 MiB. Threads of rayon have 2 MiB, and a main thread usually
-/// has 8 MiB. The engine does not control the profile of a program that embeds it, and a stack overflow ends the process.
-/// Unused pages only take address space.
+/// has 8 MiB. The engine does not control the compiler profile of a program that embeds it, and a stack overflow ends the
+/// process. Unused pages only take address space.
 const STACK: usize = 64 << 20;
 
 thread_local! {

@@ -23,7 +23,7 @@ Source = Study | Run | str | os.PathLike[str]
 
 def _program(*arguments: Any) -> str:
     """Runs a command in this process and returns its text for standard error. Exit code 1 means that something could not be
-    solved. It raises no exception, since all other results exist."""
+    solved. Then the function raises no exception, because all other results exist."""
     code, said = _hardpoint.command_captured([str(a) for a in arguments])
     if code not in (0, 1):
         raise HardpointError(said_here(said) or f"exit code {code}")
@@ -31,7 +31,7 @@ def _program(*arguments: Any) -> str:
 
 
 def said_here(text: str) -> str:
-    """Converts a message of the program: options of the command line become parameters."""
+    """Converts a message of the program: the names of command-line options become names of Python parameters."""
     text = text.replace("in a file for --map", "in names")
     text = re.sub(r"--force\b", "force=True", text.strip().removeprefix("error: "))
     return re.sub(r"(?<![\w-])--([a-z][a-z-]*)", lambda option: option[1].replace("-", "_"), text)

@@ -112,7 +112,7 @@ class _Constrained:
         self._last = {}
 
     def _found(self, kind: Literal["residuals", "constraints"], x: Designs, rows: int) -> tuple[Floats, Floats]:
-        """Values and derivatives. SciPy requests them separately, so the last ones are kept."""
+        """Values and derivatives at x. SciPy requests the two separately, so the function keeps them for the last x."""
         if self._constraints is None:
             raise HardpointError("this function has no constraints; make it with study.function(..., constraints=True)")
         designs, single = rows_of(x, self.variables, self._study.length_unit)
@@ -135,7 +135,7 @@ class _Constrained:
 
     def constraints(self, x: Designs) -> Floats:
         """Constraints of [optimise] (c,) for one design. A limit is satisfied at 0 or above, an equality at 0. A violation
-        of 1 is a visible difference, such as a millimetre or a degree."""
+        of 1 matters in practice: it is a millimetre or a degree, for example."""
         return self._kept(self._found("constraints", x, len(self.constraint_rows))[0])
 
     def constraint_jacobian(self, x: Designs) -> Floats:

@@ -276,7 +276,7 @@ def solve(
 ) -> Curves | Cases:
     """Solves the curves of the study's design over its motion; for an axle, of both wheels. Results equal those of
     `hardpoint solve` bit for bit. `motion` names one of [motions]. A `Car` gives its load cases. One design uses one
-    thread; `threads` exists for uniformity with other calls."""
+    CPU thread, so more `threads` do not save time. The parameter exists because other calls have it, too."""
     if is_car(study):
         if motion is not None:
             raise HardpointError("a car has load cases and no motions; leave out motion")
@@ -290,7 +290,8 @@ class End:
     """End of a range."""
 
     value: float
-    """Limit. The name ends with its unit; without one, it is a length in the study's unit. NaN for an unknown or missing limit."""
+    """Value of the limit. The name of the range ends with the unit of this value. If the name has no unit, the value is a length
+    in the study's unit. NaN for an unknown or missing limit."""
     cause: str
     """Reason for the limit."""
     build: int | None = None
@@ -329,7 +330,7 @@ class Limits(Mapping[str, Extent | None]):
         return len(self._ends)
 
     def __getattr__(self, name: str) -> Extent:
-        if name.startswith("_"):  # also before the ranges exist, as in a copy
+        if name.startswith("_"):  # A copy asks for such names before its ranges exist.
             raise AttributeError(name)
         if self._ends.get(name) is None:
             raise AttributeError(f"there is no range {name!r}; there are {', '.join(self)}")

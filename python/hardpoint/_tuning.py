@@ -53,7 +53,7 @@ class Tuning:
     """A row for each quantity that changed although it has no target. Flagged rows come first. Columns: output, unit,
     before_min .. after_max, largest_change, at, tolerance, flagged, lost. Empty with side_effects = false in [optimise]."""
     front: Frame | None
-    """Trade-off of `front` in [optimise], with a row for each design; None without it."""
+    """Pareto front of the targets that `front` in [optimise] names, with a row for each design; None without `front`."""
     prices: Frame | None
     """Smallest misfit for each size of the change, if `prices=True`; otherwise None."""
     history: Frame
@@ -63,8 +63,9 @@ class Tuning:
     scatter: float | None
     """Scatter of the measurements about a fit, in multiples of the tolerance; None if the tuning is no fit."""
     expected_yield: dict[str, float] | None
-    """Shares of builds within all bands, with robust = "yield": `without_scatter` and `tuned`, from `builds` builds, and
-    the `surrogate` of the search. None in other tunings."""
+    """Shares of builds within all bands, if robust = "yield"; None in other tunings. `without_scatter` is the share for the
+    optimum without scatter, and `tuned` the share for the result, both from `builds` builds. `surrogate` is the smooth
+    approximation of the yield that the search increases."""
     study: Study | None
     """Tuned study with the comments of the original. None if there is none, or if it is refused; `message` then gives the
     reason."""
@@ -132,10 +133,11 @@ def optimise(
     """Tunes the hardpoints as the study's [optimise] requests; for a `Car` also rates. Results equal those of
     `hardpoint optimise`.
 
-    `front` names targets for a trade-off, instead of those of the study; False computes no front. With `prices`, the
-    smallest misfit for each size of the move is found as well. `callback(start, iteration, misfit)` is called on this
-    thread about twenty times a second, once for each iteration since the last call; `StopIteration` or a true result ends the
-    tuning with its present result. A tuning that converges sooner than that is complete.
+    `front` names the targets of a Pareto front, instead of those of the study; False computes no front. With `prices`, the
+    result also contains the smallest misfit for each size of the design change. About twenty times a second, the calling
+    thread calls `callback(start, iteration, misfit)` once for each new iteration. `StopIteration` or a true result of the
+    callback ends the tuning with its present result. If the tuning has converged before the callback can end it, the result
+    is complete.
     """
     if is_car(study):
         if front is not None or prices or callback is not None:

@@ -73,7 +73,7 @@ def sweep(
         try:
             for part in sorted(left):
                 futures.append(engine.submit(sweep_part, study.text, study.name, str(directory), part, count))
-        except Exception as error:  # noqa: BLE001: an engine that has lost its workers already
+        except Exception as error:  # noqa: BLE001: the executor may already have lost its workers
             _log.warning("the executor accepts no more parts: %s", error)
         try:
             left -= _done(futures, is_last=attempt + 1 == tries)
@@ -100,7 +100,7 @@ def _done(futures: list[Future[int]], is_last: bool) -> set[int]:
             # error is raised at the last try.
             if is_last:
                 raise
-        except Exception as error:  # noqa: BLE001: whatever the engine makes of a lost worker
+        except Exception as error:  # noqa: BLE001: an executor may raise any exception for a lost worker
             _log.warning("a part is tried again: %s", error)
     return done
 

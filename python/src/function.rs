@@ -15,8 +15,8 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-/// Number of designs per chunk for values. A chunk is the share that one thread takes at a time. Chunks for Jacobians are
-/// smaller, because a Jacobian takes longer.
+/// Number of designs per chunk for values. One CPU thread evaluates one chunk at a time. Chunks for Jacobians are smaller,
+/// because a Jacobian takes longer.
 const CHUNK: usize = 128;
 const DIFFERENTIATED: usize = 32;
 /// Number of designs per chunk for an axle, whose designs are solved one by one.

@@ -267,8 +267,8 @@ pub(crate) fn drawing(py: Python<'_>, study: &Study) -> PyResult<String> {
     Ok(serde_json::json!({ "scene": record.scene, "frames": frames }).to_string())
 }
 
-/// Runs a command of the program in this process, as in `["report", "out/front"]`. Returns the exit code. With `is_program` it
-/// handles signals as the program does.
+/// Runs a command of the program in this process, as in `["report", "out/front"]`. Returns the exit code. With `is_program`,
+/// the command handles signals as the stand-alone program does.
 #[pyfunction]
 #[pyo3(signature = (arguments, is_program=false))]
 pub(crate) fn command(py: Python<'_>, arguments: Vec<String>, is_program: bool) -> PyResult<u8> {
@@ -317,7 +317,7 @@ pub(crate) fn import_study(
     done.map_err(not_done)
 }
 
-/// Formula and source of every catalogue quantity, by its name without unit.
+/// Formula and literature source of every catalogue quantity, by its name without unit.
 #[pyfunction]
 pub(crate) fn catalogue() -> BTreeMap<&'static str, (&'static str, &'static str)> {
     let wheel = Characteristic::ALL.iter().map(|c| c.info());

@@ -111,7 +111,7 @@ fn append(rows: &[f64], columns: &mut [Vec<f64>]) {
     }
 }
 
-/// Table that collects rows from the threads.
+/// Table that collects the rows that several CPU threads compute.
 struct Table {
     columns: Vec<Vec<f64>>,
     status: Vec<u8>,

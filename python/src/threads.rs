@@ -1,4 +1,4 @@
-//! Work on a pool of threads, while the calling thread handles Ctrl-C, progress and callbacks of Python.
+//! Work on a pool of CPU threads, while the calling thread handles Ctrl-C, progress and callbacks of Python.
 //!
 //! Each process has its own pool, because the threads of a pool do not survive a fork. A forked child that used its parent's pool
 //! would wait forever.
@@ -19,7 +19,7 @@ pub(crate) const LISTEN: Duration = Duration::from_millis(50);
 /// The last pool, with its process id and its number of threads.
 static LAST: Mutex<Option<(u32, usize, Arc<ThreadPool>)>> = Mutex::new(None);
 
-/// Refuses a number of threads below 1.
+/// Refuses a number of CPU threads below 1.
 pub(crate) fn checked(threads: Option<usize>) -> PyResult<()> {
     match threads {
         Some(0) => Err(failure(
@@ -29,7 +29,7 @@ pub(crate) fn checked(threads: Option<usize>) -> PyResult<()> {
     }
 }
 
-/// Returns a pool with this number of threads, at most one per core. `None` means one per core. If the number changes, the
+/// Returns a pool with this number of CPU threads, at most one per core. `None` means one per core. If the number changes, the
 /// threads of the last pool end after their work.
 fn pool(threads: Option<usize>) -> PyResult<Arc<ThreadPool>> {
     checked(threads)?;

@@ -342,7 +342,8 @@ impl Residuals {
         Ok(rows.into_iter().map(name).collect())
     }
 
-    /// Name of the constraint and its limit for each row, and the number of equality rows. Equality rows come first.
+    /// Name of the constraint and its limit for each row of `constraints`. Also returns the number of rows that are equalities;
+    /// they come first.
     #[getter]
     fn constraint_rows(&self) -> PyResult<(Vec<String>, usize)> {
         let (_, optimise) = tuned(self.study.get())?;
@@ -373,9 +374,9 @@ impl Residuals {
         in_arrays(py, self.at(py, &x, evaluated)?)
     }
 
-    /// Rows of the constraints and their derivatives at `x`. If the constraint is satisfied, its row is at most 0, or
-    /// exactly 0 for an equality. A visible violation, such as one millimetre, has the value 1. Returns a reason in
-    /// words if the design at `x` has no rows.
+    /// Values of the constraints with their derivatives at `x`, one row for each limit. A limit is satisfied if its value is at
+    /// most 0; an equality, if its value is 0. A violation that matters in practice, such as one millimetre, has the value 1. If
+    /// the design at `x` has no values, returns the reason in words.
     fn constraints<'py>(
         &self,
         py: Python<'py>,

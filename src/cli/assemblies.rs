@@ -8,7 +8,7 @@ use crate::assembled::{WheelAssemblies, assemblies};
 use crate::report::{as_written, counted};
 use crate::study::Study;
 
-/// Largest number of undecided ranges that are printed one by one.
+/// Largest number of undecided search regions (such as a range of the arm angle) that are printed one by one.
 const MOST_UNDECIDED: usize = 3;
 
 pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
@@ -71,7 +71,7 @@ fn print_number(
     out.say(&format!("\n{}\n", wheel.about(&number)))
 }
 
-/// Prints the ranges that the search could not decide.
+/// Prints the search regions, such as a range of the arm angle, in which it is not known whether an assembly exists.
 fn print_undecided(wheel: &WheelAssemblies) {
     for unknown in wheel.undecided.iter().take(MOST_UNDECIDED) {
         let unknown = format!("undecided: {unknown}");

@@ -37,7 +37,8 @@ enum Subject {
 }
 
 impl Subject {
-    /// Study that the command line names, or by default the template of a strut or a car.
+    /// Study that the command line names. The default is the template of a MacPherson strut; `cars` and `equilibria` have no
+    /// default.
     fn of(arguments: &BenchArguments) -> Result<Self, Stop> {
         let changes = &arguments.set;
         Ok(match (&arguments.study, arguments.kind) {
@@ -194,7 +195,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
             None => output.table(kind, &table)?,
         }
     }
-    // If the results go to standard output, the table is already there as the main CSV.
+    // If the results go to standard output, the main CSV already contains the table, so `print_files` prints no table.
     output.print_files(&files)?;
     Ok(Exit::Done)
 }

@@ -68,7 +68,7 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     Ok(Exit::of(checked.is_complete()))
 }
 
-/// Prints the design-position values of a study of one wheel, then its requests and their cost.
+/// Prints the design-position values of a study of one wheel, then the requested results and their computing cost.
 fn say_wheel(out: &mut Printer, study: &Study, own: &WheelStudy, path: &Path) -> Result<(), Stop> {
     let plan = Plan::of(own);
     let fault = |fault: DesignFault| design_fault(study, path, &fault);
@@ -96,7 +96,8 @@ fn say_wheel(out: &mut Printer, study: &Study, own: &WheelStudy, path: &Path) ->
     )
 }
 
-/// Prints the requests of a study of an axle, and the ranges of its outputs.
+/// Prints the headline of an axle's study, the ranges of its outputs, and sentences about the sections that `solve` does not
+/// use.
 fn say_axle(out: &mut Printer, study: &Study, summary: &Summary) -> Result<(), Stop> {
     out.say(&format!("{}\n\n", summary.headline()))?;
     if let Some([ranges, ..]) = summary.tables() {
@@ -108,7 +109,7 @@ fn say_axle(out: &mut Printer, study: &Study, summary: &Summary) -> Result<(), S
     Ok(())
 }
 
-/// Value of the study's drive in the design position, even if the motion does not contain it.
+/// Value of the study's drive in the design position. The motion need not contain this position.
 fn design_value(study: &Study) -> Result<f64, DesignFault> {
     let suspension = study.wheel();
     match study.motion().drive {
@@ -275,7 +276,8 @@ fn rods(suspension: &Suspension) -> impl Iterator<Item = String> {
     })
 }
 
-/// Table of all effects. Each row states whether the effect is on, the requests that need it, and its approximate cost.
+/// Table of all effects: computations that a study can request, such as loads. Each row states whether the effect is computed,
+/// the reason, and its approximate cost.
 fn plan_table(study: &Study, plan: &Plan) -> Table {
     let mut table = Table::with_columns([
         Column::from("effect"),

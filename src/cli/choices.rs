@@ -14,7 +14,8 @@ pub(super) struct Choices {
 }
 
 impl Choices {
-    /// Computes the alternatives after the end of a tuning.
+    /// Computes the requested alternatives after the end of a tuning: the Pareto front, and the list of misfit against size of
+    /// change.
     pub(super) fn of(
         study: &Study,
         optimise: &Optimise,
@@ -39,7 +40,7 @@ impl Choices {
         })
     }
 
-    /// Writes the files of the alternatives and returns their names.
+    /// Writes `front.csv` if there is a Pareto front. Returns the name of the file.
     pub(super) fn write(
         &self,
         output: &Output,
@@ -51,7 +52,7 @@ impl Choices {
         output.file_if_any("front.csv", csv)
     }
 
-    /// Prints the alternatives. Returns false if a requested front does not exist.
+    /// Prints the Pareto front and the list of misfit against size of change. Returns false if the front contains no design.
     pub(super) fn say(
         &self,
         output: &Output,

@@ -218,8 +218,8 @@ fn of_study(
     crate::compared::of_study(study, label, first).map_err(|why| Stop::in_file(path, why))
 }
 
-/// Returns a finished run, and true if every curve is complete. If the run has other stations than the first design, the study
-/// of the run is solved again over the motion of the first design.
+/// Returns the results of a finished run, and a flag. If the run has other stations than the first design, the study of the run
+/// is solved again over the motion of the first design. The flag is false if this solution has incomplete curves.
 fn of_run(
     path: &Path,
     label: String,

@@ -68,7 +68,7 @@ impl Exit {
 /// Reason why a command stops early.
 #[derive(Debug)]
 pub(super) enum Stop {
-    /// The reader of our output closed the pipe.
+    /// The program that reads our output has closed the pipe.
     ClosedPipe,
     /// The study contains errors.
     WrongStudy(StudyErrors),

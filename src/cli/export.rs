@@ -110,7 +110,7 @@ fn length(text: &str) -> Result<f64, String> {
     length.ok_or_else(|| "expected a length above 0, as in 0.1".to_owned())
 }
 
-/// Largest number of values in a range. The number of poses is the product of two ranges.
+/// Largest number of values in a range of travel or rack. The number of poses is the product of these numbers.
 const MOST_VALUES: usize = 200;
 
 fn span(text: &str) -> Result<Span, String> {

@@ -167,8 +167,8 @@ impl Source {
         if file.is_file() {
             Ok(Study::read_elastic(&file, &[])?.wheel().design.clone())
         } else {
-            // Runs of earlier versions contain no copy of the study, and standard input is not a file. So this uses the
-            // design of the study that was read.
+            // Runs of earlier versions contain no copy of the study, and standard input is not a file. In these cases, the
+            // function returns the design of the study that was read.
             Ok(study.wheel().design.clone())
         }
     }
@@ -195,8 +195,8 @@ impl Source {
         } else {
             vec![true; 3 * design.len()]
         };
-        // In the directory of a tuning, the changed coordinates are the tuned ones. Otherwise the study's variables name the
-        // tuned coordinates.
+        // In the directory of a tuning, the tuned coordinates are those that differ between the two designs. In any other
+        // source, the variables of the study name them.
         if !self.is_tuning() {
             let tuned = tuned_coordinates(study);
             free.iter_mut()
@@ -228,8 +228,8 @@ impl Source {
         Ok(())
     }
 
-    /// Renames the curves of a run if they do not belong to the exported points. If the exported file has sheets, a note
-    /// states the new name.
+    /// Renames the table `curves` of a run if its curves do not belong to the exported points. If the exported file has sheets,
+    /// a note states the new name.
     fn set_other_curves_aside(&mut self, before: &[Vector3<f64>], has_sheets: bool) {
         let Some(study) = &self.study else { return };
         let manifest = Manifest::read(&self.path).unwrap_or_default();

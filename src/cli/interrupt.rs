@@ -1,8 +1,8 @@
 //! Signals. The first signal stops the command, the second one ends the process at once.
 //!
 //! A command that has results to keep checks the [`flag`], stops, and writes them. Every other command ends immediately. This
-//! is safe: the command ends between two writes, and its directories are recorded as interrupted. Both cases end within
-//! [`MOST_WORK`].
+//! is safe: the command ends between two writes, and its directories are recorded as interrupted. The limits [`MOST_WORK`] and
+//! [`MOST_WAIT`] apply to the time until the process ends.
 
 use super::terminal;
 use crate::results::exit_interrupted;
@@ -15,8 +15,8 @@ use std::time::{Duration, Instant};
 /// Processor time that a command may use to stop by itself.
 const MOST_WORK: Duration = Duration::from_millis(200);
 
-/// Elapsed time that a command may use to stop by itself. This time includes waiting for the disk or for the reader of the
-/// output.
+/// Elapsed time that a command may use to stop by itself. This time includes waiting for the disk, or for the program that
+/// reads the output.
 const MOST_WAIT: Duration = Duration::from_secs(2);
 
 /// Interval between two checks of the time limits for stopping.
@@ -34,7 +34,7 @@ static LISTENS: AtomicBool = AtomicBool::new(false);
 const INTERRUPT: i32 = 2;
 /// Effect that a signal has now.
 static PHASE: Mutex<Phase> = Mutex::new(Phase::Ends);
-/// Flag for commands inside another program that do not stop by themselves.
+/// Flag that ends a command inside another program, if the command does not stop by itself.
 static STOP: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 
 /// Effect of a signal on a command.
@@ -93,8 +93,8 @@ pub(super) fn end() -> ! {
     exit_interrupted(i32::from(exit_code()))
 }
 
-/// Stops a command that runs inside another program, as Ctrl-C does. If the command does not stop by itself, it ends at the
-/// next checkpoint of the numerics.
+/// Stops a command inside another program, as Ctrl-C stops this program. If the command does not stop by itself, it ends as
+/// soon as its computation checks the flag [`STOP`].
 pub(super) fn raise() {
     SIGNAL.store(INTERRUPT, Ordering::SeqCst);
     FLAG.store(true, Ordering::SeqCst);
@@ -103,7 +103,7 @@ pub(super) fn raise() {
     }
 }
 
-/// Flag that ends a command at the next checkpoint of the numerics.
+/// Flag that computations check. If it is true, they end.
 pub(super) fn stop() -> &'static Arc<AtomicBool> {
     &STOP
 }

@@ -37,7 +37,8 @@ pub(super) fn run(
     out.table("limits", table(&drawn, &nearest))?;
     out.say("\n")?;
     let mut counts = Table::new(["builds", "number", "first"]);
-    // With the drive of Attia's paper, limits and motion are not compared.
+    // With the drive of Attia's paper, the limits are not compared with the motion. So it is not known which builds cannot
+    // reach the motion.
     let short = (study.motion().drive != Drive::PaperTheta).then_some(nearest.short);
     let rejected = if study.is_elastic() {
         "cannot be assembled, or have no static equilibrium"

@@ -68,7 +68,7 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, Stop> {
     finish(&output, record, &parts.statistics, false)
 }
 
-/// Study of the parts.
+/// Study that is kept in the directories with the parts of a sweep.
 enum Kept {
     /// Study of a wheel or an axle, and its path.
     Suspension(PathBuf, Box<Study>),
@@ -77,8 +77,8 @@ enum Kept {
 }
 
 impl Kept {
-    /// Reads the study that is kept in a directory of parts. `None` if there is no study. The study has the given name instead of
-    /// the name of its copy.
+    /// Reads the study that is kept in a directory with parts of a sweep. `None` if there is no study. The study gets the name
+    /// `name` instead of the name of its copy.
     fn read(directory: &Path, name: &str) -> Option<Self> {
         let path = directory.join(STUDY_COPY);
         if CarStudy::is_at(&path) {
@@ -99,8 +99,8 @@ impl Kept {
     }
 }
 
-/// Solves the designs that the page shows. The best designs of all parts become known only after the merge. Without the study of
-/// these results, the page shows no designs.
+/// Solves the designs that the page shows, because the best designs of all parts become known only after the merge. If the
+/// study does not belong to these results, the page shows no designs.
 fn draw_again(output: &Output, study: &Study, parts: &Parts, path: &Path) -> Result<(), Stop> {
     let Some(Ok(plan)) = study
         .sweep

@@ -390,11 +390,11 @@ pub fn run_embedded<A: Into<std::ffi::OsString> + Clone>(
     .code()
 }
 
-/// Returns the commented study of a topology that `hardpoint new` prints. `parts` names the parts to add. The study runs without
-/// changes.
+/// Returns the commented study of a topology that `hardpoint new` prints. `parts` names the parts to add. The study runs
+/// without changes.
 ///
 /// # Errors
-/// The reason in words.
+/// The reason in words: an unknown name, or a part that the topology does not have.
 pub fn template(topology: &str, parts: &[String]) -> Result<String, String> {
     new::template(topology, parts)
 }
@@ -411,7 +411,7 @@ pub fn interrupt_embedded() {
     interrupt::raise();
 }
 
-/// Clears an [`interrupt_embedded`] before the next command.
+/// Clears the request of [`interrupt_embedded`] before the next command.
 pub fn forget_interrupt() {
     interrupt::reset();
 }

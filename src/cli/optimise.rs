@@ -19,7 +19,8 @@ use crate::study::{CarStudy, Optimise, Study, StudyErrors};
 use crate::yields::{not_increased, yields};
 use std::path::Path;
 
-/// Largest number of printed moves that hardly change the misfit. The page and `summary.json` contain all of them.
+/// Largest number of printed moves of the points that hardly change the misfit. The page and `summary.json` contain all such
+/// moves.
 const MOST_DIRECTIONS: usize = 2;
 
 /// Prints the result of a tuning: misfit, targets, variables and constraints.

@@ -354,8 +354,8 @@ impl Output {
         }
     }
 
-    /// Records the run as finished or interrupted. This happens before all printing, because the reader of the output may stop
-    /// early.
+    /// Records the run as finished or interrupted. This happens before all printing, because the program that reads the output
+    /// may end early.
     pub(super) fn finish(&self) -> Result<(), Stop> {
         // A signal that arrives from here on does not interrupt the run.
         interrupt::stops_by_itself();

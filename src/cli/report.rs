@@ -88,7 +88,8 @@ impl ReportOptions {
             let (out, format) = (arguments.out.as_deref(), arguments.study.format);
             let results = Destination::of(out, &study.name, arguments.force, format)?;
             if is_same(&pictures.path, results.path()) {
-                // Pictures in the run's own directory belong to the results of the run.
+                // Pictures that a run has written into its own directory count as results of the run, so they are not checked
+                // here.
                 let drawn = Manifest::read(&pictures.path).unwrap_or_default();
                 names.retain(|name| drawn.author(name).is_none());
             }

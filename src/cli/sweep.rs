@@ -253,7 +253,7 @@ fn open(arguments: &SweepArguments, ready: &Ready<'_>) -> Result<Output, Stop> {
         ..Claim::default()
     };
     let output = Output::at(&destination, claim)?;
-    // The texts of the studies name other files relative to the directory of the results, which did not exist before.
+    // The texts name other files relative to the directory of the results. So they are made after this directory exists.
     let texts = if keeps_study {
         (ready.kept)(destination.path())
     } else {

@@ -9,8 +9,8 @@ use crate::plan::Plan;
 use crate::report::{DrawnDesign, Record};
 use crate::study::{Study, WheelStudy};
 
-/// Largest number of frames in the drawing, and of stations with sensitivities. The limit keeps the page small. It also saves
-/// the time to solve long runs twice.
+/// Largest number of frames (poses) in the drawing, and of stations with sensitivities. The limit keeps the page small. It also
+/// saves time, because the program solves these stations a second time for the drawing.
 const MOST_FRAMES: usize = 400;
 /// Largest number of rack displacements among the frames of the drawing.
 const MOST_RACKS: usize = 9;
@@ -39,7 +39,7 @@ impl Record {
     }
 }
 
-/// Designs with their frames. If several designs have the same mechanism, only the last one gets frames.
+/// Designs with their frames (poses for the drawing). If several designs have the same mechanism, only the last one gets frames.
 fn drawn<'a>(few: &Plan, designs: &[Solved<'a>]) -> Result<Vec<DrawnDesign<'a>>, DesignFault> {
     let shown_later = |number: usize, wheel: &WheelStudy| {
         let mut later = designs[number + 1..].iter();

@@ -57,14 +57,15 @@ pub(super) enum Wheels {
 /// Words for a sign.
 const POSITIVE: &[&str] = &["positive", "pos", "plus"];
 const NEGATIVE: &[&str] = &["negative", "neg", "minus"];
-/// Words before "in" that make it a direction. In "in degrees" and "in design position" it is none.
+/// Words that make a following "in" a direction, as in "toe in". In "in degrees" and "in design position", "in" is not a
+/// direction.
 const BEFORE_IN: &[&str] = &[
     "toe", "top", "front", "nose", "lean", "leans", "leaning", "tilt", "tilts", "tilted", "is",
 ];
-/// Words of a sum of both wheels, and of each wheel.
+/// Words that mark an angle as the sum of both wheels (`SUM`), or as the angle of each wheel (`EACH`).
 const SUM: &[&str] = &["total", "overall", "sum", "together", "combined"];
 const EACH: &[&str] = &["each", "per", "same", "equal"];
-/// Further words of such remarks.
+/// Further words in remarks about the sign of an angle or about the number of wheels.
 const BESIDE: &[&str] = &["both", "wheels", "side", "sides", "top"];
 
 fn sign_of_word(word: &str) -> Option<bool> {

@@ -2,8 +2,9 @@
 //!
 //! The sections `[FRONT]` and `[REAR]` give points as lateral, up and forward in metres; lateral is positive inboard. In files of
 //! `VERSION` 2 and above, all points of a wheel are `RIM_OFFSET` further outboard than the file says. The wheel centre is half of
-//! `TRACK` away from the centre plane. The axles are `WHEELBASE` apart. The importer uses ISO 8855 with the origin below the
-//! front axle, at the height of the axle's wheel centre. There a point is
+//! `TRACK` away from the centre plane. The axles are `WHEELBASE` apart. The importer uses the axes of ISO 8855.
+//! The origin is midway between the front wheel centres. Heights are relative to the wheel centre of the point's axle. The
+//! coordinates of a point are
 //!
 //! ```text
 //! x = forward (front), forward - WHEELBASE (rear)

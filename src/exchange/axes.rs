@@ -274,7 +274,8 @@ impl Declared {
                 }
             }
         }
-        // Text about another subject may also contain such words. So only a statement of all three axes is accepted.
+        // Text about another subject may also contain words such as "x" and "up". So only a statement of all three axes is
+        // accepted.
         match declared.axes() {
             Some(_) => declared,
             None => Declared::default(),

@@ -129,7 +129,7 @@ fn car(
                  in the front study"
             );
         }
-        // All points of a file share one origin, so the offset is zero.
+        // All points of this file share one origin, so `rear_offset` is zero.
         (None, false) => {
             text +=
                 "rear_offset = [0.0, 0.0, 0.0]      # both studies have the origin of the file\n"

@@ -23,7 +23,8 @@ use super::table::{Figure, Kind, Marks, NamedPoint, PointTable};
 use super::unit::FileUnit;
 use crate::model::{FrameConvention, LengthUnit};
 
-/// Parts and locations that can give one hardpoint. The first one in the file is used.
+/// A hardpoint, and a list of parts with locations that can give it. The first location of the list that the file contains is
+/// used.
 type Sources = (&'static str, &'static [(&'static str, &'static str)]);
 
 const WHEEL: Sources = ("wheel_centre", &[("Spindle", "COM")]);

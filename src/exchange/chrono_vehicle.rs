@@ -239,7 +239,7 @@ fn chassis(path: &Path, root: &Node) -> Result<Option<Mass>, String> {
             }
         }
         let cg = match components.len() {
-            // A single component keeps its coordinates exactly.
+            // The centre of a single component is read directly, so its coordinates have no rounding errors.
             1 => location(&components[0], ("Centroidal Frame", "Location")),
             _ => Some(moment.map(|sum| sum / mass)),
         };

@@ -6,10 +6,10 @@ use super::table::PointTable;
 use super::{Hardpoint, ImportOptions};
 use crate::model::Topology;
 
-/// Leaves out springs, rockers and bars with missing parts, each with the reason.
+/// Leaves out springs, rockers and anti-roll bars with missing parts, each with the reason.
 ///
-/// A rocker carries the lower end of the spring. If the rocker is incomplete, the spring is left out, too: on the lower
-/// arm it would have a different motion ratio. A spring that the file attaches to another body is kept.
+/// A rocker carries the lower end of the spring. If the rocker is incomplete, the spring is left out, too: on the lower arm it
+/// would have a different motion ratio. A spring that the file attaches to another body is kept.
 pub(super) fn drop_incomplete(
     options: &ImportOptions<'_>,
     hardpoints: &mut Vec<Hardpoint>,
@@ -32,8 +32,8 @@ pub(super) fn drop_incomplete(
             continue;
         }
         has_lost_rocker |= group.what == "the rocker";
-        // Chooses the most complete list of points. If two lists are equally complete, chooses the first one: the
-        // pushrod.
+        // Chooses the list with the most points in the file. If two lists are equal in this respect, chooses the first one, for
+        // example the pushrod before the pullrod.
         let nearest = lists()
             .rev()
             .max_by_key(|list| list.iter().filter(given).count());
@@ -152,7 +152,7 @@ pub(super) fn rather(
     found.copied()
 }
 
-/// Refuses a file with missing hardpoints. The hardpoints in `made` do not count, because the import computes them later.
+/// Refuses a file with missing hardpoints. Hardpoints in `made` are not missing, because the import computes them later.
 pub(super) fn missing(
     topology: &Topology,
     hardpoints: &[Hardpoint],

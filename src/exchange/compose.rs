@@ -132,8 +132,8 @@ impl Imported {
         text
     }
 
-    /// Text of the study with the largest range of motion in which it runs. Also warnings about its points, and the reason if this
-    /// range is shorter than usual.
+    /// Returns the text of the study with the largest range of motion in which the suspension runs. Also returns warnings about
+    /// its points, and the reason if this range is shorter than usual.
     fn running(
         &self,
         name: &str,
@@ -142,7 +142,8 @@ impl Imported {
     ) -> Result<(String, Vec<String>), String> {
         let read = |text: &str| Study::from_text(name, text, Path::new(""));
         let with = |travel: f64, outputs: &[&str]| self.text(origin, part, travel, outputs);
-        // This read without outputs reports a fault of the points once, and not again for each output.
+        // The first read has no outputs, so it reports a fault of the points once. With outputs, each output would report it
+        // again.
         let explained = |reason: String| match self.slip(name, origin, part) {
             None => reason,
             Some(slip) => format!("{reason}\n{slip}"),
@@ -329,7 +330,7 @@ impl Imported {
             return;
         }
         *text += "\n[vehicle]\n";
-        // The points of an axle define its track, so only the study of one wheel needs the value.
+        // The points of an axle define its track, so only the study of one wheel needs `track`.
         let track = self.track.filter(|_| matches!(part, Part::Wheel));
         for (key, length) in [
             ("wheelbase", self.wheelbase),

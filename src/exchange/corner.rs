@@ -14,7 +14,7 @@ pub(super) struct Named<'t> {
 }
 
 impl Named<'_> {
-    /// Wheel and axle of the point. The point's own column or title has priority.
+    /// Wheel and axle of the point. A column or a title of the file has priority over the name of the point.
     fn marks(&self) -> Marks {
         self.point.marks.or(self.role.marks)
     }
@@ -97,7 +97,7 @@ fn axle(
             Some(*only)
         }
         (None, _) => {
-            // Names that the user gives can decide the axle.
+            // If the points that `--map` names belong to one axle only, this axle is imported.
             let mapped = named
                 .iter()
                 .filter(|named| options.names.contains_key(named.role.hardpoint));
@@ -184,7 +184,7 @@ pub(super) fn pick(
         .expect("at least one candidate has the best rank");
     if let Some(second) = chosen.find(|other| other.point.position != first.point.position) {
         let [a, b] = [first.point, second.point];
-        // A map refers to points by name, so it cannot distinguish points with the same name.
+        // `--map` refers to points by name, so it cannot distinguish points with the same name.
         let remedy = if a.name.trim().to_lowercase() == b.name.trim().to_lowercase() {
             "rename or remove one of the two"
         } else {

@@ -58,7 +58,8 @@ pub fn cases_in(
     page
 }
 
-/// Returns the requested unit of length. If the study has pounds-force and inches are requested, it keeps pounds-force.
+/// Returns the requested unit of length. If the study has pounds-force and inches are requested, the result has pounds-force,
+/// too.
 fn with_forces_of(own: LengthUnit, asked: LengthUnit) -> LengthUnit {
     if own.symbol() == asked.symbol() {
         own

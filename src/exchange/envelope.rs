@@ -267,7 +267,7 @@ fn pose(outgoing: &Outgoing<'_>, side: Side, frame: Frame, values: &[f64]) -> Wh
     [centre.map(|x| outgoing.length(x)), axis].map(|v| file.vector(v))
 }
 
-/// Corners of the inboard and the outboard ring of a cylinder. The last entry of each ring is its centre.
+/// Corners of the inboard and the outboard ring of a cylinder. The last vector of each ring is the centre of the ring.
 type Rings = [Vec<Vector3<f64>>; 2];
 
 fn corners([centre, axis]: WheelPose, tyre: Tyre) -> Rings {
@@ -291,7 +291,7 @@ fn corners([centre, axis]: WheelPose, tyre: Tyre) -> Rings {
     })
 }
 
-/// Largest distance between equal corners of two solids.
+/// Largest distance between corresponding corners of two solids.
 fn farthest(one: &Rings, other: &Rings) -> f64 {
     let pairs = one.iter().flatten().zip(other.iter().flatten());
     let squares = pairs.map(|(a, b)| (*a - *b).norm_squared());

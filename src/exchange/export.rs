@@ -44,7 +44,7 @@ pub fn point_rows(outgoing: &Outgoing<'_>) -> Vec<Vec<Value>> {
 enum Half<'a> {
     /// Left half. Every point of an independent wheel counts as left.
     Left,
-    /// Right half, as the mirror image of a point on the left. It has no row.
+    /// Right half, as the mirror image of a point on the left. The table has no row for such a point.
     MirrorImage,
     /// Right half, with its own row. Contains the matching point of the left half and the name of that point.
     Right(PointId, &'a str),
@@ -54,7 +54,8 @@ fn right_half<'a>(outgoing: &'a Outgoing<'_>, id: PointId) -> Half<'a> {
     let mechanism = &outgoing.study.wheel().mechanism;
     let pairs = mechanism.rigid_axle.iter().flat_map(|axle| &axle.pairs);
     let Some([near, _]) = pairs.into_iter().find(|[_, far]| *far == id) else {
-        // The study does not contain points that are mirror images of other points.
+        // Some points of the right half move with other points, for example in a twist beam. A study does not give them, so
+        // they have no row.
         return if mechanism.is_far(id) {
             Half::MirrorImage
         } else {
@@ -64,7 +65,7 @@ fn right_half<'a>(outgoing: &'a Outgoing<'_>, id: PointId) -> Half<'a> {
     let place = |id: PointId| outgoing.place(Side::Left, id);
     let (left, right) = (place(*near), place(id));
     let name = mechanism.name(*near);
-    // In an axle with a Panhard rod, the importer reads an upper link without a right row as a single link.
+    // In an axle with a Panhard rod, the importer reads an upper link as a single link if its right half has no row.
     let may_be_single =
         name.starts_with("upper_link_") && mechanism.point("panhard_axle").is_some();
     if (right.x, right.y, right.z) == (left.x, -left.y, left.z) && !may_be_single {

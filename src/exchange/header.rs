@@ -280,7 +280,7 @@ fn coordinate_header(text: &str) -> Option<Coordinates> {
     };
     let has_minus = (0..chars.len()).any(is_minus) && !text.contains('+');
     let direction = match direction {
-        // A minus in such a header may be a sign or a dash, so only the axis is used.
+        // A minus in the header of a coordinate may be a sign or a dash, so only the axis is used.
         Coordinate::Grows(way) if has_minus => Coordinate::Along(way.axis()),
         Coordinate::Grows(way) if is_flipped => Coordinate::Grows(way.opposite()),
         direction => direction,

@@ -221,7 +221,8 @@ fn locate(
     let is_optimum = roles::is_optimum(&table.points);
     let corner = selection.corner;
     let wanted = corner.side;
-    // In tools with their own layout, the half track is measured at the contact point.
+    // OptimumKinematics measures the half track at the contact point, not at the wheel centre. Files that state the kind of
+    // suspension define the wheel centre by the track, or give no track. So the half track is not compared with the points.
     let compare = !is_optimum && table.kinds.is_empty();
     let half_track = selection.figures.half_track();
     let checks = Checks {

@@ -15,9 +15,11 @@ pub struct Outgoing<'s> {
     pub unit: LengthUnit,
     /// Axes of the file.
     pub convention: FrameConvention,
-    /// Points of the study's own wheel, in the kernel's frame and the file's unit.
+    /// Points of the study's wheel (for an axle, the left one), in the kernel's frame (x forward, y outboard, z up) and the
+    /// file's unit.
     own: Vec<Vector3<f64>>,
-    /// Points of a right wheel that is not the mirror image, in the kernel's frame and the file's unit.
+    /// Points of a right wheel that is not the mirror image, in the kernel's frame (x forward, y outboard, z up) and the file's
+    /// unit.
     right: Option<Vec<Vector3<f64>>>,
 }
 
@@ -102,7 +104,7 @@ impl<'s> Outgoing<'s> {
         }
     }
 
-    /// Point of a wheel, in the kernel's frame and the file's unit.
+    /// Point of a wheel, in the kernel's frame (x forward, y outboard, z up) and the file's unit.
     pub fn place(&self, side: Side, id: PointId) -> Vector3<f64> {
         match (side, &self.right) {
             (Side::Right, Some(right)) => right[id.0],
@@ -115,7 +117,8 @@ impl<'s> Outgoing<'s> {
         self.in_axes(side, self.place(side, id))
     }
 
-    /// Converts a position or direction from the kernel's frame of this side to the axes of the file.
+    /// Converts a position or direction from the kernel's frame (x forward, y outboard, z up) to the axes of the file. `side`
+    /// is the side of the wheel.
     pub fn in_axes(&self, side: Side, place: Vector3<f64>) -> [f64; 3] {
         self.frame(side).vector(place).to_array().map(|x| x + 0.0)
     }
@@ -141,7 +144,8 @@ impl<'s> Outgoing<'s> {
         found.map(|(name, _)| *name)
     }
 
-    /// Spin axis of a wheel in the design position: unit vector, outboard, in the kernel's frame.
+    /// Spin axis of a wheel in the design position: unit vector that points outboard, in the kernel's frame (x forward, y
+    /// outboard, z up).
     pub fn spin_axis(&self, side: Side) -> Vector3<f64> {
         let suspension = self.suspension(side);
         match suspension.mechanism.spin_axis {

@@ -61,8 +61,8 @@ pub(super) fn place(
     found(table, side, &directions, notes)
 }
 
-/// Uses axes that the user or the file states. `is_asked` is true if the user requests the wheel `side`, and the file has points
-/// without a side. [`mirror`] then makes the wheel from the other wheel.
+/// Uses axes that the user or the file states. `is_asked` is true if the user requests the wheel `side`, and the points in the
+/// file have no side. If these points show the other wheel, [`mirror`] makes the requested wheel from them.
 fn stated(
     axes: Axes,
     by_user: bool,

@@ -237,7 +237,7 @@ impl Rows<'_> {
         Ok(())
     }
 
-    /// Refuses a row that has more numbers than the table has titles, if a comma in it is probably not a separator. The
+    /// Refuses a row that has more numbers than the table has column titles, if a comma in it is probably not a separator. The
     /// comma may be the decimal sign, or may group the digits of a number.
     fn check_decimals(&self, row: u32) -> Result<(), String> {
         let Some(last) = self.last_title else {

@@ -24,10 +24,10 @@ const STEPS: [usize; 2] = [2, 50];
 /// Names of the blocks: along x, y and z, then about them.
 const AXES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
 
-/// Makes the property file of the bushing at a hardpoint. Without a name, it is for the study's only bushing.
+/// Makes the property file of the bushing at `hardpoint`. If `hardpoint` is `None`, the study must have only one bushing.
 ///
 /// # Errors
-/// The study has no such bushing, or it has several and there is no name.
+/// The study has no such bushing, or it has several bushings and `hardpoint` is `None`.
 pub fn property_file(outgoing: &Outgoing<'_>, hardpoint: Option<&str>) -> Result<Written, String> {
     let study = outgoing.study;
     let none = || "it has no section [bushings.NAME]".to_owned();

@@ -37,7 +37,7 @@ pub(super) fn own(
         let Some(far) = corner::pick(near.name, named, right)? else {
             continue;
         };
-        // A row without a side already belongs to the left half. The only row of a point belongs to the left half, too.
+        // Skips a point if the file has no row for its right side, or if this row has already given the point of the left half.
         if far.origin != Some(Side::Right) || far.hardpoint.place == near.place {
             continue;
         }
@@ -83,7 +83,7 @@ pub(super) fn differs(
         let pairs = mirrored.iter().zip(near.hardpoint.position);
         let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         let size = mirrored.iter().map(|c| c.abs()).fold(0.0, f64::max);
-        // Differences up to this fraction of the size are rounding errors from conversions of units.
+        // Deviations up to this fraction of the largest coordinate are rounding errors from conversions of units.
         if apart > 1e-9 * size {
             names.push(near.hardpoint.name);
             most = most.max(apart);

@@ -32,7 +32,7 @@ pub(super) struct Letters {
 }
 
 impl Letters {
-    /// Finds the meaning from the names of a file: `R` means rear if the file uses `F` but not `L`.
+    /// Finds the meanings of these words from the names in a file: `R` means rear if the file uses `F` but not `L`.
     pub(super) fn of<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Self {
         let has = |wanted: &str, last: bool| {
             names.clone().any(|name| {
@@ -53,7 +53,7 @@ impl Letters {
         }
     }
 
-    /// Finds the meaning from the names of points.
+    /// Finds the meanings of these words from the names of the points.
     pub(super) fn of_points(points: &[NamedPoint]) -> Self {
         Letters::of(points.iter().map(|point| point.read_as.as_str()))
     }
@@ -165,7 +165,7 @@ const ENDS: [&str; 4] = [
     "pullrod_outer",
 ];
 
-/// Reads the role of a name without a body of its own.
+/// Reads the role of a name. Does not remove a body such as "(on UCA)" from the name first.
 fn read_plain(name: &str, topology: &Topology, letters: Letters) -> Option<Role> {
     let words = cut(name);
     let plain = words.join("_");
@@ -218,7 +218,7 @@ fn read_plain(name: &str, topology: &Topology, letters: Letters) -> Option<Role>
     })
 }
 
-/// Possible readings of the sides in a name, most likely first.
+/// Possible ways to split a name into a wheel or axle and the other words. The most likely way is first.
 fn readings(words: &[String], letters: Letters) -> Vec<(Vec<String>, Marks)> {
     let is_r = |word: Option<&String>| word.is_some_and(|word| word == "r");
     let rear = |words: &[String], first: bool, last: bool| {
@@ -232,7 +232,7 @@ fn readings(words: &[String], letters: Letters) -> Vec<(Vec<String>, Marks)> {
         changed
     };
     let usual = stripped(rear(words, letters.first_is_rear, letters.last_is_rear));
-    // The side may follow the R, as in `LCA_R_LH`.
+    // The side may follow the letter R, as in `LCA_R_LH`.
     let (plain, marks) = usual.clone();
     let mut all = vec![usual];
     if is_r(words.last()) {

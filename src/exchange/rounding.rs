@@ -1,8 +1,8 @@
 //! Rounds hardpoints to a grid with the smallest increase of the misfit.
 //!
 //! Let r be the residuals of a study's targets, divided by the tolerances ([`Objective`]), and J their derivatives with
-//! respect to all coordinates. Let d be the moves that round the coordinates, in steps g of the grid. Then the residuals
-//! after rounding are
+//! respect to all coordinates x. Let g be the step of the grid, and d the moves that round the coordinates, in steps. Then the
+//! residuals after rounding are
 //!
 //! ```text
 //! r + g J d,   d = k - x/g,   k integers
@@ -12,11 +12,11 @@
 //! their digits.
 //!
 //! The method is *nearest plane* (L. Babai, On Lovász' lattice reduction and the nearest lattice point problem,
-//! Combinatorica 6, 1986). It rounds the coordinates one after the other. With g J = Q R, it rounds the last coordinate
-//! first and passes the resulting change on to the other coordinates. It continues in this way back to the first
-//! coordinate. A weak spring (additional rows s I below g J) keeps coordinates that no target depends on near their
-//! original values. Each coordinate is rounded to one of its two neighbours on the grid, so a coordinate on the grid
-//! stays.
+//! Combinatorica 6, 1986). It rounds the coordinates one after the other. With g J = Q R (Q orthogonal, R upper
+//! triangular), it rounds the last coordinate first and passes the resulting change on to the other coordinates. It continues in
+//! this way back to the first coordinate. A weak spring of stiffness s (additional rows s I below g J, I the identity matrix)
+//! keeps coordinates that no target depends on near their original values. Each coordinate is rounded to one of its two
+//! neighbours on the grid, so a coordinate on the grid stays.
 //!
 //! The result depends on the order of the coordinates. The program tries three orders and also ordinary rounding, and computes
 //! the misfit of each exactly.
@@ -38,13 +38,13 @@ use targets::Targets;
 
 /// Largest number of roundings that the program evaluates when it tries other neighbours.
 const MOST_TRIALS: usize = 2000;
-/// Stiffness of the spring against moves that leave the targets unchanged: residual (1 = a tolerance) per step.
+/// Stiffness s of the weak spring that opposes moves without effect on the targets: residual (1 = one tolerance) per grid step.
 const SPRING: f64 = 1e-3;
 
 /// A rounded design.
 #[derive(Clone, Debug)]
 pub struct Rounded {
-    /// Points in the kernel's frame and the study's unit.
+    /// Points in the kernel's frame (x forward, y outboard, z up) and the study's unit.
     pub design: Vec<Vector3<f64>>,
     /// Coordinates of the points in the study's axes and the grid's unit. Rounded coordinates have exactly the digits
     /// of the grid.
@@ -57,12 +57,12 @@ pub struct Rounded {
     pub broken: Vec<Broken>,
 }
 
-/// Misfits, each in multiples of the tolerances. `None` if a design cannot be solved.
+/// Misfits before and after rounding, in multiples of the tolerances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loss {
     /// Misfit of the design before rounding.
     pub exact: f64,
-    /// Misfit if each coordinate is rounded to its nearest multiple.
+    /// Misfit if each coordinate is rounded to its nearest multiple. `None` if this design cannot be solved.
     pub ordinary: Option<f64>,
     /// Misfit of the chosen rounding.
     pub best: f64,
@@ -163,7 +163,7 @@ fn missed(own: &ConstraintMargin) -> f64 {
 /// A rounding with its misfit.
 struct Candidate {
     steps: Vec<f64>,
-    /// Sum of the violations of all constraints, each in visible units.
+    /// Sum of the violations of all constraints. Each violation is a multiple of a visible change, such as 1 mm or 1 degree.
     violation: f64,
     misfit: f64,
     margins: Vec<ConstraintMargin>,

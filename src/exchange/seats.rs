@@ -1,4 +1,5 @@
-//! Bodies that carry the ends of springs and rods. The user, a column or a name gives them; otherwise the usual body is assumed.
+//! Bodies that carry the ends of springs and rods. The user, a column or a name gives them. Otherwise the importer assumes the
+//! usual body, or another body that is much nearer.
 
 use super::roles::body_of;
 use super::{Hardpoint, Imported};

@@ -7,7 +7,7 @@ use super::table::PointTable;
 use super::{points, workbook};
 use crate::model::AxlePosition;
 
-/// Reads the points of a workbook. `wanted` is the name of the sheet, `axle` the axle.
+/// Reads the points of a workbook. `wanted` is the name of the requested sheet, and `axle` is the requested axle.
 ///
 /// # Errors
 /// No sheet has points, the named sheet has no points, or several sheets have points and none is named.

@@ -202,7 +202,8 @@ fn of_subsystem(path: &Path, text: &str) -> Result<PointTable, String> {
         .map(|parameter| parameter.name.clone())
         .collect();
     for parameter in subsystem.parameters {
-        // Only camber and toe are parameters of the geometry. A value of the left wheel alone applies to both wheels.
+        // Camber and toe are the only parameters that describe the geometry. If only the left wheel has a value, it applies to
+        // both wheels.
         let is_angle = ANGLES.contains(&parameter.name.as_str());
         let side = match parameter.symmetry {
             Symmetry::Right => Some(Side::Right),

@@ -144,7 +144,7 @@ fn wheel_rate(outgoing: &Outgoing<'_>) -> Result<f64, &'static str> {
 /// Value of `TYPE` for a solid axle.
 const AXLE: &str = "AXLE";
 
-/// Value of `TYPE` for a study, which the format must support.
+/// Value of `TYPE` for a study. Returns the reason if the format does not support the topology.
 fn kind(outgoing: &Outgoing<'_>) -> Result<&'static str, String> {
     let mechanism = &outgoing.study.wheel().mechanism;
     let kind = match mechanism.topology.name {
@@ -205,7 +205,8 @@ impl<'a> Ini<'a> {
         }
     }
 
-    /// Writes the section of an axle. `below` is the height of the wheel centre above the centre of gravity of a car, in metres.
+    /// Writes the section of an axle. For an axle of a car, `below` has the height of the wheel centre above the car's centre
+    /// of gravity in metres, or `Some(None)` if it is not known. `None` means that the axle's study gives the height.
     fn axle(&mut self, below: Option<Option<f64>>) -> Result<(), String> {
         let kind = kind(self.outgoing)?;
         self.section(kind, below);

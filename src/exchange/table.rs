@@ -1,4 +1,4 @@
-//! Table of the named rows of a file. The reader of every format makes this table, and all later steps use it.
+//! Table of the named rows of a file. The code for each format makes this table, and all later steps use it.
 
 use super::adams_bushings::AdamsBushing;
 use super::angle_unit::AngleUnit;
@@ -24,7 +24,7 @@ impl Marks {
         }
     }
 
-    /// True if there are no marks.
+    /// True if neither the wheel nor the axle is known.
     pub(super) fn is_empty(self) -> bool {
         self == Marks::default()
     }
@@ -134,7 +134,7 @@ pub struct PointTable {
     pub(super) unknown_unit: Option<String>,
     /// Axes, if the file states them.
     pub(super) declared: Declared,
-    /// Kind of suspension of each axle, if the file states it. An entry without an axle applies to all axles.
+    /// Kind of suspension of each axle, if the file states it. A kind without an axle applies to all axles.
     pub(super) kinds: Vec<(Option<AxlePosition>, Kind)>,
     /// Values of the axle, if the file describes a single axle.
     pub(super) axle: AxleFigures,

@@ -145,9 +145,8 @@ fn replaced(given: Option<FileUnit>, written: Option<FileUnit>, symbol: &str) ->
 /// unit that gives a size in this range.
 const USUAL_SIZE: [f64; 2] = [0.15, 3.0];
 
-/// Smallest size in metres for which centimetres are as plausible as inches. The sample suspensions have sizes of 0.45 to 1.3 m,
-/// which are 18 to 50 inches or 45 to 130 cm. A size of 30 units in centimetres would be 0.3 m, two thirds of the smallest
-/// sample.
+/// Smallest size of a suspension (in metres, if its coordinates are in centimetres) for which the importer asks whether the unit
+/// is inches or centimetres. The sample suspensions have sizes of 0.45 to 1.3 m. The limit is two thirds of the smallest sample.
 const LEAST_IN_CENTIMETRES: f64 = 0.3;
 
 /// Finds the unit of the coordinates.

@@ -96,7 +96,7 @@ pub struct NearestEnd {
 }
 
 impl NearestEnd {
-    /// The nearer one of two limits. A known limit is nearer than an unknown one; of equal limits, the first counts.
+    /// Returns the nearer one of two limits. A known limit is nearer than an unknown one. Of two equal limits, returns `self`.
     fn nearer(self, later: NearestEnd, is_beyond: fn(&f64, &f64) -> bool) -> NearestEnd {
         match (self.end.value, later.end.value) {
             (Some(mine), Some(theirs)) if is_beyond(&theirs, &mine) => later,
@@ -106,7 +106,7 @@ impl NearestEnd {
     }
 }
 
-/// Count of some builds, and the number of the first build among them.
+/// Count of some builds, and the index of the first build among them. The index is `None` if the count is 0.
 type Counted = (u64, Option<u64>);
 
 /// Nearest limits among some builds. If limits are equal, the first build counts.

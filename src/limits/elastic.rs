@@ -26,7 +26,7 @@ type Ends = Result<[EquilibriumEnd; 2], NoEquilibrium>;
 /// Limits of one quantity.
 pub(super) struct ElasticRow {
     row: Row,
-    /// Unit of the values in words.
+    /// Unit of the values in the descriptions of the causes.
     unit: &'static str,
     ends: Ends,
 }
@@ -249,8 +249,8 @@ pub(super) fn rows_of_wheel(
     Ok((rows, margin(&own.motion.values, &by_rack)))
 }
 
-/// Distance of travels from the nearest limit. It is negative if the travels go beyond the limit, and `None` without an
-/// equilibrium.
+/// Distance of the travels from the nearest limit. `by_rack` has the limits at each rack displacement. The distance is negative if
+/// the travels go beyond the limit. `None` if there is no equilibrium.
 fn margin(travels: &[f64], by_rack: &[Ends]) -> Option<f64> {
     let mut least = f64::INFINITY;
     for ends in by_rack {

@@ -229,7 +229,7 @@ fn ranges_by_rack(plan: &Plan, solver: &mut Solver) -> Result<Vec<(f64, Range)>,
     plan.racks.iter().map(|rack| range(*rack)).collect()
 }
 
-/// Position of the rack while another quantity moves to its limits.
+/// Position of the rack, in words, while another quantity moves to its limits.
 fn straight(limits: &Limits) -> &'static str {
     match &limits.rack {
         Some(_) => "rack 0",

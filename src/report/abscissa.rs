@@ -8,7 +8,8 @@ const OF_STEERING: [&str; 4] = ["steer_", "mean_steer_", "ackermann", "steering_
 const STEERED: [&str; 2] = ["steering_wheel_angle", "rack_"];
 
 impl MotionRecord {
-    /// Initial column on the horizontal axis of an output: time if the curves are over time.
+    /// Initial column on the horizontal axis of an output: time if the curves are over time, otherwise the column from
+    /// [`MotionRecord::natural_abscissa`].
     pub(super) fn usual_abscissa(&self, output: &str) -> &str {
         let by_time = self.abscissae.iter().find(|a| *a == "time_s");
         by_time.map_or(self.natural_abscissa(output), String::as_str)

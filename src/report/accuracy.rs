@@ -48,12 +48,12 @@ fn unsupported(curves: &Curves) -> Option<String> {
     ))
 }
 
-/// Remarks on stations at which a rocker has reached a toggle, one for each rod of each wheel.
+/// Remarks on stations at which a rocker has reached a toggle. There is one remark for each affected rod of each wheel.
 fn toggled(curves: &Curves) -> Vec<String> {
     let is_axle = curves.motion_index(Drive::Travel.key()).is_none();
     let mut warnings = Vec::new();
     for side in Side::ALL {
-        // Distance from the design position: travel of the wheel, or the angle that drives it.
+        // Coordinates that measure the distance from the design position: the angle that drives the wheel, or else its travel.
         let (of, keys) = match (is_axle, side) {
             (false, _) => ("", ["arm_angle", "theta", "travel"]),
             (true, Side::Left) => ("left wheel's ", ["travel_left"; 3]),

@@ -14,7 +14,7 @@ const CAPTION: u32 = 34;
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Failed = Box<dyn std::error::Error>;
 
-/// Diagram of one kind of measurements.
+/// One of the four diagrams of the picture.
 struct Panel {
     title: &'static str,
     across: &'static str,

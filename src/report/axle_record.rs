@@ -53,8 +53,8 @@ impl Record {
 }
 
 impl MotionRecord {
-    /// Records the curves of an axle over a motion. `name` is the name of the motion that `plan` has. `frames` contains the poses
-    /// of each design. Designs without an entry in `frames` have no poses.
+    /// Records the curves of an axle over a motion. `name` is the name of the motion that `plan` has. `frames` has a list of poses
+    /// for each design. If there are fewer lists than designs, the remaining designs are recorded without poses.
     pub fn of_axle(
         study: &Study,
         name: Option<&str>,
@@ -93,8 +93,8 @@ impl MotionRecord {
     }
 }
 
-/// Frames over the first coordinate that moves, for some values of the second coordinate. All other coordinates have their value
-/// nearest to zero.
+/// Frames (poses for the drawing) over the first coordinate that moves, for some values of the second coordinate. All other
+/// coordinates have their value nearest to zero.
 fn frames(
     axle: &Axle,
     motion: &AxleMotion,

@@ -1,4 +1,4 @@
-//! Bands of tolerances: in words, and with the share of builds within them.
+//! Bands of tolerances in words, and the share of builds within each band.
 
 use super::figure::as_written;
 use super::given_columns::GivenColumns;
@@ -66,7 +66,7 @@ impl BandRecord {
 pub(super) const CENTRE_FIRST: &str = "Tighter tolerances cannot give a high yield then. First move the nominal value into the band, for example with \
      `hardpoint optimise`, or change the band";
 
-/// Sentence about a band that the nominal design misses. `value` is the nominal value with its place.
+/// Sentence about a band that the nominal design misses. `value` contains the nominal value and its station in words.
 pub(super) fn nominal_outside(band: &str, value: &str) -> String {
     format!("the nominal design is outside the band {band}; nominal: {value}. {CENTRE_FIRST}")
 }

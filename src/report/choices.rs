@@ -123,7 +123,7 @@ fn brief3(value: f64) -> String {
     without_zeros(&text).to_owned()
 }
 
-/// Selects at most [`PRINTED`] numbers below `count`, evenly spaced, including the first and the last.
+/// Selects at most [`PRINTED`] indices below `count`, evenly spaced, including the first and the last.
 fn some_of(count: usize) -> Vec<usize> {
     match count {
         few if few <= PRINTED => (0..few).collect(),
@@ -166,7 +166,7 @@ pub struct FrontPoint {
 }
 
 impl FrontRecord {
-    /// Makes the record of a Pareto front that a tuning has found. `curves` solves a study.
+    /// Makes the record of a Pareto front that a tuning has found. `curves` computes the curves of a study.
     pub fn of(
         study: &Study,
         optimise: &Optimise,
@@ -205,14 +205,14 @@ impl FrontRecord {
     }
 }
 
-/// One design of the price list.
+/// One design of the price list (smallest misfit for each size of the change).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PriceRecord {
     /// Size of the change: root of the sum of squares of the offsets, each divided by its range.
     pub moved: f64,
     /// Smallest misfit with a change of this size, as a multiple of the tolerances.
     pub misfit: f64,
-    /// Decrease of the misfit if the change grows by a tenth of a range. `None` at the ends.
+    /// Decrease of the misfit if the change grows by a tenth of a range. `None` at the ends of the price list.
     pub gain: Option<f64>,
     /// Variable that moves most, relative to its range.
     pub most: Option<String>,

@@ -4,7 +4,7 @@ use super::comparison::StationColumn;
 use super::curve_table::CurveTable;
 use crate::model::LengthUnit;
 
-/// Largest difference between equal stations, relative to the size of the column.
+/// Largest difference between equal stations, relative to the largest absolute value in the column.
 const SAME: f64 = 1e-9;
 
 /// Columns of angles that can drive a wheel.
@@ -134,7 +134,8 @@ impl CommonMotion {
         inputs.any(|name| name == column)
     }
 
-    /// Station of each row. A coordinate that a motion does not have is 0: no roll, or the rack in the middle.
+    /// Station of each row, as a value for each column of the motion. A coordinate that a motion does not have is 0: no roll, or
+    /// the rack in the middle.
     pub(super) fn places(&self, table: &CurveTable) -> Vec<Vec<f64>> {
         let columns: Vec<_> = self.columns.iter().map(|name| table.column(name)).collect();
         let value = |row: usize, column: &Option<&[Option<f64>]>| match column {
@@ -145,7 +146,8 @@ impl CommonMotion {
         (0..table.rows()).map(place).collect()
     }
 
-    /// Rows of the stations that all tables have, in the order of the first table. Each entry has one row number per table.
+    /// Rows of the stations that all tables have, in the order of the first table. For each station, the result has one row index
+    /// per table.
     pub(super) fn common_rows(&self, tables: &[CurveTable]) -> Vec<Vec<usize>> {
         let places: Vec<_> = tables.iter().map(|table| self.places(table)).collect();
         let size = |k: usize| {
@@ -159,7 +161,7 @@ impl CommonMotion {
         };
         let find = |design: usize, row: usize| {
             let (own, at) = (&places[design], &places[0][row]);
-            // Tables of the same motion have the same rows.
+            // Tables of the same motion have the same rows, so the row with this index is tried first.
             match own.get(row) {
                 Some(place) if is_same(at, place) => Some(row),
                 _ => own.iter().position(|place| is_same(at, place)),

@@ -56,7 +56,7 @@ pub struct Compared {
     pub curves: CurveTable,
     /// Unit of the lengths in the curves and points.
     pub unit: LengthUnit,
-    /// Axes of the curves. `None` for a run that keeps no study.
+    /// Axes of the curves. `None` for a run without a stored study.
     pub axes: Option<FrameConvention>,
     /// Hardpoints, in `unit`.
     pub points: Option<ComparedPoints>,

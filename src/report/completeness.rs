@@ -14,7 +14,8 @@ pub struct Completeness {
     /// Statuses, in the order of their first occurrence.
     #[serde(default)]
     statuses: Vec<StatusCount>,
-    /// Columns with empty cells. Neighbouring columns with equal numbers of empty stations and the same reason form one entry.
+    /// Columns with empty cells. Neighbouring columns are listed together if they have equal numbers of empty stations and the same
+    /// reason.
     #[serde(default)]
     empty: Vec<EmptyCells>,
 }

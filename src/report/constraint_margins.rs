@@ -19,7 +19,7 @@ pub(crate) struct ConstraintMargin {
     pub is_violated: bool,
 }
 
-/// Margins of the constraints of a study, as shown.
+/// Margins of the constraints of a study, with names and units for the user.
 pub(crate) fn constraint_margins(optimise: &Optimise, margins: &[Margin]) -> Vec<ConstraintMargin> {
     let constraints = optimise.constraints.iter().zip(margins);
     constraints

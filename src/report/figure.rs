@@ -6,7 +6,7 @@
 
 use super::shortest;
 
-/// Number of digits shown for the largest of some numbers.
+/// Number of digits shown for the largest of several numbers.
 const DIGITS: i32 = 6;
 
 /// Largest number of significant digits in a number that a person writes.

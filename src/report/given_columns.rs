@@ -18,7 +18,8 @@ impl GivenColumns<'_> {
         given.map(|c| c.column(length)).collect()
     }
 
-    /// Values of the given coordinates at a station of the motion, in the form of the study.
+    /// Values of the given coordinates at a station of the motion. Angles are in degrees, the rack displacement is in the study's
+    /// axes.
     pub(super) fn values(&self, number: usize, placement: &Placement) -> Vec<f64> {
         let value = |coordinate: Coordinate| match coordinate {
             Coordinate::Roll => degrees(placement.along(coordinate)),

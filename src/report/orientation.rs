@@ -85,7 +85,7 @@ const OUTBOARD: &[(&str, &str)] = &[
     ("wheel_centre", "shear_centre"),
 ];
 
-/// Index of a coordinate, and the sign with which it grows.
+/// Index of a coordinate, and the sign of a direction along this coordinate.
 pub(crate) type Signed = (usize, f64);
 
 /// Coordinates that point forward, outboard and up.

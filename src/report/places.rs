@@ -148,7 +148,7 @@ fn part_of(constraint: &Constraint, is_wanted: fn(&Measure) -> bool) -> Option<&
     parts.find(|part| is_wanted(&part.of))
 }
 
-/// Rim that a point must stay inside. `size` is the size of a wheel.
+/// Rim that a point must stay inside. `size` is the wheel radius, or half the size of the suspension if the radius is unknown.
 fn rim(constraint: &Constraint, point: PointId, size: f64) -> Rim {
     let along = part_of(constraint, |of| matches!(of, Measure::AlongSpinAxis(_)));
     let edge = constraint.parts.iter().find_map(|part| match part.of {
@@ -169,7 +169,7 @@ fn rim(constraint: &Constraint, point: PointId, size: f64) -> Rim {
     }
 }
 
-/// Middle and half edges of the box that limits three coordinates.
+/// Centre and half edge lengths of the box that limits three coordinates.
 fn inner_box(parts: &[Limited]) -> Option<(Vector3<f64>, Vector3<f64>)> {
     let mut limits = [None; 3];
     for part in parts {

@@ -160,10 +160,10 @@ impl<'a> PlausibilityRemarks<'a> {
     fn rods(&mut self) {
         let mechanism = &self.suspension.mechanism;
         if mechanism.rigid_axle.is_some() {
-            // Links of a solid axle may lead in either direction.
+            // Links of a solid axle are not checked, because they may lead in either direction.
             return;
         }
-        // The end of a link on an arm may be anywhere.
+        // A link on an arm may lead in any direction, so it is left out.
         let to_body = |c: &&Constraint| mechanism.arm_under(c).is_none();
         let links = mechanism.constraints.iter().filter(to_body);
         let links = links.filter_map(Constraint::link);
@@ -179,8 +179,8 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Warnings about bodies that the study does not name. If there is a rocker, one warning is about the body of the drop
-    /// link. Other warnings are about points that are clearly nearer to another body.
+    /// Warnings about points for which the study does not name a body. If a rocker moves the spring, one warning is about the outer
+    /// point of the drop link. Other warnings are about points that are clearly nearer to a different body.
     fn seats(&mut self) {
         let Suspension {
             mechanism,

@@ -11,7 +11,7 @@ use crate::plan::Plan;
 use crate::study::{Band, Drive, Study, Target, Wanted};
 use serde::{Deserialize, Serialize};
 
-/// Version of the file's format. A reader accepts no other version.
+/// Version of the file's format. The program reads no files of other versions.
 pub(super) const FORM: u32 = 2;
 
 /// Data that the page needs in addition to the other files of a run.
@@ -185,8 +185,8 @@ impl Record {
 }
 
 impl MotionRecord {
-    /// Records the curves of a wheel over a motion of a study. `name` is the name of the motion. `study` has this motion as its
-    /// own.
+    /// Records the curves of a wheel over a motion of a study. `name` is the name of the motion. In `study`, this motion has
+    /// replaced the study's own motion.
     pub fn of_wheel(
         study: &Study,
         name: Option<&str>,

@@ -90,7 +90,7 @@ pub struct StaticRecord {
     pub set_rounded: Option<f64>,
     /// Rounded value minus target value.
     pub miss_rounded: Option<f64>,
-    /// Allowed error: effect of half a step of each shim adjustment and of half a sixteenth of a turn of each thread. If
+    /// Allowed error: effect of half a step of each shim adjustment and of half a sixteenth of a turn of each threaded adjuster. If
     /// `miss_rounded` is not larger, the target counts as met.
     pub allowed_rounded: f64,
     /// True if the target counts as met with the computed amounts.
@@ -108,7 +108,7 @@ pub struct AdjustmentRecord {
     pub instruction: String,
     /// Computed amount, in the length unit.
     pub amount: f64,
-    /// Computed amount in turns, for a thread.
+    /// Computed amount in turns, for a threaded adjuster.
     pub turns: Option<f64>,
     /// Number of shims. Positive: add; negative: remove.
     pub shims: Option<f64>,

@@ -38,7 +38,7 @@ pub struct SolveSummary {
     /// Certificate, if the study requests one.
     #[serde(default)]
     certificate: Option<CertificateSummary>,
-    /// Counts of the computing work. `None` for an axle.
+    /// Counts of the solver's effort, such as Newton iterations. `None` for an axle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     work: Option<Work>,
     /// Reasons why stations were solved by the solver for difficult stations (continuation) instead of the usual solver

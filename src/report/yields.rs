@@ -14,7 +14,8 @@ use serde::{Deserialize, Serialize};
 pub struct YieldRecord {
     /// Number of builds.
     pub builds: u64,
-    /// Share of builds within all bands: for the design before, and for the tuned design. `None` if the design cannot be built.
+    /// Share of builds within all bands: for the design before the tuning, and for the tuned design. `None` if the design cannot be
+    /// built.
     pub all: [Option<f64>; 2],
     /// Share of builds within all bands, at the optimum without scatter.
     #[serde(default)]
@@ -45,7 +46,7 @@ pub struct Surrogate {
 pub struct BandShares {
     /// Band in words.
     pub band: String,
-    /// Share of builds within the band, before and after.
+    /// Share of builds within the band, before and after the tuning.
     pub shares: [Option<f64>; 2],
     /// Share of builds within the band, at the optimum without scatter.
     #[serde(default)]

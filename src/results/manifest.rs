@@ -6,7 +6,7 @@ use std::path::Path;
 /// Name of the file.
 pub(super) const NAME: &str = "run.json";
 
-/// Version of the file's format. A reader accepts no other version.
+/// Version of the file's format. The program reads no files of other versions.
 const FORM: u32 = 1;
 
 /// Record of the runs that wrote the files of a directory.

@@ -20,8 +20,8 @@ pub(super) struct OpenRun {
     pub(super) is_alone: bool,
 }
 
-/// Lock whose holder may write results. A signal takes this lock before it ends the process, so that no write is interrupted
-/// halfway.
+/// Runs in progress. Only the holder of this lock may write results. The code that handles a signal takes the lock before it ends
+/// the process, so that no write is interrupted halfway.
 static OPEN: Mutex<Vec<OpenRun>> = Mutex::new(Vec::new());
 
 fn open() -> MutexGuard<'static, Vec<OpenRun>> {
@@ -183,7 +183,7 @@ pub fn make_directory(path: &Path) -> io::Result<()> {
     })
 }
 
-/// Error of a file in place of a directory.
+/// Error for a path at which there is a file instead of a directory.
 pub(super) fn not_a_directory(file: &Path) -> io::Error {
     let message = format!("{} is a file; expected a directory", file.display());
     io::Error::new(io::ErrorKind::NotADirectory, message)

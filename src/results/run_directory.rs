@@ -69,7 +69,7 @@ impl RunDirectory {
             Err(Refusal::Taken { .. })
                 if claim.set_aside && is_alone && may_be_moved(path, claim) =>
             {
-                // A lock file is not a result and must not disturb the next run.
+                // The lock file is not a result, so it is removed before the directory is moved aside.
                 lock.remove_file();
                 set_aside = Some(move_aside(path).map_err(failed)?);
                 std::fs::create_dir_all(path).map_err(failed)?;
@@ -206,7 +206,7 @@ impl RunDirectory {
         }
     }
 
-    /// Data of the run that a signal needs.
+    /// Data about the run that the code for signals needs.
     fn open_run(&self, claim: &Claim<'_>) -> OpenRun {
         OpenRun {
             path: self.path.clone(),
@@ -318,7 +318,7 @@ impl RunDirectory {
         open_runs::end(&self.path, || self.put_undivided(manifest::NAME, &text))
     }
 
-    /// Updates `summary.json`, if this run has written one, with the end of the run.
+    /// Records in `summary.json` how the run ended, if this run has written this file.
     fn restate_summary(&self, state: &RunState) -> Result<(), WriteError> {
         if !state.written.contains(SUMMARY) {
             return Ok(());

@@ -96,15 +96,15 @@ fn solved_wheel(
     if let Some(rack) = request.curves_rack {
         plan.racks = vec![rack];
     }
-    // All rack displacements of the motion. They are left out of this solve if the page needs only the curve of the shown
-    // displacement.
+    // If the page needs only the curve of the shown rack displacement, `left_out` keeps all rack displacements of the motion.
+    // The plan then has only the nearest one.
     let needs_shown = request.shown_only && request.over == 0 && plan.time.is_none();
     let left_out = (needs_shown && plan.racks.len() > 1).then(|| plan.racks.clone());
     if let Some(racks) = &left_out {
         plan.racks = nearest(racks, rack).map(|k| racks[k]).into_iter().collect();
     }
     let all = plan.stations();
-    // A motion over time is not thinned, because each station has its own time.
+    // A motion over time keeps all stations, because each station has its own time.
     if all > MOST_STATIONS && plan.time.is_none() {
         plan = plan.thinned(MOST_STATIONS, 9);
     }
@@ -154,7 +154,7 @@ fn solved_wheel(
     })
 }
 
-/// Plan of the pose at the positions of the sliders.
+/// Plan that solves only the pose at the slider positions.
 fn at_sliders(plan: &Plan, [drive, rack]: [f64; 2]) -> Plan {
     Plan {
         station_order: StationOrder::through(&[in_kernel(plan.drive, drive)]),

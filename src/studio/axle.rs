@@ -51,7 +51,7 @@ fn values(motion: &AxleMotion, coordinate: Coordinate, axle: &Axle) -> Vec<f64> 
     let values = motion.along(coordinate).into_iter().flatten();
     let mut different = Vec::new();
     for value in values.map(|value| printed(coordinate, *value, axle)) {
-        // Several rows of a motion may have the same value.
+        // Several stations of a motion may have the same value.
         if !different.contains(&value) {
             different.push(value);
         }
@@ -68,7 +68,7 @@ pub(super) fn slider_of(motion: &AxleMotion, coordinate: Coordinate) -> Option<u
     coordinates(motion).iter().position(|c| *c == coordinate)
 }
 
-/// Sliders, and the index of the main one.
+/// Sliders, and the index of the slider that is on the horizontal axis of curves at first.
 pub(super) fn sliders(both: &AxleStudy) -> (Vec<Slider>, usize) {
     let (motion, axle) = (&both.plan.motion, &both.axle);
     let left = &axle.left;
@@ -142,7 +142,8 @@ fn asking_for(plan: &AxlePlan, axle: &Axle, names: &[String]) -> Result<AxlePlan
     let has_derivative = |q: &Quantity| {
         axle.elastic.is_none() || not_in_equilibrium(*q, axle.kind(), true).is_none()
     };
-    // The page may request any quantity, but some have no second derivatives.
+    // The page may request any quantity. Some quantities have no second derivatives, and some have no derivatives at all in
+    // equilibrium.
     let derivatives = if quantities.iter().all(has_derivative) {
         plan.derivatives.min(1)
     } else {
@@ -155,8 +156,8 @@ fn asking_for(plan: &AxlePlan, axle: &Axle, names: &[String]) -> Result<AxlePlan
     })
 }
 
-/// Holds the rack of a motion at a displacement in the internal frame (x forward, y left, z up). Each row of a table has its
-/// own rack displacement.
+/// Holds the rack of a motion at a displacement in the internal frame (x forward, y left, z up). In a motion that is given as a
+/// table, every row gets this displacement.
 fn hold_rack(motion: &mut AxleMotion, rack: f64) {
     let racks = if motion.has_rows() {
         motion.stations()
@@ -260,7 +261,7 @@ pub(super) fn solved(
     })
 }
 
-/// Groups of the stations of a motion. The stations of a table of rows are one group.
+/// Groups of the stations of a motion. If the motion is given as a table of rows, all its stations form one group.
 fn grouped(motion: &AxleMotion, axle: &Axle, request: &SolveRequest) -> Groups {
     let places = places(motion, axle);
     if motion.has_rows() {

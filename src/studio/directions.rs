@@ -10,7 +10,7 @@ use crate::study::Variable;
 /// Largest change of the misfit that counts as no change, for a move across the whole range. The misfit is a multiple of the
 /// tolerances.
 const UNSEEN: f64 = 0.01;
-/// Largest number of directions.
+/// Largest number of directions in an answer.
 const MOST: usize = 8;
 
 /// Combinations of the study's variables that leave the targets unchanged, to first order.

@@ -6,7 +6,7 @@ pub(super) struct Groups {
     pub of_stations: Vec<usize>,
     /// Values of all sliders at the first station of each group.
     pub places: Vec<Vec<f64>>,
-    /// Index of the group nearest to the sliders.
+    /// Index of the group nearest to the slider positions.
     pub shown: usize,
 }
 
@@ -41,7 +41,7 @@ impl Groups {
         }
     }
 
-    /// One group of all stations, whose coordinates change together.
+    /// Makes one group of all stations, for a motion that is given as a table of rows.
     pub(super) fn one(places: &[Vec<f64>]) -> Self {
         Groups {
             of_stations: vec![0; places.len()],
@@ -69,7 +69,7 @@ impl Groups {
         }
     }
 
-    /// Values of all sliders at the first station of the group nearest to the sliders.
+    /// Values of all sliders at the first station of the group nearest to the slider positions.
     pub(super) fn shown_place(&self) -> Option<&[f64]> {
         self.places.get(self.shown).map(Vec::as_slice)
     }

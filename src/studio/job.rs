@@ -16,7 +16,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Message that refuses to tune a study without goals.
+/// Message that refuses to tune a study without variables and targets.
 pub(super) const NO_SECTION: &str =
     "the study has no [optimise] section with variables and targets";
 /// Message that refuses to tune a design in which every coordinate is locked.
@@ -37,7 +37,7 @@ fn panicked(panic: &(dyn Any + Send)) -> String {
 /// Converts a range relative to the design in the file to a range relative to the present design. The page has moved the points
 /// of the variable by `moved` units. The result always contains the present position. If the points have moved by different
 /// amounts, the range stays as it is and becomes relative to their present positions. The second value is a note if the tuning
-/// may therefore leave the range in the file.
+/// may therefore go beyond the range in the file.
 pub(super) fn counted_from_file(
     name: &str,
     [low, high]: [f64; 2],

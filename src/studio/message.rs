@@ -32,7 +32,7 @@ pub(super) struct Overview {
     pub digest: String,
     /// SHA-256 of the file's text without unsaved changes.
     pub base: String,
-    /// Sections of the study as in the file, for forms.
+    /// Sections of the study as in the file, for the forms of the page.
     pub written: serde_json::Value,
     pub topology: String,
     pub unit: String,
@@ -43,7 +43,7 @@ pub(super) struct Overview {
     pub joints: Vec<JointOverview>,
     pub design: Coordinates,
     pub scene: WholeScene,
-    /// The catalogue.
+    /// All characteristics that the page can show.
     pub characteristics: Vec<CharacteristicOverview>,
     pub is_axle: bool,
     /// True if stations are load cases.
@@ -85,7 +85,7 @@ pub(super) struct Slider {
     pub home: f64,
     /// Values over the motion.
     pub values: Vec<f64>,
-    /// Names of the values, if the slider selects from a list. The number is then the index in this list.
+    /// Names of the values, if the slider selects from a list. The value of the slider is then the index in this list.
     pub names: Vec<String>,
 }
 
@@ -116,7 +116,7 @@ pub(super) struct TextChange {
 pub(super) struct PointOverview {
     pub name: String,
     pub about: String,
-    /// Axle of a car, and the point's name in its study.
+    /// Axle of a car, and the point's name in the study of this axle.
     pub axle: Option<[String; 2]>,
     /// Displacement from the point's coordinates to its position in a drawing of the whole vehicle.
     pub shift: [f64; 3],
@@ -193,7 +193,7 @@ pub(super) struct SolvedAnswer {
     pub groups: Vec<usize>,
     /// Values of all sliders at the first station of each group.
     pub group_places: Vec<Vec<f64>>,
-    /// Index of the group nearest to the sliders. The field `rack` is the rack displacement of this group.
+    /// Index of the group nearest to the slider positions. The field `rack` is the rack displacement of this group.
     pub shown: usize,
     pub rack: f64,
     /// True if the motion is given as a table of rows. Then curves connect the stations in the order of the rows.
@@ -202,7 +202,8 @@ pub(super) struct SolvedAnswer {
     pub is_partial: bool,
     pub status: Vec<&'static str>,
     pub failures: Vec<FailureRange>,
-    /// Mechanism at the station of the drawing, and the study's own design at the same station.
+    /// Mechanism at the slider positions: the wheel, the left wheel of an axle, or the left side of a car. `None` if the design
+    /// cannot be solved.
     pub frame: Option<Drawn>,
     /// Right wheel of an axle, or right side of a car.
     pub right: Option<Drawn>,
@@ -240,7 +241,7 @@ pub(super) struct SidePlacement {
     pub contacts: [[f64; 3]; 2],
     /// Centre of gravity of the sprung mass.
     pub sprung_cg: [f64; 3],
-    /// Axes of the drawing, as rows, in the axes of the body.
+    /// Axes of the drawing in the axes of the car's body. Each row is one axis.
     pub axes: [[f64; 3]; 3],
 }
 
@@ -307,7 +308,7 @@ pub(super) struct DirectionsAnswer {
 }
 
 impl DirectionsAnswer {
-    /// No direction.
+    /// Makes an answer without directions.
     pub(super) fn none() -> Self {
         DirectionsAnswer {
             directions: Vec::new(),
@@ -375,7 +376,7 @@ pub(super) struct Proposal {
     pub design: Coordinates,
     /// Changes of the text that set the tuned rates of elastic parts.
     pub edits: Vec<ValueEdit>,
-    /// Present value of each edit, so that the page can apply a part of the change.
+    /// Present value that each edit replaces, so that the page can apply a part of the change.
     pub origins: Vec<serde_json::Value>,
     /// Changed rates in words: part, present rate, tuned rate.
     pub rates: Vec<[String; 3]>,

@@ -10,13 +10,13 @@
 //! deviation is
 //!
 //! ```text
-//! d rms/dx = r . J / (s^2 n rms),    over its own rows.                     (2)
+//! d rms/dx = r . J / (s^2 n rms),    r and J of this target only           (2)
 //! ```
 //!
 //! A misfit of zero has no gradient. In this case, the gradient is given as zero, because the square of the misfit has its
 //! minimum there.
 //!
-//! The page solves the nominal design. The misfit on the page is the misfit of this design, even if a tuning improves builds.
+//! The misfit on the page is that of the nominal design, even if a tuning lowers the misfit of builds with scatter.
 
 use super::message::{Coordinates, Misfit, TargetMisfit};
 use super::study_file::Opened;
@@ -32,8 +32,8 @@ pub(super) fn misfit(opened: &Opened, study: &Study) -> Result<Option<Misfit>, D
         return Ok(None);
     };
     let suspension = study.wheel();
-    // The layout contains the coordinates of the right wheel. So the layout must be made again if that wheel has its own
-    // points.
+    // The stations in `layout` have the points of the right wheel. If the study gives these points separately, they move with
+    // the design, so the stations are made again.
     let has_own = study.axle().is_some_and(|both| both.axle.right.is_some());
     let own = has_own.then(|| TargetLayout::nominal(optimise, &study.vehicle));
     let found = assessed(suspension, &opened.every, own.as_ref().unwrap_or(layout))?;
@@ -108,7 +108,7 @@ impl Misfit {
     }
 }
 
-/// Product r . J over some rows, divided by a factor, for each point: (1), (2).
+/// Product r . J over `rows`, divided by `divisor`, for each coordinate: see (1) and (2).
 fn gradient(
     residuals: &DVector<f64>,
     jacobian: &DMatrix<f64>,

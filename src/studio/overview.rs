@@ -147,7 +147,7 @@ fn scene(suspension: &Suspension) -> WholeScene {
     }
 }
 
-/// Sections of a study as they are written, for forms.
+/// Sections of a study as they are written, for the forms of the page.
 fn written(text: &str) -> serde_json::Value {
     let document: toml::Table = text.parse().unwrap_or_default();
     let suspension = document.get("suspension").and_then(toml::Value::as_table);
@@ -228,7 +228,7 @@ fn catalogue(own: &WheelStudy, optimise: Option<&Optimise>) -> Vec<Characteristi
     all.chain(figures).collect()
 }
 
-/// Sliders of a study's own motion, and the index of the main one.
+/// Sliders of a study's own motion, and the index of the slider that is on the horizontal axis of curves at first.
 fn sliders(study: &Study) -> (Vec<Slider>, usize) {
     match study.axle() {
         None => of_corner(study),
@@ -236,7 +236,7 @@ fn sliders(study: &Study) -> (Vec<Slider>, usize) {
     }
 }
 
-/// Sliders of one wheel, and the index of the main one.
+/// Sliders of one wheel, and the index of the slider that is on the horizontal axis of curves at first.
 fn of_corner(study: &Study) -> (Vec<Slider>, usize) {
     let motion = study.motion();
     let (key, name, unit) = match motion.drive {

@@ -11,7 +11,7 @@ const AXES: [&str; 6] = ["x", "y", "z", "about x", "about y", "about z"];
 #[derive(Default)]
 pub(super) struct TunedRates {
     pub edits: Vec<ValueEdit>,
-    /// Present value of each edit.
+    /// Present value that each edit replaces.
     pub origins: Vec<Value>,
     /// Each changed number in words: part, present rate, tuned rate.
     pub words: Vec<[String; 3]>,

@@ -94,7 +94,8 @@ impl Opened {
     }
 }
 
-/// Refuses points that do not form a suspension, as the reader of a file does, because the solver does not accept them.
+/// Refuses points that do not form a suspension, because the solver does not accept them. Reading a study refuses the same
+/// points.
 pub(super) fn check_geometry(study: &Study) -> Result<(), String> {
     let right = study.axle().and_then(|both| both.axle.right.as_ref());
     for (wheel, side) in [(Some(study.wheel()), ""), (right, "right wheel: ")] {
@@ -433,7 +434,7 @@ pub(super) fn moved_in(
 /// Largest length of a name in bytes. A temporary file has a longer name.
 const LONGEST_NAME: usize = 200;
 
-/// Checks that a name is valid on every operating system, for a study in the folder itself.
+/// Checks that a file name is valid on every operating system and contains no folder.
 pub(super) fn check_name(name: &str) -> Result<(), String> {
     if name.contains(['/', '\\', ':']) {
         return Err(format!(

@@ -17,7 +17,7 @@ pub(super) struct Turns(Mutex<HashMap<u64, (u64, Stop)>>);
 /// Flag that stops a request.
 pub(super) type Stop = Arc<AtomicBool>;
 
-/// Entry of a running request. The entry is removed when this value is dropped.
+/// Registration of a running request. The registration is removed when this value is dropped.
 pub(super) struct Turn<'t> {
     turns: &'t Turns,
     page: u64,
@@ -46,7 +46,7 @@ impl Turns {
     }
 
     fn running(&self) -> MutexGuard<'_, HashMap<u64, (u64, Stop)>> {
-        // The entries are complete even after a panic in a thread.
+        // The registrations are complete even after a panic in a thread.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -11,7 +11,7 @@
 //!  1.0   1500.0
 //! ```
 //!
-//! The reader skips damping and the header, because they do not affect equilibria.
+//! [`read`] skips damping and the header, because they do not affect equilibria.
 
 use crate::error::{Source, StudyError, StudyErrors};
 use std::ops::Range;

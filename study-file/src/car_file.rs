@@ -255,7 +255,7 @@ pub struct Tolerance {
     pub builds: Option<Whole>,
     /// Seed of the random numbers.
     pub seed: Option<Whole>,
-    /// Dimensions that scatter.
+    /// Hardpoints, lengths, rates and values of the car that scatter.
     pub scatter: Spanned<Vec<Spanned<Scatter>>>,
     /// Limits for the yield.
     pub bands: Option<Vec<Spanned<Band>>>,
@@ -279,9 +279,9 @@ pub struct Scatter {
     pub rate: Option<Text>,
     /// Name of a value of the car.
     pub car: Option<Text>,
-    /// Side of the only wheel whose parts scatter.
+    /// Side of the wheel whose parts scatter. If omitted, the parts of both wheels scatter.
     pub side: Option<Text>,
-    /// Only coordinate that scatters.
+    /// The one coordinate that scatters. If omitted, all three coordinates scatter.
     pub axis: Option<Text>,
     /// Standard deviation of a normal scatter.
     pub sigma: Option<Number>,

@@ -1,13 +1,13 @@
 //! Dimensions of the numbers in a study: how each number changes if the file uses other units or axes.
 //!
-//! The tables of this module have one line for each number that the reader of studies accepts. A test compares the tables with
-//! the reader, so a new key cannot be forgotten. Paths are written as in [`schema`](crate::schema): `suspension.hardpoints{}`
-//! is each value of a table whose keys are names, and `optimise.targets[]` is each element of a list. A line applies to all
-//! values below its path, too.
+//! The tables of this module have one line for each number that a study may contain. A test compares the tables with the types
+//! of [`file`](mod@crate::file) and [`car_file`](crate::car_file), so a new key cannot be forgotten. Paths are written as in
+//! [`schema`](crate::schema): `suspension.hardpoints{}` is each value of a table whose keys are names, and `optimise.targets[]`
+//! is each element of a list. A line applies to all values below its path, too.
 
 use crate::schema::Root;
 
-/// Powers of the units in a number.
+/// Unit of a number, as powers of the units of length, force and mass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Powers {
     /// Power of the unit of length.
@@ -46,13 +46,13 @@ impl Powers {
 pub enum Dimension {
     /// A number, or a list or a range of numbers, without directions.
     Plain(Powers),
-    /// Coordinates `[x, y, z]` along the study's axes, in powers of units: positions, directions, forces.
+    /// Coordinates `[x, y, z]` along the study's axes, each with the same unit: positions, directions, forces.
     Vector(Powers),
     /// Moments `[x, y, z]` about the study's axes.
     Moment,
     /// A displacement along the study's y axis.
     AlongY,
-    /// Direction `[x, y, z]` of a displacement that is given as a displacement along the study's y axis.
+    /// Direction `[x, y, z]` of a displacement. The displacement is positive if it points along the study's y axis.
     DirectionForY,
     /// Six numbers of a bushing: three along its axes, then three about these axes. The units are force and torque, divided by
     /// a power of the deflection.
@@ -64,7 +64,7 @@ pub enum Dimension {
     Pairs([Powers; 2]),
     /// Coefficients of the terms 1, hf, hr, hf2, hf hr and hr2, where hf and hr are lengths.
     ByTwoLengths,
-    /// A number whose dimension depends on other keys of its entry.
+    /// A number whose dimension depends on other keys of its entry, such as a target.
     OfEntry(Role),
 }
 
@@ -350,7 +350,7 @@ fn lines(root: Root) -> impl Iterator<Item = &'static Line> {
     own.iter().chain(OF_TUNING)
 }
 
-/// Dimension of the value at exactly this path. `None` for texts, counts and tables of other keys.
+/// Dimension of the value at exactly this path. `None` for texts, counts, and tables with further keys.
 pub fn dimension(root: Root, place: &str) -> Option<Dimension> {
     let line = lines(root).find(|(own, _)| *own == place);
     line.map(|(_, dimension)| *dimension)
@@ -376,8 +376,8 @@ mod tests {
     use super::*;
     use crate::schema::number_places;
 
-    /// The reader accepts a number at exactly the paths that the tables name. Exactly one line of the tables applies to each
-    /// path.
+    /// The types of [`file`](mod@crate::file) accept a number at exactly the paths that the tables name. Exactly one line of
+    /// the tables applies to each path.
     #[test]
     fn every_number_of_a_study_has_one_dimension() {
         for root in Root::ALL {

@@ -28,7 +28,7 @@ pub use suspension::{ExtraPoint, Suspension, Wheel};
 pub use tolerance::{Adjustment, Band, Scatter, Setup, Tolerance};
 pub use vehicle::{Axle, OwnAngles, OwnBushing, OwnRight, Steering, Vehicle};
 
-/// Coordinates. The reader accepts any number of values; three are valid.
+/// Coordinates. This type accepts any number of values, but only three are valid.
 pub type Coordinates = Spanned<Vec<Number>>;
 
 /// Complete study file.

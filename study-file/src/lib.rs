@@ -3,7 +3,7 @@
 //!
 //! This crate makes a [`file::File`] from a text. `hardpoint-engine` makes a study from that file: it checks the meaning of
 //! names and the combinations of values. Both crates report errors with [`error`]. This crate contains nothing about
-//! suspensions, so it need not be compiled again when a formula changes. So serde's code for a hundred keys is compiled only
+//! suspensions, so it need not be compiled again when a formula changes. Serde's code for a hundred keys is then compiled only
 //! once.
 //!
 //! | module | content |
@@ -16,7 +16,7 @@
 //! | [`names`] | look-up of names, and suggestions for misspelt ones |
 //! | [`source`] | texts from disk |
 //! | [`dimension`] | units and directions of every number |
-//! | [`schema`] | JSON schema of studies, derived from the reader itself |
+//! | [`schema`] | JSON schema of studies, derived from the code that parses them |
 
 // This crate prints nothing; only commands print.
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]

@@ -41,7 +41,7 @@ const SYNONYMS: [(&str, &str); 31] = [
 /// Endings of names in other programs and of columns: `roll_angle`, `heave_mm`.
 const ENDINGS: [&str; 5] = ["_angle", "_deg", "_mm", "_in", "_percent"];
 
-/// Candidate that the user probably meant by `name`.
+/// Candidate that the user probably meant by `name`. `None` if no candidate is similar.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let candidates: Vec<&str> = candidates.into_iter().collect();
     nearest_of(name, &candidates)

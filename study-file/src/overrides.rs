@@ -3,7 +3,7 @@
 use crate::error::{StudyError, StudyErrors};
 use toml_edit::{DocumentMut, Item, Key, Table, TableLike, Value};
 
-/// Applies overrides to a text, in order. A text that is not valid TOML stays unchanged; the reader of studies reports the
+/// Applies overrides to a text, in order. A text that is not valid TOML stays unchanged, because [`crate::parse`] reports this
 /// error later.
 pub fn apply(name: &str, text: &str, overrides: &[String]) -> Result<String, StudyErrors> {
     let Ok(mut document) = text.parse::<DocumentMut>() else {

@@ -16,8 +16,8 @@ pub fn parse(source: &Arc<Source>) -> Result<File, StudyErrors> {
     parse_as(source)
 }
 
-/// Reads the text of a car's study. This function is in this crate, so that the many small functions that it uses are compiled
-/// without optimisation.
+/// Reads the text of a car's study. This function is in this crate, because this crate is compiled without optimisation. The
+/// many small functions that it uses then compile fast.
 pub fn parse_car(source: &Arc<Source>) -> Result<CarFile, StudyErrors> {
     parse_as(source)
 }

@@ -1,10 +1,11 @@
 //! The JSON schema of studies, for editors.
 //!
-//! The schema is derived from the reader itself. The program reads the types of [`file`](mod@crate::file) from an artificial
-//! source without text. The source records the kind of value that each type requests: a text, a list, or a table with certain
-//! keys. It returns a value of this kind. If a type accepts any kind, the source offers every kind. The source also leaves out
-//! each key once, to find out whether the key is required. So the schema has exactly the reader's keys, and no second list of
-//! them exists. The descriptions of keys come from `keys.md`, which the manual (`docs/study.md`) contains.
+//! The schema is derived from the study parser: serde's code for the types of [`file`](mod@crate::file) and
+//! [`car_file`](crate::car_file). The program runs this parser on an artificial source without text. The source records the
+//! kind of value that each type requests: a text, a list, or a table with certain keys. It returns a value of this kind. If a
+//! type accepts any kind, the source offers every kind. The source also leaves out each key once, to find out whether the key
+//! is required. So the schema has exactly the keys that the parser accepts, and no second list of them exists. The descriptions
+//! of keys come from `keys.md`, which the manual (`docs/study.md`) contains, and from `car_keys.md`.
 //!
 //! A study of one wheel or an axle and the study of a car are two kinds of file ([`Root`]). The schema covers both.
 //!
@@ -71,14 +72,14 @@ pub struct Allowed {
     pub pattern: Option<String>,
 }
 
-/// Runs of the reader on the artificial source, and their records.
+/// Runs of the study parser on the artificial source, and their records.
 struct Probe {
     root: Root,
     notes: RefCell<Notes>,
 }
 
 impl Probe {
-    /// Runs the reader once. Returns true if it accepts the offered values.
+    /// Runs the study parser once. Returns true if it accepts the offered values.
     fn read(&self) -> bool {
         self.notes.borrow_mut().refused = None;
         let source = Source {
@@ -88,8 +89,8 @@ impl Probe {
         self.root.is_read(source)
     }
 
-    /// Runs the reader until it accepts the offered values. After each refused value, offers the next kind at its path.
-    /// Returns false if the reader refuses all kinds.
+    /// Runs the study parser until it accepts the offered values. After each refused value, offers the next kind at its path.
+    /// Returns false if the parser refuses all kinds.
     fn settle(&self) -> bool {
         for _ in 0..1000 {
             if self.read() {
@@ -112,7 +113,7 @@ impl Probe {
         false
     }
 
-    /// Offers all other kinds at each path that accepts any kind, until nothing new appears.
+    /// Offers all other kinds at each path that accepts any kind, until no new path appears.
     fn offer_every_kind(&self) {
         let mut tried = BTreeSet::new();
         loop {
@@ -138,7 +139,7 @@ impl Probe {
         }
     }
 
-    /// Keys that the reader requires. Withholds each key of each table once.
+    /// Keys that the study parser requires. Withholds each key of each table once, to find out whether the parser then fails.
     fn required(&self, places: &BTreeMap<String, Place>) -> BTreeSet<String> {
         let notes = &self.notes;
         let mut needed = BTreeSet::new();
@@ -147,7 +148,7 @@ impl Probe {
                 continue;
             }
             let before = notes.borrow().offers.clone();
-            // At a path with several kinds, a table is offered.
+            // At a path that accepts several kinds, the source offers a table.
             if place.takes_any {
                 notes.borrow_mut().offers.insert(path.clone(), Kind::Table);
             }
@@ -165,7 +166,7 @@ impl Probe {
     }
 }
 
-/// Values that the reader requests, by path, and the keys that it requires.
+/// Values that the study parser requests, by path, and the keys that it requires.
 fn places(root: Root) -> (BTreeMap<String, Place>, BTreeSet<String>) {
     let probe = Probe {
         root,
@@ -179,7 +180,7 @@ fn places(root: Root) -> (BTreeMap<String, Place>, BTreeSet<String>) {
     (found, needed)
 }
 
-/// Paths at which the reader accepts a number that is not a count.
+/// Paths at which the study parser accepts a number that is not a count.
 #[cfg(test)]
 pub(crate) fn number_places(root: Root) -> Vec<String> {
     let (places, _) = places(root);

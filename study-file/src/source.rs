@@ -1,4 +1,4 @@
-//! Texts from disk.
+//! Reads texts from files and from standard input.
 
 use std::fs::File;
 use std::io::{ErrorKind, Read};

@@ -57,7 +57,7 @@ impl<'de> Deserialize<'de> for Number {
 
 struct Finite(f64);
 
-/// Visitor for a type for which the macro `written!` defines the reader.
+/// Serde visitor for a type that the macro `written!` makes readable.
 struct Written<T>(PhantomData<T>);
 
 /// Makes a type readable from each kind of value that may represent it.

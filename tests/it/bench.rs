@@ -201,7 +201,7 @@ fn throughput_is_measured_by_every_way_there_is() {
         // One run for the motion ratio if the wheel has a spring.
         let springs = study.wheel().mechanism.spring.iter().count();
         // In lanes of each width, the benchmark measures times of angles, gains and two kinds of gradients. In the widest
-        // lanes, it also measures times of angles on two threads, and extra points. `limit` is 1 if the benchmark measures
+        // lanes, it also measures times of angles on two CPU threads, and extra points. `limit` is 1 if the benchmark measures
         // times of poses at given arm angles, which is the fastest case.
         let expected = (2 + gradients) * widths + 2 + springs + limit;
         assert_eq!(of("lanes"), expected, "{name}");

@@ -140,7 +140,8 @@ fn whole_curves_are_proved_to_be_one_branch() {
         found.iter().all(|r| r.is_ok_and(|e| e < 1e-13)),
         "{found:?}"
     );
-    // Moves from each end to the other in a single step.
+    // The only stations are the ends of this range. The solver reaches both from the design position, without stations
+    // between.
     let found = certified(&mut solver, &certifier, Drive::Travel, &[-0.3, 0.3], 0.0);
     println!("{found:?}");
     assert!(found.iter().all(|r| r.is_ok_and(|e| e < 1e-12)));

@@ -300,7 +300,7 @@ fn limits_are_sharp_and_have_a_cause() {
     );
     let lowest = "the wheel centre is at its lowest point, no part is at a singularity";
     assert!(travel["because"].as_str().unwrap().starts_with(lowest));
-    // The message names the member nearest to a limit by its name in this topology.
+    // The message names the part that is nearest to its singularity, by the part's name in this topology.
     let wishbones = studies().join("double_wishbone_solve.toml");
     let assert = hardpoint(&["limits", wishbones.to_str().unwrap(), "--format", "json"]).success();
     let other: serde_json::Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();

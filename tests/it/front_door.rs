@@ -1,5 +1,5 @@
-//! Tests of the Rust interface with impossible requests. Every request returns an error with a message. No thread overflows its
-//! stack, even if the program is compiled without optimisation.
+//! Tests of the Rust interface with impossible requests. Every request returns an error with a message. No CPU thread overflows
+//! its stack, even if the program is compiled without optimisation.
 
 use hardpoint::{
     Axis, BuildError, Characteristic, Control, Error, Iteration, Motion, Order, Sampling, Study,
@@ -80,8 +80,9 @@ fn descend(mib: usize) -> usize {
     }
 }
 
-/// A program compiled without optimisation needs 5 MiB of stack in a sweep and 12 MiB for a certificate. The threads of sweeps
-/// and tunings, on which callbacks run, have more. With the default stack of rayon (2 MiB), this test process would abort.
+/// Compiled without optimisation, a sweep needs 5 MiB of stack and a certificate 12 MiB. Callbacks run on the CPU threads of
+/// sweeps and tunings, and these threads have more stack. With the default stack of the library rayon (2 MiB), this test
+/// process would abort.
 #[test]
 fn the_threads_of_sweeps_and_tunings_have_large_stacks() {
     let suspension = suspension();

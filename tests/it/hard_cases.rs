@@ -373,7 +373,8 @@ fn limits_at_the_toggle_of_the_tie_rod_are_exact() {
             LimitCause::TieRodToggle,
         ),
     ];
-    // The toggle of the tie rod is near both ends of the travel. The wheel passes it without losing the pose.
+    // Near both ends of the travel, the tie rod is close to its toggle. The solver still finds the ends, and names the toggle
+    // as the nearest singularity.
     for (end, known, unit, cause) in wanted {
         let RangeEnd::Fold(limit) = end else {
             panic!("{end:?}")

@@ -96,9 +96,9 @@ fn sweeps_have_no_centre_there_either() {
     assert_eq!(designs, 64);
 }
 
-/// An arm turns about u: C_z' = w (u_x (C_y - P_y) - u_y (C_x - P_x)), with the contact point C and a point P on the
-/// pivot axis. So the swing arm C_z'/w_x is (C_y - P_y) - (u_y/u_x) (C_x - P_x). The component w_x is at least a
-/// ten-millionth of w, so nine of sixteen digits are correct.
+/// An arm turns about the unit vector u at the rate w: C_z' = w (u_x (C_y - P_y) - u_y (C_x - P_x)), with the contact
+/// point C and a point P on the pivot axis. So the swing arm C_z'/w_x is (C_y - P_y) - (u_y/u_x) (C_x - P_x). The
+/// component w_x is at least a ten-millionth of w, so nine of sixteen digits are correct.
 #[test]
 fn far_centres_are_those_of_the_closed_form() {
     for ahead in [1e-3, 1e-4, -1e-4] {

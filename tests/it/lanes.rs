@@ -28,8 +28,8 @@ fn study(name: &str, travel: &str, rack: &str) -> Study {
     Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Sample study driven by the angle of the lower arm. There a gain (per travel) differs from the derivative with respect
-/// to the drive.
+/// Sample study driven by the angle of the lower arm. With this drive, a gain (per travel) differs from the derivative
+/// with respect to the drive.
 fn by_arm_angle(name: &str) -> Study {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("studies")

@@ -1,4 +1,4 @@
-//! Tests of the production solver against the reference values (110 digits, see `tests/data/reference`).
+//! Tests of the program's solver against the reference values (110 digits, see `tests/data/reference`).
 
 use crate::support::{
     ANGLES, AXES, Case, Worst, motion, number, order_to, sensitivity_errors, vector,
@@ -37,7 +37,7 @@ fn expected(case: &Case, state: &Value, sign: f64) -> Vec<(String, Quantity, [f6
 
 #[derive(Default)]
 struct Errors {
-    /// Errors of positions relative to the size, and errors of angles.
+    /// Errors of positions relative to the suspension size, and errors of angles.
     value: Worst,
     /// Error relative to the largest value of the same kind and order.
     first: Worst,
@@ -175,9 +175,9 @@ fn by_rack(
     }
 }
 
-/// Asserts the bounds for an ordinary road-car strut. Errors of positions are below 1e-13 of the size, and errors of
-/// first and second derivatives below 1e-11. Errors of sensitivities (of positions and both derivatives) are below 1e-10
-/// of the largest of their kind.
+/// Asserts the bounds for an ordinary road-car strut. Errors of positions are below 1e-13 of the suspension size, and
+/// errors of first and second derivatives below 1e-11. Errors of sensitivities (of positions and both derivatives) are
+/// below 1e-10 of the largest of their kind.
 fn within_bounds(errors: &Errors) {
     assert!(errors.value.0 < 1e-13, "{:e}", errors.value.0);
     for e in [

@@ -384,7 +384,7 @@ fn examine(number: u64, tally: &mut Tally) {
                     (None, Some(_)) => tally.lost += 1,
                     (Some(slow), None) => {
                         let same = apart(pose, &slow, size) <= 1e-6 * size;
-                        // A degenerate design may have another assembly within a millionth of the size. Only a
+                        // A degenerate design may have another assembly within a millionth of the suspension size. Only a
                         // certificate can distinguish them.
                         assert!(same || !trial.ordinary, "{number}");
                         tally.parted += !same as usize;
@@ -536,7 +536,7 @@ fn a_million_designs() {
     assert!(total.slowest.0 < 10.0);
 }
 
-/// Number of designs that one thread examines at a time.
+/// Number of designs that one CPU thread examines at a time.
 const BLOCK: u64 = 1000;
 
 fn examine_block(numbers: Range<u64>) -> Tally {

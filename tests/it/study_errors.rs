@@ -509,8 +509,8 @@ fn curve_files() {
     assert_eq!(again, Study { inputs, ..study });
 }
 
-/// Until version 0.1, this key meant wheel travel. The program refuses it now and gives the equivalent with the same
-/// value, for both signs.
+/// Until version 0.1, this key meant wheel travel. The program refuses it now. The message proposes the key `travel`
+/// with the same value, or `ride_height_change` with the opposite sign.
 #[test]
 fn the_old_ride_height_is_explained_with_its_own_value() {
     for (written, said) in [

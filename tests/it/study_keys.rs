@@ -1,6 +1,6 @@
-//! Tests that `docs/study.md` lists exactly the keys that the reader of studies accepts.
+//! Tests that `docs/study.md` lists exactly the keys that the program accepts in a study.
 //!
-//! If the reader finds an unknown key, it lists all known keys. The test reads this list.
+//! If a study contains an unknown key, the program lists all known keys. The test reads this list.
 
 use hardpoint::study::{CarStudy, Study};
 use std::collections::{BTreeMap, BTreeSet};
@@ -201,13 +201,13 @@ adjust = []
 scatter = []
 "#;
 
-/// Keys of a study that the reader accepts in the table of `text` with the key `bogus`.
+/// Keys of a study that the program accepts in the table of `text` with the key `bogus`.
 fn known_keys(text: &str) -> BTreeSet<String> {
     let refused = Study::from_text("keys.toml", text, Path::new("")).unwrap_err();
     keys_in(&refused.render(false), text)
 }
 
-/// Keys of the study of a car that the reader accepts in the table of `text` with the key `bogus`.
+/// Keys of the study of a car that the program accepts in the table of `text` with the key `bogus`.
 fn known_keys_of_car(text: &str) -> BTreeSet<String> {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("car.toml");

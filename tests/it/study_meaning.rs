@@ -187,7 +187,7 @@ fn static_angles_are_those_of_the_catalogue() {
     assert!((a.x.atan2(a.y).to_degrees() - 0.1).abs() < 1e-14);
 }
 
-/// The reader accepts the geometry of the 2003 paper. Its wheel has an unusual position, but is on the correct side.
+/// The program accepts the geometry of the 2003 paper. Its wheel has an unusual position, but is on the correct side.
 #[test]
 fn the_papers_example_is_accepted() {
     let study = read(

@@ -22,7 +22,7 @@ const MANY_POSES: u64 = 2_000_000;
 struct Mutant<'a> {
     text: String,
     directory: &'a Path,
-    /// `None` if the reader refuses the study.
+    /// Numbers that determine the run time of the mutant. `None` if the program cannot read the mutant as a study.
     size: Option<Size>,
 }
 
@@ -35,7 +35,7 @@ struct Size {
 }
 
 impl Size {
-    /// Size of a study. `None` if the reader refuses the study.
+    /// Returns these numbers for a study. `None` if the program cannot read the study.
     fn of(text: &str, samples: &Path) -> Option<Size> {
         let study = Study::from_text("study.toml", text, samples).ok()?;
         let stations = match study.axle() {

@@ -4,7 +4,7 @@ use std::process::{Child, ExitStatus};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// Processor time allowed for a command on a study of ordinary size, summed over all threads. The test does not use
+/// Processor time allowed for a command on a study of ordinary size, summed over all CPU threads. The test does not use
 /// elapsed time, because elapsed time depends on the load of the machine.
 const MOST_SECONDS: f64 = 10.0;
 /// Limit of elapsed time. It ends processes that wait without computing. It also applies on systems where the processor

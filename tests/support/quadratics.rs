@@ -164,7 +164,7 @@ impl Quadratics<f64> {
         for i in 0..5 {
             let lever = match self.rods[i] {
                 Equation::Rod(End::Body(_) | End::Rack(_), lever, _) => lever.to_array(),
-                // Derivatives from differences are sufficient for Newton's method.
+                // Derivatives from finite differences are sufficient for Newton's method.
                 _ => {
                     for j in 0..12 {
                         let mut unit = SVector::<f64, 12>::zeros();

@@ -9,7 +9,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// Largest processor time from a signal to the end of the process, summed over all threads.
+/// Largest processor time from a signal to the end of the process, summed over all CPU threads.
 const MOST_SECONDS: f64 = 0.3;
 /// Error of a difference of two readings of processor time. A tick of the clock in `/proc/PID/stat` is 0.01 s, and each
 /// reading has an error of up to one tick.
@@ -87,7 +87,7 @@ fn case(command: &'static str, arguments: &str, study: &str) -> Case {
     }
 }
 
-/// Commands that can run on a study. Their sizes are chosen so that they take about a second.
+/// Commands that can run on a study. Their settings are chosen so that each command takes about a second.
 fn cases_of(study: &str, text: &str) -> Vec<Case> {
     let has = |section: &str| text.contains(&format!("\n[{section}"));
     let is_axle = has("axle");

@@ -2,7 +2,8 @@
 //! continuation uses other equations, another solver and another step control than the program.
 //!
 //! The unknowns are the position of the knuckle's origin and the nine entries of its rotation. The position is relative
-//! to the origin's design position, with the nearest power of two to the size as unit:
+//! to the origin's design position, with the nearest power of two to the suspension size as unit.
+//! The equations for the origin o and the rotation R are:
 //!
 //! ```text
 //! |o + R b - c|^2 = |b - c|^2            rods
@@ -10,6 +11,8 @@
 //! (o + R w) . z = w . z + travel         or, with the arm turned, o on a half-plane through its axis
 //! R^T R = 1
 //! ```
+//!
+//! Here b and c are the knuckle end and the chassis end of a rod, w is the wheel centre, and z points up.
 //!
 //! A step follows the tangent. The step is kept if Newton's method from there makes a small correction (the path is nearly
 //! straight), converges, and finds nearly the same determinant. Otherwise the step is halved.

@@ -186,7 +186,7 @@ impl<'t> Task<'t> {
 struct Adjoint {
     design_series: DesignSeries<1>,
     buffer: Vec<Vector3<Jet<f64, 1>>>,
-    /// Index of each point among the requested points.
+    /// Index of each point among the requested points. `None` if the point is not requested.
     place: Vec<Option<usize>>,
 }
 
@@ -427,7 +427,8 @@ fn analytic_and_differences(
     Ok(found)
 }
 
-/// Measures the computing times of gradients alone, at poses that are already solved.
+/// Measures the computing times of gradients alone, at poses that are already solved: by forward and by adjoint
+/// differentiation.
 fn both_ways(task: &Task<'_>, clock: &Clock) -> Result<[Measurement; 2], Unmeasurable> {
     let subject = task.subject;
     let suspension = subject.suspension;

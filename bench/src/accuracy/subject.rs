@@ -144,7 +144,7 @@ impl<'s> Subject<'s> {
         })
     }
 
-    /// Configuration of the mechanism: the design in a pose.
+    /// Returns the mechanism in a pose: the design positions of all points, and the pose of the wheel carrier.
     #[inline]
     pub fn configuration<'a, T: Measured>(
         &'a self,

@@ -2,7 +2,7 @@
 //!
 //! The designs are copies of the study's design. Every hardpoint is moved by up to a hundredth of the mechanism's size, with the
 //! same moves in every run. The formulation of Attia's paper solves the same designs at the same travels, in the same rounds, but
-//! computes no outputs. Jobs with several threads are measured after the rounds.
+//! computes no outputs. Jobs with several CPU threads are measured after the rounds.
 
 mod sweep;
 
@@ -23,9 +23,10 @@ use std::sync::Mutex;
 
 /// Largest move of a hardpoint, relative to the mechanism's size.
 const SCATTER: f64 = 0.01;
-/// Number of blocks that one thread solves per sample.
+/// Number of blocks of designs that one CPU thread solves per timing sample.
 const BLOCKS: usize = 32;
-/// Number of blocks per thread if several threads run. Solving them takes long compared with waking the threads.
+/// Number of blocks of designs per CPU thread if several threads run. Solving these blocks takes much longer than waking the
+/// threads.
 const BLOCKS_OF_THREAD: usize = 512;
 /// Number of designs for slow methods.
 const FEW: usize = 16;
@@ -37,9 +38,9 @@ pub struct Measurement {
     pub asked: &'static str,
     /// Method that finds the poses.
     pub method: String,
-    /// Number of threads.
+    /// Number of CPU threads.
     pub threads: usize,
-    /// Time per pose of all threads together.
+    /// Elapsed time divided by the number of poses of all CPU threads together.
     pub timing: Timing,
 }
 
@@ -72,7 +73,7 @@ const DEVIATION: &str =
     "gradient of the sum of squared deviations of four angles by every hardpoint";
 
 impl Throughput {
-    /// Measures the suspension of a study over its travels, on up to `threads` threads. An axle is measured over its whole
+    /// Measures the suspension of a study over its travels, on up to `threads` CPU threads. An axle is measured over its whole
     /// motion; there a pose is one position of both wheels.
     pub fn measure(study: &Study, threads: usize, clock: &Clock) -> Result<Self, Unmeasurable> {
         if let Some(both) = study.axle() {
@@ -117,7 +118,7 @@ impl Throughput {
     }
 }
 
-/// Outputs that the rows of the table request.
+/// Groups of outputs that the measurements request.
 struct Requested {
     angles: Vec<Quantity>,
     /// The angles and their derivatives with respect to travel.
@@ -149,7 +150,7 @@ impl Requested {
     }
 }
 
-/// Jobs to be timed, each with the outputs, the method and the number of threads of its row.
+/// Jobs to be timed. For each job: the group of outputs, the method and the number of CPU threads.
 #[derive(Default)]
 struct Planned<'a> {
     rows: Vec<(&'static str, String, usize)>,
@@ -238,8 +239,8 @@ impl<'a> Planned<'a> {
         );
     }
 
-    /// Measures the computing times of the jobs. Jobs with several threads run alone. During the samples of other jobs, the
-    /// threads of such a job would lose their processor cores. They would get cores again only after tens of milliseconds.
+    /// Measures the computing times of the jobs. Jobs with several CPU threads run alone. Otherwise their threads would lose
+    /// their processor cores while other jobs are timed. They would get cores again only after tens of milliseconds.
     fn run(self, clock: &Clock) -> Vec<Measurement> {
         let (mut alone, mut together): (Vec<Job<'_>>, Vec<Job<'_>>) = (Vec::new(), Vec::new());
         for (job, (_, _, threads)) in self.jobs.into_iter().zip(&self.rows) {

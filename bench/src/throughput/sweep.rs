@@ -24,7 +24,7 @@ impl<'a> Sweep<'a> {
         Width::available().filter(move |_| has_lanes)
     }
 
-    /// Makes a job that solves blocks of designs on this number of threads.
+    /// Makes a job that solves blocks of designs on this number of CPU threads.
     pub(super) fn job(
         &self,
         quantities: &'a [Quantity],
@@ -47,8 +47,8 @@ impl<'a> Sweep<'a> {
             let block = Block::new(quantities.len(), stations.count());
             workers.push(Mutex::new((evaluator, block)));
         }
-        // The threads are reused, as in a sweep, because a scheduler may take tens of milliseconds to give a new
-        // thread a separate core.
+        // The CPU threads are reused, as in a sweep, because a scheduler may take tens of milliseconds to give a new thread a
+        // separate core.
         let pool = (threads > 1).then(|| hardpoint_engine::threads::pool(threads));
         let pool = pool
             .transpose()

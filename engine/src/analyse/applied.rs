@@ -1,9 +1,9 @@
 //! Forces in constraints, rods and joints, if all external forces on a wheel are known.
 //!
 //! In addition to the load at the wheel, springs and bars act on arms, rockers or the carrier. By virtual work, each of
-//! these forces is equivalent to a wrench on the carrier. The constraints balance the sum of all wrenches. The support
-//! is a vertical force at the wheel centre. If this force is zero, the known forces are in equilibrium along the
-//! suspension's motion.
+//! these forces is equivalent to a wrench on the carrier. The constraints balance the sum of all wrenches. In addition,
+//! a vertical force at the wheel centre keeps the suspension from moving. If this force is zero, the known forces alone
+//! are in equilibrium along the suspension's motion.
 
 use super::loads::{Balance, Balanced, Factors, Reaction, tension};
 use crate::mechanism::Wrench;
@@ -32,7 +32,7 @@ pub enum Applied<T = f64> {
 /// Forces in the suspension that balance the known forces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Carrying<T = f64> {
-    /// Forces of the equations of the constraints. Some constraints have two equations.
+    /// Reaction of each of the five constraint equations. Some constraints have two equations.
     pub constraints: [Reaction<T>; 5],
     /// Tension of the rod of each rocker.
     pub rods: Vec<T>,
@@ -51,8 +51,9 @@ impl<T: Copy> Carrying<T> {
     }
 }
 
-/// Returns the body that carries a point. For a point on a rocker, this is the body at the outer end of the rod that
-/// moves the rocker. If several rods and rockers form a chain, it is the body at the outer end of the last rod.
+/// Returns the body to which a force at a point is transmitted. If the point is not on a rocker, this is the body of
+/// the point. A rocker transmits the force through its rod to the body at the rod's outer end. If several rockers and
+/// rods form a chain, it is the body at the outer end of the last rod.
 fn seat(mechanism: &Mechanism, id: PointId) -> Body {
     let last = mechanism.rockers_moving(id).last();
     mechanism.body(last.map_or(id, |rocker| mechanism.rocker(rocker).outer))

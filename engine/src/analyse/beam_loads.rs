@@ -1,16 +1,19 @@
 //! Forces at the mounts and in the cross member of a twist beam under a load.
 //!
-//! `model/twist_beam.rs` describes the model. A mount holds one half of the beam in x and z. Both mounts move sideways
-//! by equal distances in opposite directions, so the forces on them along y are equal. The far mount M has three rods:
-//! to two points of the hinge, and to a point of the far half. The tensions t of these rods act along the unit vectors
-//! u towards M. The body acts on the far half with the sum of these forces:
+//! `model/twist_beam.rs` describes the model. The near half carries the wheel whose mechanism is used (the near wheel).
+//! The far half carries the opposite wheel (the far wheel). A mount holds one half of the beam in x and z. Relative to
+//! the mounts, both arms move sideways by equal distances in opposite directions, so the forces on the mounts along y
+//! are equal. In the model, three rods connect the far mount M to two points of the hinge and to a point of the far
+//! half. The tensions t of these rods act along the unit vectors u towards M. The body acts on the far half with the
+//! sum of these forces:
 //!
 //! ```text
 //! F = sum t u                                                                                    (1)
 //! ```
 //!
-//! A is the force of the far half's spring, or of the support at its wheel centre. It acts at the point a. The far half
-//! acts on the near half at the shear centre S. From the balance of the far half, this force H and this moment M_S are
+//! A is the force of the far half's spring or, without a spring, the vertical force that supports the far wheel centre.
+//! It acts at the point a. The far half acts on the near half at the shear centre S. From the balance of the far half,
+//! this force H and this moment M_S are
 //!
 //! ```text
 //! H = F + A,        M_S = (M - S) x F + (a - S) x A                                              (2)
@@ -26,7 +29,7 @@ use crate::number::Vector3;
 /// Forces of a twist beam under a load.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeamForces<T> {
-    /// Forces of the body on the near and on the far half, at their mounts.
+    /// Forces of the body on the halves of the beam at their mounts: first on the near half, then on the far half.
     pub mounts: [Vector3<T>; 2],
     /// Force of the far half on the near half at the shear centre.
     pub force: Vector3<T>,
@@ -34,12 +37,12 @@ pub struct BeamForces<T> {
     pub moment: Vector3<T>,
 }
 
-/// A component of these forces.
+/// A component of one of the forces or moments in [`BeamForces`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BeamForce {
-    /// Force of the body on the near half.
+    /// Force of the body on the half of the near wheel.
     Mount(Axis),
-    /// Force of the body on the far half.
+    /// Force of the body on the half of the far (opposite) wheel.
     FarMount(Axis),
     /// Force of the right half on the left half at the shear centre.
     Force(Axis),
@@ -48,7 +51,7 @@ pub enum BeamForce {
 }
 
 impl BeamForce {
-    /// All components, with their names.
+    /// All components, with their names. `far` is the prefix of the names in the far half.
     pub(super) fn all(far: &str) -> impl Iterator<Item = (String, BeamForce)> {
         let kinds = [
             (
@@ -69,8 +72,8 @@ impl BeamForce {
         matches!(self, BeamForce::Force(_) | BeamForce::Moment(_))
     }
 
-    /// Returns the sign that converts a component for the near half to a component for the left half, if the load is on
-    /// this wheel.
+    /// Returns the sign that converts a component from the mechanism of the loaded wheel to the study. If the load is
+    /// on the right wheel, forces and moments between the halves change sign, because they then act on the right half.
     pub(crate) fn sign_of(self, wheel: Side) -> f64 {
         if self.is_single() && wheel == Side::Right {
             -1.0
@@ -124,7 +127,7 @@ impl BeamForce {
 
 impl<T: Balanced> Balance<'_, T> {
     /// Computes the forces of a twist beam by equations (1) and (2). The load is on the near wheel. `far` is the force
-    /// of the support at the far wheel.
+    /// of the spring or support at the far wheel.
     pub(super) fn beam(&self, constraints: &[Reaction<T>; 5], far: T) -> Option<BeamForces<T>> {
         let at = &self.at;
         let rigid = at.mechanism.rigid_axle.as_ref()?;

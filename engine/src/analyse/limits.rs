@@ -1,8 +1,9 @@
 //! Range of a mechanism: the values at which it folds (turning points at which the motion reverses), the reasons, and
 //! the derivatives of these values with respect to the design.
 //!
-//! At a fold, the pose can still move while the drive value does not change: F_x t = 0. With the multipliers w for
-//! which w F_x = 0 and w F_q = 1, the limit q satisfies
+//! Let F be the closure equations, x the pose, q the drive value and p the hardpoints. Subscripts denote derivatives.
+//! At a fold, the pose can still move along a direction t while the drive value does not change: F_x t = 0. There are
+//! multipliers w with w F_x = 0 and w F_q = 1. The value q at the fold satisfies
 //!
 //! ```text
 //! F(x, q, p) = 0   =>   dq/dp = - w . F_p                                         (1)
@@ -43,8 +44,8 @@ pub struct Limit {
     pub pose: Pose<f64>,
     /// Derivative of the value with respect to every point of the design.
     pub gradient: Vec<Vector3<f64>>,
-    /// For a limit of the rack: derivative with respect to the drive, which is held while the rack moves. For a limit
-    /// of a rigid axle's travel: derivative with respect to the other travel. 0 if the drive itself moves.
+    /// Derivative of the value with respect to the drive value. It belongs to a limit of the rack, or of the travel of
+    /// a rigid axle that is not the drive. 0 for a limit of the drive itself.
     pub by_drive: f64,
 }
 
@@ -229,7 +230,7 @@ impl Solver<'_> {
         self.range(drive, Moving::Drive, rack)
     }
 
-    /// Range of the rack, or of the held travel of a rigid axle, at zero travel.
+    /// Range of the rack, with the drive at zero travel. For a rigid axle, range of the travel that is not the drive.
     ///
     /// # Errors
     /// If the design position itself is singular.

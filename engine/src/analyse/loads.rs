@@ -13,8 +13,9 @@
 //! spring on a rocker acts through the rod. The tension of this rod is computed from the moments about the rocker's
 //! axis.
 //!
-//! A rigid axle has two supports, one at each wheel. The support of the far wheel uses the row of the held travel,
-//! which is not a constraint of the mechanism.
+//! A rigid axle has two supports, one at each wheel. The mechanism is that of the near wheel; the far wheel is the
+//! opposite one. One of the axle's two travels is not the drive but held constant. Its row is no constraint of the
+//! mechanism, so the support of the far wheel takes this row.
 //!
 //! All functions are generic over the number type. With series along a design variable, each force includes its
 //! derivative with respect to this variable. The matrix is factorised by its constant part.
@@ -33,9 +34,10 @@ use crate::number::{Each, Jet, Scalar, Vector3};
 use crate::solve::{Conditioning, Solver};
 use members::sprung_joint;
 
-/// Prefix of the names of members in the far half of a rigid axle.
+/// Prefix of the names of members in the far half of a rigid axle, which carries the opposite wheel.
 pub const FAR: &str = "right_";
-/// Index of the row for the held travel of a rigid axle. It is the last of the five rows of constraints.
+/// Index of the row for the travel of a rigid axle that is held constant. It is the last of the five rows of
+/// constraints.
 const FAR_ROW: usize = 4;
 
 /// Point at which a load acts.
@@ -106,7 +108,7 @@ impl<const N: usize> Balanced for Jet<f64, N> {
     }
 }
 
-/// Part of the load that one equation carries.
+/// Part of the load that one constraint equation carries.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reaction<T = f64> {
     /// A rod, or a leg of an arm.
@@ -151,7 +153,7 @@ pub struct Reactions<T = f64> {
     pub constraints: [Reaction<T>; 5],
     /// Force of the support: spring force, positive in compression, or upward force at the wheel centre.
     pub support: T,
-    /// Force of the support at the far wheel of a rigid axle.
+    /// Force of the support at the opposite wheel of a rigid axle. `None` for other suspensions.
     pub far_support: Option<T>,
     /// Tensions of drag link and tie rod of a steered axle.
     pub steering: Option<[T; 2]>,
@@ -367,7 +369,7 @@ impl<'a, T: Balanced> Balance<'a, T> {
     }
 }
 
-/// Returns the tension of the rod between two points, if one of the equations describes the length of this rod.
+/// Returns the tension of the rod between two points. `None` if none of the equations describes the length of this rod.
 pub(super) fn tension<T: Copy>(
     constraints: &[Reaction<T>; 5],
     from: PointId,
@@ -422,7 +424,8 @@ impl<T: Scalar> Row<T> {
                     passed,
                 }
             }
-            // The row of the held travel is the support of the far wheel. No part of the mechanism carries its force.
+            // The support of the opposite wheel takes the row of the constant travel. No part of the mechanism carries
+            // its force.
             Row::AxleTravel(row) => Reaction::Force {
                 point: row.far(),
                 force: at.spin_axis().zero(),
@@ -445,7 +448,7 @@ impl Solver<'_> {
     }
 }
 
-/// Wrench of the support of the far wheel of a rigid axle.
+/// Wrench of the support of the opposite wheel of a rigid axle.
 fn far_support<T: Scalar>(rigid: &RigidAxle, support: Support, at: &Configuration<T>) -> Wrench<T> {
     let like = at.rack;
     let mut row = Wrench::zero(like);

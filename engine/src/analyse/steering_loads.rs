@@ -17,8 +17,8 @@ use crate::model::{RockerId, Rod};
 use crate::number::{Each, Vector3};
 
 impl<T: Balanced> Balance<'_, T> {
-    /// Computes the tensions of drag link and tie rod of a steered axle, under a load on the near wheel and the forces
-    /// of the supports at both wheels.
+    /// Computes the tensions of drag link and tie rod of a steered axle. The load is on the near wheel, whose mechanism
+    /// this is. `near` and `far` are the forces of the supports at this wheel and at the opposite wheel.
     pub(super) fn steering(&self, load: &Load<T>, near: T, far: T) -> Option<[T; 2]> {
         let at = &self.at;
         let rigid = at.mechanism.rigid_axle.as_ref()?;

@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-/// Values that a study accepts for a number. The reader of a study, ranges of variables and scatter use the same values.
+/// Values that a study accepts for a number. The code that reads a study checks numbers, ranges of variables and scatter
+/// against these values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Accepted {
     /// Every number.

@@ -21,7 +21,7 @@ pub struct Info {
     pub reads: &'static [Slot],
     /// Inputs and parts that the study must give.
     pub needs: &'static [Need],
-    /// Highest order of the derivatives with respect to the motion from which the value is computed.
+    /// Highest order of derivatives with respect to the motion that the formula needs.
     pub rate_order: usize,
     /// True if the value is computed from derivatives with respect to the rack.
     pub by_rack: bool,

@@ -5,7 +5,7 @@
 pub enum NoValue {
     /// The station has no pose.
     NoPose,
-    /// The quantity divides two differences of steer angles, and both differences are zero straight ahead.
+    /// The quantity is a quotient of two differences of steer angles. Near straight ahead both differences are almost zero.
     StraightAhead,
     /// The quantity is the intersection of two normals, and these normals are parallel.
     ParallelNormals,

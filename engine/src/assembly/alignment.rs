@@ -9,7 +9,7 @@
 //!
 //! converges faster, the closer the parts are to nominal. If the numbers carry derivatives, each correction makes one
 //! more order of the derivatives exact. The carrier's pose is corrected together with the adjustments (module `settle`).
-//! For this, the code uses the derivative of the pose with respect to each adjustment.
+//! This needs the derivative of the pose with respect to each adjustment.
 
 use super::assembler::Assembler;
 use super::assembly_error::AssemblyError;
@@ -226,8 +226,8 @@ impl Alignment {
         design
     }
 
-    /// Returns a direction of parts with additional adjustments. The adjustments change so that the characteristics in `held`
-    /// keep their values along the direction.
+    /// Returns `direction`, a change of the parts, extended by changes of the adjustments. With these changes, the
+    /// characteristics in `held` keep their values along the direction.
     pub(crate) fn aligned_direction(
         &self,
         assembler: &Assembler,

@@ -36,7 +36,7 @@ use crate::model::{PointId, Suspension};
 use crate::number::{Dual, Each, Outlined, Real, Vector3};
 use crate::solve::Solver;
 
-/// Shortest step from the nominal to the built parts.
+/// Shortest step from the nominal to the built parts, as a fraction of the deviations.
 const SHORTEST_STEP: f64 = 1.0 / 1024.0;
 
 /// Assembles builds of one suspension, one after another.

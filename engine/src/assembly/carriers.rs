@@ -2,14 +2,16 @@
 //!
 //! A rocker of an independent wheel does not locate the knuckle, so its angle is computed after the knuckle's pose.
 //! Rockers of a solid axle (Watt linkage, steered knuckles) locate the axle. The closure equations of such an axle use
-//! positions in which every rod has its own length. [`Assembler::turned`] computes these positions, with the axle in its
-//! nominal pose. From these positions, the same equations as for designs give the angles of the rockers in any pose of
-//! the axle.
+//! positions of the rockers in which every rod has its built length. [`Assembler::turned`] computes these positions,
+//! with the axle in its nominal pose. From these positions, the same equations as for designs give the angles of the
+//! rockers in any pose of the axle.
 //!
-//! The far half of a twist beam is such a rocker. Its axis is the hinge at the shear centre, which connects both halves.
-//! In a build the mounts are points of the body. In the design, a point of the near arm ([`TwistBeam::eye`]) coincides
-//! with the mount of this arm. The rubber lets both arms move sideways, by equal and opposite displacements relative to
-//! the mounts. Let y_n and y_f be the sideways positions of the arms at the mounts Y_n and Y_f:
+//! The mechanism of a twist beam is that of one wheel, the near wheel. The half of the opposite wheel is the far half,
+//! and it is such a rocker. Its axis is the hinge at the shear centre, which connects both halves. In a build the mounts
+//! are points of the body. In the design, a point of the near arm ([`TwistBeam::eye`]) coincides with the mount of this
+//! arm. The rubber lets both arms move sideways, by equal and opposite displacements relative to the mounts. Let Y_n and
+//! Y_f be the sideways positions of the near and the far mount. Let y_n and y_f be the sideways positions of the arms at
+//! these mounts:
 //!
 //! ```text
 //! y_n - Y_n = -(y_f - Y_f),   so y_n + y_f = Y_n + Y_f                                         (1)
@@ -29,8 +31,8 @@ use crate::number::{Each, Matrix3, Real, Vector3};
 use std::borrow::Cow;
 
 impl Assembler {
-    /// Returns the parts of a solid axle with its rockers rotated. In the returned positions, every rod has its own length
-    /// while the axle is in its nominal pose. Parts of other suspensions are returned unchanged.
+    /// Returns the parts of a solid axle with its rockers rotated. In the returned positions, every rod has its built
+    /// length while the axle is in its nominal pose. Parts of other suspensions are returned unchanged.
     pub(super) fn turned<'p, T: Real>(&self, parts: &'p Parts<T>) -> Cow<'p, Parts<T>> {
         let mut turned = Cow::Borrowed(parts);
         if self.suspension().mechanism.rigid_axle.is_some() {
@@ -64,9 +66,9 @@ impl Assembler {
         }
     }
 
-    /// Rotates the far half of a twist beam about the hinge, with the near half in its nominal pose. Then the mount of
-    /// the far half is as near to its position on the body as the hinge allows. The far half keeps its shape, so the
-    /// distances between this mount and the points of the hinge stay the same.
+    /// Rotates the far half (the half of the opposite wheel) about the hinge of a twist beam. The near half is in its
+    /// nominal pose. Then the mount of the far half is as near to its position on the body as the hinge allows. The far
+    /// half keeps its shape, so the distances between this mount and the points of the hinge stay the same.
     #[inline(always)]
     fn turn_far_half<T: Real>(&self, beam: &TwistBeam, parts: &mut Parts<T>) {
         let mechanism = &self.suspension().mechanism;
@@ -179,7 +181,7 @@ impl<T: Real> BuiltRocker<T> {
         let inner = first + tilt.apply(parts.points[rocker.inner.0] - drawn_first);
         let along = tilt.apply((drawn(rocker.outer) - drawn(rocker.inner)).normalised());
         let outer = inner + along * length;
-        // The rod with its own length determines the rotation of the rocker.
+        // The built length of the rod determines the rotation of the rocker.
         let turn = Turn::of([first, second, inner, outer, outer_now]);
         BuiltRocker {
             first,
@@ -257,14 +259,15 @@ impl<T: Real> Tilt<T> {
 }
 
 /// Returns the suspension with an additional point of the carrier on the spin axis. In a built carrier the point keeps
-/// its position relative to the wheel centre. The distance between both points has no effect. A solid axle gets such a
-/// point at each wheel.
+/// its position relative to the wheel centre. The distance between this point and the wheel centre has no effect. A
+/// solid axle gets such a point at each wheel.
 pub(super) fn with_spindle(suspension: &Suspension) -> Suspension {
     let mut suspension = suspension.clone();
     if let SpinAxis::Along(direction) = suspension.mechanism.spin_axis {
         let size = suspension.size();
         let length = suspension.wheel_radius.unwrap_or(0.25 * size);
-        // With an extreme radius the point would be too close to the wheel centre, or so far that rounding rotates the axis.
+        // The length is the wheel's radius. With an extreme radius the point would be too close to the wheel centre, or
+        // so far that rounding rotates the axis.
         let length = length.clamp(0.01 * size, 100.0 * size);
         let inward = direction * -length;
         let near_centre = suspension.mechanism.wheel_centre;
@@ -291,9 +294,9 @@ pub(super) fn with_spindle(suspension: &Suspension) -> Suspension {
     suspension
 }
 
-/// Returns the suspension of a twist beam with an additional point: the point of the near arm at the mount of this arm.
-/// The mount is then a point of the body only. The points of the hinge move together. Other suspensions are returned
-/// unchanged.
+/// Returns the suspension of a twist beam with an additional point: the point of a trailing arm that coincides with the
+/// arm's mount. The mount is then a point of the body only. A deviation of the shear centre also moves the second point
+/// of the hinge. Other suspensions are returned unchanged.
 pub(super) fn with_eye(mut suspension: Suspension) -> Suspension {
     let mechanism = &mut suspension.mechanism;
     let beam = mechanism

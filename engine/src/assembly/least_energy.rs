@@ -21,7 +21,7 @@
 //!
 //! Because of (3), the sum of s_i l_i has no first derivative with respect to q. So an error of q changes t_5 in (4) only
 //! by the square of that error. Each correction (5) multiplies the error by about c_i t_i/l_i: one thousandth for usual
-//! parts. For derivative numbers, s is found by the corrections
+//! parts. The program finds s for derivative numbers by the corrections
 //!
 //! ```text
 //! s <- s - J0'^-1 (J's + dl_5/dq)                                                              (6)
@@ -63,7 +63,7 @@ struct Rows<T> {
 }
 
 impl<T: Real> Rows<T> {
-    /// Matrix J.
+    /// Matrix J of equation (3): the gradients with respect to the pose.
     fn jacobian(&self) -> Matrix6<T> {
         array_of(|k| match k {
             0..EXTRA => self.by_links[k],
@@ -201,8 +201,8 @@ impl Assembler {
             let size = Vector3::new(x, y, z).norm().max(turn);
             let ahead = size * (size / before).min(1.0);
             if ahead < self.rounding() && size <= before {
-                // The last correction is smaller than rounding errors, so the inverse from the pose before it is accurate
-                // enough.
+                // The last correction is smaller than rounding errors. So the inverse Jacobian of the previous pose is
+                // accurate enough.
                 at.pose = moved(&pose, correction);
                 at.rounds = round + 1;
                 return Some(at);
@@ -249,8 +249,8 @@ impl Assembler {
     }
 }
 
-/// Returns the links among the elastic parts of an axle, in the mechanism as seen from the wheel of one side. Each link
-/// has its tension as an input, and its two ends.
+/// Returns the links among the elastic parts of an axle, in the mechanism as seen from the wheel of one side. For each
+/// link, returns its tension as an input of the axle, its two ends, and its stiffness.
 fn links(
     parts: &AxleCompliance,
     mechanism: &Mechanism,

@@ -3,7 +3,7 @@
 use crate::model::{Axis, Body, Constraint, Mechanism, PointId, RockerId, Suspension};
 use crate::number::{Each, Real, SimdReal, Vector3};
 
-/// A member with its own length.
+/// A member whose length is a dimension of the build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Member {
     /// A rod or a leg of an arm. The number is the index of its constraint in [`Mechanism::constraints`].
@@ -45,7 +45,8 @@ impl Member {
         held.chain(extra.map(|(number, ends)| (Member::Extra(number), *ends)))
     }
 
-    /// Returns the two ends of the member. The end nearer to the body comes first.
+    /// Returns the two ends of the member. The end nearer to the body comes first. `None` if the index is not that of a
+    /// link.
     pub fn ends(self, mechanism: &Mechanism) -> Option<(PointId, PointId)> {
         match self {
             Member::Link(number) => match mechanism.constraints[number] {
@@ -110,8 +111,9 @@ impl BuildParameter {
         }
     }
 
-    /// Returns the same dimension of a solid axle in the mechanism of the other wheel. The factor converts a change here
-    /// to a change there. `None` if that wheel's mechanism does not have the part.
+    /// Returns the same dimension of a solid axle in the mechanism of the other wheel. The factor converts a change of
+    /// the dimension in this mechanism to a change in the other one. `None` if that wheel's mechanism does not have the
+    /// part.
     pub(crate) fn seen_from_other(self, mechanism: &Mechanism) -> Option<(BuildParameter, f64)> {
         let rigid = mechanism.rigid_axle.as_ref()?;
         match self {
@@ -144,7 +146,7 @@ pub struct Parts<T> {
     /// Length by which a unit tension stretches each member, in the order of `lengths`. Empty unless an axle has more
     /// links than rigid links allow.
     pub softness: Vec<f64>,
-    /// Nominal position of every point. Carriers are defined in their nominal position.
+    /// Position of every point in the nominal design.
     pub drawn: Vec<Vector3<T>>,
 }
 
@@ -245,8 +247,9 @@ impl<T: Real> Parts<T> {
 
 impl<B: SimdReal> Parts<B> {
     /// Sets these parts to the nominal parts `drawn` plus scatter, one build per SIMD lane. Each tolerance source lists
-    /// the dimensions that change with one random number, with the change per unit. `draws` holds the random numbers,
-    /// `[source][build]`. `first` is the index of the first build, and `stride` the distance from source to source.
+    /// the dimensions that change with one random number, and their changes per unit of this number. `draws` holds the
+    /// random numbers, `[source][build]`. `first` is the index of the first build in `draws`, and `stride` the number
+    /// of entries per source.
     #[inline(always)]
     pub(crate) fn scatter<'c>(
         &mut self,

@@ -14,7 +14,7 @@ pub enum Rest {
     /// The workshop sets the height. The value is the difference from the nominal height, positive upwards.
     Height(f64),
     /// The spring's length sets the height. The value is the difference from the nominal length between the spring's
-    /// ends. The value is 0 if only parts between spring and arm change, such as a pushrod.
+    /// ends. If the spring itself does not change, for example if only the pushrod changes, the value is 0.
     Spring(f64),
 }
 

@@ -1,8 +1,9 @@
 //! Derivatives of built designs with respect to the nominal design, one build per SIMD lane.
 //!
 //! The parts are first-order Taylor series p + p' e in one variable e of the nominal design. Their poses are corrected like
-//! those of plain parts (module `settle`), but here the values have already converged. Each correction uses the inverse of the
-//! nominal design. The closer the parts are to nominal, the more a correction reduces the error of the pose's derivative.
+//! those of plain parts (module `settle`), but here the values have already converged. Each correction uses the inverse
+//! Jacobian of the nominal design. The closer the parts are to nominal, the more a correction reduces the error of the pose's
+//! derivative.
 
 use super::alignment::Alignment;
 use super::assembler::Assembler;

@@ -8,15 +8,15 @@ use crate::derive::{Linearised, Seeds};
 use crate::number::{Each, Jet, Real, Tape, Tracked, Vector3, array_of};
 use std::cell::Cell;
 
-/// Largest number of series coefficients of each number of a wheel, along one straight line in travel and rack.
+/// Largest number of coefficients of a power series. Each series describes one value of a wheel along one straight line in travel
+/// and rack.
 const MOST_POWERS: usize = 4;
-/// Upper limit for the count of numbers that describe a wheel. The code computes this limit as the size in bytes of a
-/// wheel in which each number is one byte.
+/// Upper limit for the count of values that describe a wheel: the size in bytes of a wheel in which each value is one byte.
 const MOST_NUMBERS: usize = size_of::<WheelPose<u8>>();
 
 impl<'t> Reading<Tracked<'t>> {
-    /// Makes a wheel whose numbers are all inputs on the tape. The inputs are ordered by line (of travel and rack), then by
-    /// part of the wheel, then by power of the series.
+    /// Makes a wheel whose values are all inputs on the tape (the recorded operations for derivatives). The inputs are ordered by
+    /// straight line in travel and rack, then by value of the wheel, then by power of the series.
     pub fn on_tape<const N: usize>(tape: &'t Tape, lines: &[Snapshot<N>], parts: &Parts) -> Self {
         const { assert!(N <= MOST_POWERS) };
         let zero = Tracked::constant(0.0);
@@ -50,9 +50,8 @@ pub(super) fn inputs_on_tape<const N: usize>(parts: &Parts, lines: usize) -> usi
     parts.count * N * lines
 }
 
-/// Adds the gradient of an output with respect to every hardpoint to `gradient`. `by` contains the derivatives of the
-/// output with respect to the numbers of one line, in the order of [`Reading::on_tape`]. `buffer` has one entry per
-/// point.
+/// Adds the gradient of an output with respect to every hardpoint to `gradient`. `by` contains the derivatives of the output with
+/// respect to the inputs of one line, in the order of [`Reading::on_tape`]. `buffer` has one entry per point.
 ///
 /// An adjoint pass with a seed series S returns the series of S.u_p, where u_p is the derivative of the input u with
 /// respect to hardpoint p. In S, the coefficient of e^(N-1-k) is the derivative of the output with respect to the
@@ -79,7 +78,8 @@ pub(super) fn add_gradient<const N: usize>(
     }
 }
 
-/// Adds the seeds of all parts of the wheel that the formulas use.
+/// Adds the seeds of all values of the wheel that the formulas use to `sink`. The seed of a value contains the derivatives of the
+/// output with respect to this value.
 fn push<const N: usize>(
     linearised: &Linearised<'_, N>,
     parts: &Parts,
@@ -112,8 +112,8 @@ fn push<const N: usize>(
     if places.design.centre.x.is_some() {
         Slot::DesignCentre.push(design.centre, at, sink);
     }
-    // A small rotation d of the carrier moves a column c of the rotation matrix by d x c, so that g.(d x c) = d.(c x
-    // g).
+    // Let g be the seed of a column c of the rotation matrix. A small rotation d of the carrier moves c by d x c. So it changes the
+    // output by g.(d x c) = d.(c x g).
     for (column, seed) in at.carrier_rotation().columns.into_iter().zip(rotation) {
         sink.carrier_turn(column.cross(*seed));
     }

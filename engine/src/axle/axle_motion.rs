@@ -4,7 +4,7 @@ use super::solver::Placement;
 use super::{Axle, Coordinate};
 use crate::study::TimeLaw;
 
-/// Rule for combining the values of the coordinates to stations.
+/// Rule that combines the values of the coordinates into stations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Combine {
     /// All combinations of the values.
@@ -92,7 +92,8 @@ impl AxleMotion {
         !matches!(self.wheels, WheelMotion::Travels { .. })
     }
 
-    /// Returns true if the n-th station has the n-th value of every coordinate.
+    /// Returns true if the stations are rows of a table: the n-th station has the n-th value of every coordinate. False
+    /// if the stations are all combinations of the values.
     pub fn has_rows(&self) -> bool {
         self.combine == Combine::Rows
     }
@@ -139,9 +140,9 @@ impl AxleMotion {
         wheels.saturating_mul(self.racks.len())
     }
 
-    /// Returns the poses of all stations. Rows have the order of the study. Combinations are ordered by rack, then
-    /// heave, then roll angle: the roll angle changes fastest. If both travels are given, the right travel changes
-    /// fastest.
+    /// Returns the placements of all stations. Rows of a table have the order of the study. Combinations of values are
+    /// ordered by rack, then heave, then roll angle: the roll angle changes fastest. If both travels are given, the
+    /// right travel changes fastest.
     pub fn placements(&self) -> Vec<Placement> {
         if self.has_rows() {
             let rows = 0..self.stations();

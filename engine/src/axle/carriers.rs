@@ -8,8 +8,8 @@ use crate::model::AxleTravel;
 pub enum Carriers {
     /// Each wheel has its own carrier. The carrier moves with the travel of this wheel and with the rack.
     Independent,
-    /// One body carries both wheels. The position of a wheel is a function of two travels of the axle. The first travel
-    /// drives the axle. The second travel is held, and it replaces the rack.
+    /// One body carries both wheels. The position of a wheel is a function of two travels of the axle. One travel drives the axle.
+    /// The other travel is held: it stays constant, and takes the place of the rack displacement.
     Rigid(AxleTravel),
     /// One body carries both wheels, and each wheel is on a knuckle that turns in this body.
     Steered(AxleTravel),
@@ -31,7 +31,8 @@ impl Carriers {
         self != Carriers::Independent
     }
 
-    /// Returns the travel of a rigid axle that is held. `None` for independent wheels.
+    /// Returns the held travel of a rigid axle: the travel that stays constant while the other travel drives the axle. `None` for
+    /// independent wheels.
     #[inline(always)]
     pub(crate) fn held(self) -> Option<AxleTravel> {
         match self {
@@ -40,8 +41,9 @@ impl Carriers {
         }
     }
 
-    /// Powers of travel and rack of the coefficient that is the first derivative with respect to the difference of travels.
-    /// Here this wheel rises, and the other wheel falls at the same rate. Only for a rigid axle.
+    /// Powers of the driving travel and the held travel in a Taylor coefficient of a wheel. This coefficient is the first
+    /// derivative with respect to the difference of travels: this wheel rises, and the other wheel falls at the same rate. Only for
+    /// a rigid axle.
     #[inline(always)]
     pub(crate) fn by_difference(self) -> [usize; 2] {
         match self.held() {
@@ -50,8 +52,8 @@ impl Carriers {
         }
     }
 
-    /// Powers of travel and rack of the coefficient that is the first derivative with respect to the mean travel. Only for a
-    /// rigid axle.
+    /// Powers of the driving travel and the held travel in a Taylor coefficient of a wheel. This coefficient is the first
+    /// derivative with respect to the mean travel. Only for a rigid axle.
     #[inline(always)]
     pub(crate) fn by_mean(self) -> [usize; 2] {
         let [travel, rack] = self.by_difference();

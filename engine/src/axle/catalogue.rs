@@ -27,9 +27,9 @@ const VIRTUAL_WORK: &str = "virtual work of springs and anti-roll bar; parts hav
 /// Defines the catalogue. Each line contains, in this order:
 ///
 /// - variant, name, unit, meaning of a positive value, formula, source, and required inputs of the study
-/// - the slots (numbers of each wheel) that the quantity uses in addition to position and carrier
+/// - the slots (values of each wheel) that the quantity uses in addition to position and carrier
 /// - the order of the derivatives that the quantity uses
-/// - `by_rack` (axle only)
+/// - true if the quantity uses derivatives with respect to the rack (axle only)
 /// - `lanes` if sweeps compute the quantity in SIMD lanes, else `one_by_one`
 /// - the function that computes the quantity
 /// - the reason for a missing value (axle only)

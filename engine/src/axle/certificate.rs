@@ -40,8 +40,8 @@ pub struct AxleProof {
 pub struct AxleCertifier<'a> {
     wheels: [Wheel<'a>; 2],
     radius: f64,
-    /// True if one body carries both wheels. Then the difference of the travels drives the axle, and the mean travel
-    /// replaces the rack.
+    /// True if one body carries both wheels. Then the difference of the travels drives the axle, and the mean travel takes the
+    /// place of the rack displacement.
     is_rigid: bool,
 }
 
@@ -70,8 +70,8 @@ struct Root {
 }
 
 impl Root {
-    /// Certifies a root near `at`. `function` returns intervals that enclose the value and the derivative over an
-    /// interval. `None` if the root cannot be certified.
+    /// Certifies that `function` has a root near `at`. `function` returns intervals that enclose its value and its derivative over
+    /// an interval. `None` if the root cannot be certified.
     fn near(
         at: f64,
         widest: f64,
@@ -194,7 +194,7 @@ impl<'a> AxleCertifier<'a> {
             Ok([over(Side::Left, left, one)?, over(Side::Right, right, two)?])
         };
         match *placement {
-            // The program cannot enclose loads.
+            // The program cannot compute enclosures of loads.
             Placement::AtLoad { .. } => Err(NoPose::Unproven),
             Placement::Roll { heave, roll, .. } => {
                 self.in_roll([heave, roll], placed.travels, over)

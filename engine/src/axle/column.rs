@@ -144,7 +144,8 @@ impl AxleColumn {
         Some(Ok(time.apply(false, derivatives, self.order)))
     }
 
-    /// Returns the value, or its derivative of this order along the motion.
+    /// Returns the value of the column, or its derivative of this order along the motion of the column. `None` for a
+    /// force.
     fn along(&self, read: &Read, order: usize) -> Option<Result<f64, NoValue>> {
         match &self.of {
             Of::Quantity(quantity) => Some(self.quantity_in(*quantity, read, order)),

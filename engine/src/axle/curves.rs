@@ -16,7 +16,7 @@ use crate::threads::on_large_stacks;
 /// Results to compute for an axle, and the stations at which to compute them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxlePlan {
-    /// The stations.
+    /// Motion that defines the stations.
     pub motion: AxleMotion,
     /// Quantities, in the order of the study.
     pub quantities: Vec<Quantity>,
@@ -94,7 +94,8 @@ impl Axle {
 pub struct AxleCurves {
     /// The curves.
     pub curves: Curves,
-    /// Pose of both wheels at each station, or the reason why a station has no pose. Empty with elastic parts.
+    /// Pose of both wheels at each station, or the reason why a station has no pose. Empty for an axle with elastic
+    /// parts.
     pub placed: Vec<Result<AxlePose, NoPose>>,
 }
 

@@ -28,7 +28,7 @@ const TERMS: usize = 5;
 /// Number of terms of the series of a wheel of a rigid axle.
 const TERMS_OF_RIGID: usize = 4;
 
-/// A solved wheel of an axle, prepared for series along directions of its design.
+/// A wheel of an axle in a solved pose, prepared for power series along changes of its design.
 #[derive(Clone, Debug)]
 pub(crate) struct Expandable<'a> {
     pub(super) mechanism: &'a Mechanism,
@@ -37,7 +37,8 @@ pub(crate) struct Expandable<'a> {
     pub(super) pose: Pose<f64>,
     /// LU factors of the Jacobian in this pose.
     pub(super) factors: Lu6<f64>,
-    /// Drive and rack displacement of the wheel, in its own frame.
+    /// Driving travel and rack displacement of the wheel, in its own frame. For a rigid axle, the held travel takes the place of
+    /// the rack displacement.
     pub(super) coordinates: (f64, f64),
     /// Displacement of the steering gear of a steered axle.
     pub(super) gear: f64,
@@ -131,7 +132,7 @@ impl Expandable<'_> {
         numbers.into_inner()
     }
 
-    /// Coefficients up to the third degree along a line.
+    /// Coefficients up to the third degree, for a wheel of a rigid axle that moves along a line in travel and rack.
     fn line_of_rigid(&self, design: &[Vector3<Series>], line: &Line) -> Vec<ByTravel> {
         let lines = [[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, -1.0]];
         let series = lines.map(|along| self.series::<TERMS_OF_RIGID>(design, line, along));
@@ -140,7 +141,7 @@ impl Expandable<'_> {
         numbers.map(number).collect()
     }
 
-    /// Coefficients up to the fourth degree along a line.
+    /// Coefficients up to the fourth degree, for an independent wheel that moves along a line in travel and rack.
     fn line(&self, design: &[Vector3<Series>], line: &Line) -> Vec<ByTravel> {
         let lines = [[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, -1.0], [2.0, 1.0]];
         let series = lines.map(|along| self.series::<TERMS>(design, line, along));
@@ -160,7 +161,8 @@ impl Expandable<'_> {
     }
 }
 
-/// Coefficients up to the third degree, from the series along the first four lines. Coefficients of higher degrees are zero.
+/// Coefficients up to the third degree, from the series along the lines s (1, 0), s (0, 1), s (1, 1) and s (1, -1). Coefficients of
+/// higher degrees are zero.
 fn cubic(series: [&[f64]; 4]) -> ByTravel {
     let polynomial = Taylor::through(&series);
     array_of(|i| {

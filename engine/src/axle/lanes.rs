@@ -12,8 +12,8 @@ use crate::characteristics::{
 use crate::model::Side;
 use crate::number::{Outlined, SimdReal, Vector3, outlined};
 
-/// Several wheels in SIMD lanes: parts of the wheels, and first derivatives with respect to travel. Derivatives with
-/// respect to the rack are available only for the carrier and, if the axle is rigid, for the axle itself.
+/// Values of several wheels in SIMD lanes, and first derivatives of these values with respect to travel. Derivatives
+/// with respect to the rack are available only for the carrier and, if the axle is rigid, for the axle itself.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneWheel<'i, B> {
     inputs: &'i Inputs<B>,
@@ -117,7 +117,8 @@ impl<B: SimdReal> WheelParts<B> for LaneWheel<'_, B> {
 }
 
 impl<B: SimdReal> LaneWheel<'_, B> {
-    /// Returns the wheels, or their derivatives with respect to travel. `None` for other powers of travel and rack.
+    /// Returns the values of the wheels for the powers [0, 0] of travel and rack, and their derivatives with respect to
+    /// travel for [1, 0]. `None` for other powers.
     #[inline(always)]
     fn wheel(&self, powers: [usize; 2]) -> Option<&Wheel<B>> {
         match powers {
@@ -146,7 +147,7 @@ impl Quantity {
         }
     }
 
-    /// Returns the slots (numbers of a wheel) that the quantity uses. Only for lanes that contain several designs.
+    /// Returns the slots (values of a wheel) that the quantity uses. Only for lanes that contain several designs.
     pub fn lane_slots(self, side: Side) -> Slots {
         match self {
             Quantity::Corner(own, _) if own != side => Slots::default(),

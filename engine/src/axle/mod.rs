@@ -193,9 +193,9 @@ impl Axle {
         )
     }
 
-    /// Completes a left design after its points have moved, as the reader of a study does. The far half of a rigid axle
-    /// moves with the near half, by mirror-image displacements. Points that the study does not contain are computed
-    /// again.
+    /// Completes the left design of a rigid axle after points of its left half have moved. The right half moves by the
+    /// mirror image of this displacement. Points that the study does not give are computed again. Independent wheels do
+    /// not change.
     pub fn complete(&self, left: &mut [Vector3<f64>]) {
         let Some(rigid) = &self.left.mechanism.rigid_axle else {
             return;

@@ -1,10 +1,10 @@
-//! A wheel along a motion. The numbers of the wheel are series in the parameter of the motion.
+//! A wheel along a motion. The values of the wheel are series in the parameter of the motion.
 
 use super::reading::WheelParts;
 use crate::characteristics::{DesignWheel, NumberPart, VectorPart};
 use crate::number::{Jet, Real, Vector3};
 
-/// A wheel that moves. Each number is computed when it is needed.
+/// A wheel that moves. Each value is computed when it is needed.
 #[derive(Debug)]
 pub struct Moving<'w, W, T> {
     pub(super) of: &'w W,

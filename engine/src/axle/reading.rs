@@ -14,10 +14,10 @@ use crate::model::Drive;
 use crate::number::{Each, Jet, Matrix3, Real, Vector3, outlined};
 use std::cell::Cell;
 
-/// Largest number of lines (directions in travel and rack) along which a wheel is computed.
+/// Largest number of straight lines in the plane of travel and rack along which the values of a wheel are computed.
 pub(super) const MOST_LINES: usize = 4;
 
-/// Slots (numbers of a wheel) that are computed for every axle.
+/// Slots (values of a wheel) that are computed for every axle.
 pub(super) const ALWAYS: &[Slot] = &[
     Slot::SpinAxis,
     Slot::Centre,
@@ -26,8 +26,8 @@ pub(super) const ALWAYS: &[Slot] = &[
     Slot::DesignCentre,
 ];
 
-/// Numbers of a wheel in one pose: its parts, the columns of its carrier's rotation matrix, and its design. For a
-/// steered axle, in which the carrier turns, also the columns of the axle's rotation along x and y.
+/// Values of a wheel in one pose: inputs of formulas, the columns of its carrier's rotation matrix, and values of its
+/// design. For a steered axle, in which the carrier turns, also the columns x and y of the axle's rotation matrix.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WheelPose<T> {
     pub(super) wheel: Wheel<T>,
@@ -58,17 +58,17 @@ impl<T: Copy> WheelPose<T> {
     }
 }
 
-/// Numbers of a wheel that formulas use, and the position of these numbers on a tape.
+/// Values of a wheel that formulas use, and the index of each value on a tape.
 #[derive(Clone, Copy, Debug)]
 pub struct Parts {
     slots: Slots,
-    /// Index of each number on the tape. `None` for numbers that are not used.
+    /// Index of each value on the tape. `None` for values that are not used.
     pub(super) places: WheelPose<Option<usize>>,
     pub(super) count: usize,
 }
 
 impl Parts {
-    /// Makes the parts for these slots, and adds the slots that every axle of this kind uses.
+    /// Selects the values in these slots, and the values that every axle of this kind uses.
     pub fn of(slots: &[Slot], carriers: Carriers) -> Self {
         let mut slots = Slots::default().with(ALWAYS).with(slots);
         let is_steered = matches!(carriers, Carriers::Steered(_));
@@ -110,23 +110,23 @@ impl Parts {
         }
     }
 
-    /// Returns true if the parts include the steering axis.
+    /// Returns true if the selected values include the steering axis.
     pub fn contain_steering_axis(&self) -> bool {
         self.slots.contain_steering_axis()
     }
 }
 
-/// A wheel along one line in travel and rack, as power series. Numbers that are not used are NaN.
+/// Values of a wheel along one straight line in travel and rack, as power series. Values that are not used are NaN.
 #[derive(Clone, Copy, Debug)]
 pub struct Snapshot<const N: usize>(pub(super) WheelPose<Jet<f64, N>>);
 
 impl<const N: usize> Snapshot<N> {
-    /// Returns a wheel whose numbers are all unknown (NaN).
+    /// Returns a wheel whose values are all unknown (NaN).
     pub fn unknown() -> Self {
         Snapshot(WheelPose::filled(Jet::constant(f64::NAN)))
     }
 
-    /// Takes the numbers from a configuration.
+    /// Reads the selected values of the wheel from a configuration.
     pub fn of(at: &Configuration<Jet<f64, N>>, parts: &Parts) -> Self {
         let inputs = Inputs::without_rates(at, Constants::default(), parts.slots);
         Snapshot(WheelPose {
@@ -138,7 +138,7 @@ impl<const N: usize> Snapshot<N> {
     }
 }
 
-/// Makes the motion from a point along a line in travel and rack.
+/// Makes the motion that starts at these values of travel and rack, and follows a line in travel and rack.
 pub(super) fn along<const N: usize>(
     line: &Line,
     travel: f64,
@@ -255,7 +255,7 @@ impl<const N: usize> Reading<Jet<f64, N>> {
     }
 }
 
-/// Numbers of one wheel as functions of its travel and the rack, for formulas.
+/// Values of one wheel as functions of its travel and the rack, for formulas.
 ///
 /// The compiler makes separate functions for vectors and twists, because many formulas use them.
 pub trait WheelParts<T: Real>: Copy {
@@ -279,7 +279,7 @@ pub trait WheelParts<T: Real>: Copy {
     /// [`WheelParts::read_vector`].
     fn axle_column(&self, i: usize, powers: [usize; 2]) -> Vector3<T>;
 
-    /// Numbers of the wheel in the design position.
+    /// Values of the wheel in the design position.
     fn design(&self) -> DesignWheel<T>;
 
     /// Returns any one value of the wheel. New constants copy the number type and the count of coefficients from this

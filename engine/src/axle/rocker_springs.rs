@@ -148,7 +148,8 @@ impl<T: Real> RockerSprings<T> {
 }
 
 impl<T: Real> RockerForces<T> {
-    /// Forces of an axle without springs between its rockers. Constants get the number type and length of `like`.
+    /// Forces of an axle without springs between its rockers. Constants get the number type and the count of coefficients of
+    /// `like`.
     #[inline(always)]
     pub fn none(like: T) -> Self {
         let none = like.constant(f64::NAN);

@@ -33,7 +33,8 @@ pub(crate) type Series = Jet<f64, 3>;
 pub(crate) struct DesignedWheel<'d> {
     design: Cow<'d, [Vector3<Series>]>,
     closure: Closure<Series>,
-    /// Changes of drive and rack due to the rotation of the knuckles.
+    /// Changes of the two travels of a steered axle due to the rotation of its knuckles: first the travel that drives the axle,
+    /// then the held travel. 0 for other axles.
     lifts: [Series; 2],
 }
 
@@ -84,13 +85,14 @@ impl<'d> DesignedWheel<'d> {
 
 /// A position of an axle, with the data from which its series are computed.
 pub(crate) struct SeriesPosition {
-    /// Drive and rack displacement of each wheel, in its own frame.
+    /// Driving travel and rack displacement of each wheel, in its own frame. For a rigid axle, the held travel takes the place of
+    /// the rack displacement.
     coordinates: [(f64, f64); 2],
     roll: f64,
     /// Displacement of the rack or of the steering gear.
     pub(crate) rack: f64,
     hold: Hold,
-    /// Slopes n.C_l' + n.C_r' and track, for equation (1).
+    /// Denominators of equation (1): n.C_l' + n.C_r', and the track.
     slopes: [f64; 2],
     wheels: [(Pose<f64>, Lu6<f64>); 2],
 }

@@ -104,7 +104,7 @@ pub struct AxleSolver<'a, const N: usize> {
     pub(super) loads: Option<Box<AxleSolver<'a, LOAD_TERMS>>>,
     parts: Parts,
     lines: &'static [Line],
-    /// Complete designs of both halves of a rigid axle.
+    /// Complete designs of a rigid axle: as seen from its left wheel, and as seen from its right wheel.
     whole: [Vec<Vector3<f64>>; 2],
     buffer: Vec<Vector3<Jet<f64, N>>>,
     gradients: [Vec<Vector3<f64>>; 2],
@@ -114,7 +114,7 @@ pub struct AxleSolver<'a, const N: usize> {
 const MOST_STEPS: usize = 80;
 /// Number of terms in the series for the heights of contact points.
 const TERMS: usize = 4;
-/// Number of rounds that compute all unsolved placements together. The program then solves the others one by one.
+/// Largest number of rounds that solve all open placements together. The remaining placements are then solved one by one.
 const MOST_ROUNDS: usize = 4;
 /// Largest step along the series of a pose, relative to the mechanism's size. Up to this step, the error of four terms
 /// is smaller than rounding.
@@ -128,7 +128,7 @@ pub(super) enum Sought {
     Point(Side, PointId, Axis),
 }
 
-/// Numbers of one wheel at a travel.
+/// Values of one wheel at a travel.
 #[derive(Clone, Debug)]
 pub struct WheelRead {
     travel: f64,
@@ -342,8 +342,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
 
     /// Replaces the designs by other designs of the same mechanisms, each in the frame of its side.
     ///
-    /// For a rigid axle, the far half moves with the near half of the left design, by mirror-image displacements. The
-    /// right design is not used.
+    /// For a rigid axle, only the left design is used. Its right half moves by the mirror image of the displacement of its
+    /// left half.
     pub fn prepare(&mut self, designs: [&[Vector3<f64>]; 2]) -> Result<(), (Side, DesignFault)> {
         let Some(rigid) = self.rigid() else {
             return self.prepare_whole(designs);
@@ -366,13 +366,13 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.axle.is_rigid()
     }
 
-    /// Returns the other half of the axle, if one body carries both wheels.
+    /// Returns the data of a rigid axle. `None` for independent wheels.
     fn rigid(&self) -> Option<&'a RigidAxle> {
         self.axle.left.mechanism.rigid_axle.as_ref()
     }
 
-    /// Returns drive and rack of each wheel at these travels, in its own frame. A rigid axle has the mean travel and half the
-    /// difference of the travels instead. One of these two is the drive. The other one is held and replaces the rack.
+    /// Returns driving travel and rack displacement of each wheel, in its own frame. For a rigid axle, they are the mean travel and
+    /// half the difference of the travels: first the travel that drives the axle, then the held travel.
     pub(crate) fn coordinates(&self, travels: [f64; 2], rack: f64) -> [(f64, f64); 2] {
         let [left, right] = travels;
         match self.rigid() {
@@ -387,8 +387,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         }
     }
 
-    /// Returns the drive of both wheels, and the rack, in a level position with this `heave`. In roll, the drives of
-    /// the two wheels change in opposite directions.
+    /// Returns the driving travel and the rack displacement of both wheels in a level position with this `heave`. For a rigid axle,
+    /// returns half the difference of travels (0) and the mean travel instead.
     fn level(&self, heave: f64, rack: f64) -> (f64, f64) {
         match self.rigid() {
             Some(_) => (0.0, heave),
@@ -412,7 +412,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         }
     }
 
-    /// Parts of each wheel that the solver computes.
+    /// Values of each wheel that the solver computes.
     pub(super) fn parts(&self) -> &Parts {
         &self.parts
     }

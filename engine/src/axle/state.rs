@@ -87,7 +87,7 @@ impl Motion {
 /// One wheel in a state, in the kernel's frame of its own side.
 #[derive(Clone, Copy, Debug)]
 pub struct WheelState<'s, T, W = Reading<T>> {
-    /// Numbers of the wheel as functions of travel and rack.
+    /// Values of the wheel as functions of travel and rack.
     pub reading: &'s W,
     /// Ground under the wheel.
     pub ground: Ground<T>,
@@ -100,7 +100,7 @@ pub struct WheelState<'s, T, W = Reading<T>> {
 /// An axle in one pose.
 #[derive(Clone, Copy, Debug)]
 pub struct AxleState<'a, T, W = Reading<T>> {
-    /// Numbers of the left and right wheel, each in its own frame.
+    /// Values of the left and right wheel, each in its own frame.
     pub readings: [W; 2],
     /// Ground in the left wheel's frame: sine and cosine of the roll angle.
     pub ground: Ground<T>,

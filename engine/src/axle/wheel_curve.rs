@@ -56,7 +56,7 @@ const COUNT: usize = (NUMBERS + SINGLE.len()).next_multiple_of(LANES);
 /// last group of numbers would be unused.
 pub(crate) const LANES: usize = 8;
 
-/// All numbers of a wheel for each power of travel. Numbers that are not used are NaN.
+/// Coefficients of all values of a wheel, for each power of travel. Values that are not used are NaN.
 type Powers<const N: usize> = [[f64; COUNT]; N];
 
 /// Polynomial coefficients of (1), and the wheel in the design position.
@@ -66,7 +66,7 @@ struct Piece {
     design: DesignWheel<f64>,
 }
 
-/// A wheel at one travel of its curve: its numbers with three derivatives with respect to travel.
+/// A wheel at one travel of its curve: its values with three derivatives with respect to travel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CurveWheel {
     coefficients: Powers<4>,
@@ -74,7 +74,7 @@ pub(crate) struct CurveWheel {
 }
 
 impl CurveWheel {
-    /// Makes a wheel whose numbers are all NaN.
+    /// Makes a wheel whose values are all NaN.
     pub(crate) fn unknown() -> Self {
         CurveWheel {
             coefficients: [[f64::NAN; COUNT]; 4],
@@ -82,7 +82,7 @@ impl CurveWheel {
         }
     }
 
-    /// Copies the numbers that curves contain from a wheel.
+    /// Makes a wheel with those values of `reading` that curves contain.
     fn of(reading: &Reading<f64>) -> Self {
         let mut wheel = CurveWheel::unknown();
         for (k, numbers) in wheel.coefficients.iter_mut().enumerate() {
@@ -157,7 +157,8 @@ impl WheelParts<f64> for CurveWheel {
     }
 }
 
-/// Wheels in SIMD lanes, each at its own travel: numbers of the wheels and first derivatives with respect to travel.
+/// Wheels in SIMD lanes, each at its own travel: values of the wheels, and first derivatives of these values with
+/// respect to travel.
 #[derive(Clone, Debug)]
 pub(crate) struct CurveLanes {
     numbers: [[[f64; LANES]; COUNT]; 2],
@@ -185,7 +186,7 @@ impl CurveLanes {
     }
 }
 
-/// Wheels in SIMD lanes, at the travels of their numbers.
+/// Wheels in SIMD lanes, at the travels for which [`CurveLanes`] contains their values.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LaneCurveWheel<'n, B> {
     pub(crate) of: &'n CurveLanes,

@@ -1,5 +1,5 @@
-//! Limits on the values of a car in a study. The reader of a study, ranges of variables, scatter, and designs of sweeps
-//! and tunings use these limits.
+//! Limits on the values of a car in a study. The program checks them when it reads a study, for ranges of variables,
+//! for scatter, and for the designs of sweeps and tunings.
 
 use super::parameters::{AxleParameter, BodyParameter};
 use super::{Car, Masses, Moves};
@@ -49,7 +49,8 @@ impl Car {
         front.mean_wheel_centre().z - front.setup.wheel_radius.unwrap_or(0.0)
     }
 
-    /// Distances of the front and the rear axle from the origin in the design position, positive ahead of it.
+    /// Distances of the front and the rear axle from the origin in the design position, positive if the axle is ahead
+    /// of the origin.
     pub(crate) fn axles_ahead(&self) -> [f64; 2] {
         let [front, rear] = self.axles.each_ref().map(|axle| axle.mean_wheel_centre().x);
         [front, rear + self.rear_offset.x]
@@ -67,7 +68,8 @@ impl Moves {
         rates.chain(FIGURES)
     }
 
-    /// Returns the values that a study accepts, in the study's unit, while all other values of the car stay unchanged.
+    /// Returns the range of values that a study accepts for this value, in the study's unit. All other values of the
+    /// car stay unchanged.
     pub fn accepted(&self, car: &Car) -> Accepted {
         match *self {
             Moves::Hardpoints(_) => Accepted::All,
@@ -112,7 +114,7 @@ impl Moves {
         };
         match laws.each_ref().map(|law| law.rate()) {
             [Some(left), Some(right)] => (left - right).max(0.0) / self.written_unit(car),
-            // A spring with a force curve has no rate, and no variable changes it.
+            // A spring with a force curve has no rate, so no variable changes its rate.
             _ => 0.0,
         }
     }
@@ -131,7 +133,7 @@ impl Moves {
         }
     }
 
-    /// Returns the reason why other values of the car limit the range of this variable.
+    /// Returns the reason why other values of the car limit the range of this variable; `None` if they do not.
     pub(crate) fn reason_of_limits(&self, car: &Car) -> Option<&'static str> {
         match (self, car.masses) {
             (Moves::Body(BodyParameter::Mass), Masses::Whole) => {

@@ -38,7 +38,7 @@ pub struct FailedCases {
 pub type CarFault = (usize, Side, DesignFault);
 
 impl<'c> CarRequest<'c> {
-    /// Requests every result in every case in which this result is defined, and the `further` results.
+    /// For every case, requests all results that are defined in this case. Also requests the `further` results.
     pub fn of(
         cases: &'c [Case],
         quantities: &[CarQuantity],
@@ -62,7 +62,7 @@ impl<'c> CarRequest<'c> {
         CarRequest { cases, results }
     }
 
-    /// Returns the index of a requested result.
+    /// Returns the index of a result among the requested results; `None` if it is not requested.
     pub fn place(&self, case: usize, quantity: CarQuantity) -> Option<usize> {
         let wanted = CaseResult { case, quantity };
         self.results.iter().position(|result| *result == wanted)

@@ -28,7 +28,7 @@ pub struct Case {
 /// Settings of a load case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
-    /// True if tyres act as springs. It has no effect if the car has no tyre springs.
+    /// True if tyres act as springs. This setting has no effect if the car has no tyre springs.
     pub elastic_tyres: bool,
     /// Source of the longitudinal forces: brakes or drive.
     pub longitudinal: Longitudinal,
@@ -41,8 +41,8 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// Returns the change of the case's keys after which every axle distributes its forces in proportion to the wheel loads.
-    /// `None` if the case already does so.
+    /// Returns the change to the case's keys that makes every axle distribute its forces in proportion to the wheel
+    /// loads. `None` if every axle already does so.
     pub(super) fn towards_shares_by_load(&self) -> Option<&'static str> {
         use LongitudinalShares::{ByLoad, Equal};
         match (self.lateral_shares, self.longitudinal_shares) {
@@ -121,7 +121,7 @@ impl Case {
 }
 
 impl Case {
-    /// Makes the same case with forces in proportion to the wheel loads.
+    /// Returns a copy of this case in which every axle distributes its forces in proportion to the wheel loads.
     pub(super) fn with_shares_by_load(&self) -> Case {
         let mut case = self.clone();
         case.setting.lateral_shares = LateralShares::ByLoad;

@@ -57,7 +57,7 @@ impl AxleEnd {
     }
 }
 
-/// Catalogue entry of a result.
+/// Data of a result in the catalogue.
 #[derive(Clone, Copy, Debug)]
 pub struct CarInfo {
     /// Name in studies. For a result of an axle, `{}` is replaced by `front` or `rear`.
@@ -85,7 +85,7 @@ macro_rules! catalogue {
         $($entry:ident, $name:literal, $unit:ident, $positive:literal, $formula:literal, [$($need:ident),*], $how:ident, $function:expr;)*
     })*) => {
         $(
-            /// Results of this kind.
+            /// Results of one type: results of a wheel, of an axle, or of the whole car.
             #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
             pub enum $Kind {
                 $(#[doc = concat!("`", $name, "`: `", $formula, "`")] $entry,)*
@@ -95,7 +95,7 @@ macro_rules! catalogue {
                 /// All variants, in their order.
                 pub const ALL: &'static [$Kind] = &[$($Kind::$entry),*];
 
-                /// Catalogue entry.
+                /// Returns the data of this result in the catalogue.
                 pub fn info(self) -> &'static CarInfo {
                     match self {
                         $($Kind::$entry => &CarInfo {
@@ -374,7 +374,7 @@ impl CarQuantity {
         columns
     }
 
-    /// Catalogue entry.
+    /// Returns the data of this result in the catalogue.
     pub fn info(self) -> &'static CarInfo {
         match self {
             CarQuantity::Wheel(_, result) => result.info(),
@@ -413,14 +413,14 @@ impl CarQuantity {
         })
     }
 
-    /// Returns true if the value is measured from the heave of the car at rest.
+    /// Returns true if the value is a difference from the heave of the car at rest.
     pub(super) fn is_since_rest(self) -> bool {
         self == CarQuantity::Whole(WholeResult::JackingHeave)
     }
 
-    /// Returns the reason why the result is undefined in a case; `None` if it is defined. It is undefined if its
-    /// formula is 0/0. It is also undefined if it applies only to braking and the case has drive forces, or the
-    /// reverse.
+    /// Returns the reason why the result is undefined in a case; `None` if it is defined. A result is undefined if its
+    /// formula is 0/0. A result for braking is also undefined in a case with drive, and a result for drive in a case
+    /// with braking.
     pub fn undefined_in(self, case: &Case) -> Option<&'static str> {
         use WholeResult::{
             AntiDive, AntiLiftFront, AntiLiftRear, AntiSquat, Distribution, DistributionElastic,
@@ -456,7 +456,7 @@ impl CarQuantity {
         }
     }
 
-    /// Value in printed units. `None` if it is not defined.
+    /// Value in printed units. `None` if the result is undefined in the case.
     pub fn printed(self, solved: &Solved<'_, f64>, case: &Case) -> Option<f64> {
         if self.undefined_in(case).is_some() {
             return None;

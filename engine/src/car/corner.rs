@@ -58,15 +58,15 @@ pub struct Corner<T> {
     pub axle: Option<AxleMotion<T>>,
 }
 
-/// Differences from the travels at which the values of the wheel were computed.
+/// Steps from the travels and the rack displacement at which the values of the wheel were computed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Steps<T> {
     /// Change of the wheel's own travel.
     pub own: T,
     /// Change of the other wheel's travel.
     pub other: T,
-    /// Displacement of the rack in the wheel's frame; `None` if the numbers were computed at one rack displacement
-    /// only.
+    /// Change of the rack displacement, in the wheel's frame; `None` if the values of the wheel were computed at one
+    /// rack displacement only.
     pub rack: Option<T>,
 }
 
@@ -108,8 +108,9 @@ struct ByTravels<T> {
 
 #[inline(always)]
 fn by_travels<T: Real>(held: AxleTravel, [first, second]: [T; 2]) -> ByTravels<T> {
-    // The variables are (own + other)/2 and (own - other)/2. If the own travel changes by 1, both variables change by
-    // 1/2. If the other travel changes by 1, the first variable changes by 1/2 and the second by -1/2.
+    // The variables of the polynomial are (own + other)/2 and (own - other)/2. If the own travel changes by 1, both
+    // variables change by 1/2. If the other travel changes by 1, the first variable changes by 1/2 and the second by
+    // -1/2.
     let other = match held {
         AxleTravel::Mean => second - first,
         AxleTravel::Difference => first - second,
@@ -156,8 +157,8 @@ impl<T: Copy> Corner<T> {
 }
 
 impl<T: Real> Corner<T> {
-    /// Computes `wheel`, in the frame of its own side, at these steps from its travels. `lift` converts the wheel's
-    /// numbers to this number type.
+    /// Computes the state of a wheel after the changes `steps` of travels and rack. The values of `wheel` are in the
+    /// frame of its side. `lift` converts these values to the number type of the result.
     #[inline(always)]
     pub(super) fn read<U: Real, W: WheelParts<U>>(
         wheel: &W,
@@ -238,8 +239,9 @@ impl<T: Real> Corner<T> {
     }
 }
 
-/// Computes the motion of the axle with respect to the difference of travels. The inputs are two columns of the axle's
-/// rotation matrix and a point, each with its derivatives with respect to both coordinates of the series.
+/// Computes the motion of the axle while the left wheel rises and the right wheel falls. The inputs are two columns of
+/// the axle's rotation matrix, and a point. Each has its derivatives with respect to both coordinates of the power
+/// series.
 fn axle_motion<T: Real>(
     held: AxleTravel,
     [along, across]: [[Vector3<T>; 3]; 2],
@@ -290,15 +292,15 @@ impl<T: Real> Displacement<T> {
         }
     }
 
-    /// Returns a number and its derivatives with respect to both coordinates. `of` returns the coefficients of the
-    /// number's power series.
+    /// Returns a number and its derivatives with respect to both coordinates of its power series. `of` returns the
+    /// coefficients of this series.
     #[inline(always)]
     fn number(&self, of: impl Fn([usize; 2]) -> T) -> [T; 3] {
         polynomial(of, self.first, self.second, self.has_fourth)
     }
 
-    /// Returns a vector and its derivatives with respect to both coordinates. `of` returns the coefficients of the
-    /// vector's power series.
+    /// Returns a vector and its derivatives with respect to both coordinates of its power series. `of` returns the
+    /// coefficients of this series.
     #[inline(always)]
     fn vector(&self, of: impl Fn([usize; 2]) -> Vector3<T>) -> [Vector3<T>; 3] {
         let (a, b) = (self.first, self.second);
@@ -324,9 +326,9 @@ impl<T: Real> Displacement<T> {
     }
 }
 
-/// Returns a vector of a wheel and its derivatives with respect to both coordinates. If the wheel is read at the travel of its
-/// coefficients, these coefficients are the results. The code treats this case separately, because the compiler would not
-/// inline the closure for SIMD lanes.
+/// Returns a vector of a wheel and its derivatives with respect to both coordinates of its power series. If the
+/// coefficients belong to the present travel, they are the results without further computation. The code treats this
+/// case separately, because the compiler would not inline the closure for SIMD lanes.
 #[inline(always)]
 fn vector<T: Real, U: Real, W: WheelParts<U>>(
     at: &Displacement<T>,
@@ -364,9 +366,9 @@ fn column<T: Real, U: Real, W: WheelParts<U>>(
     at.vector(|p| wheel.column(i, p).map(lift))
 }
 
-/// Returns the angular velocities of the carrier with respect to both coordinates, in the frame of the wheel's side. The
-/// second is zero if the carrier is not part of a solid axle (`is_rigid`). An angular velocity is half the sum of the
-/// cross products of the columns of the rotation matrix with their derivatives.
+/// Returns the angular velocities of the carrier with respect to both coordinates of the power series, in the frame of
+/// the wheel's side. The second is zero if the carrier is not part of a solid axle (`is_rigid`). An angular velocity is
+/// half the sum of the cross products of the columns of the rotation matrix with their derivatives.
 #[inline(always)]
 fn angular_velocities<T: Real, U: Real, W: WheelParts<U>>(
     at: &Displacement<T>,

@@ -47,7 +47,8 @@ impl CarSolver<'_> {
             0 => Vector3::default(),
             _ => self.car.rear_offset,
         };
-        // Each wheel has coordinates in the frame of its own side. The frame of a right wheel is the mirror image.
+        // The coordinates of each wheel are in the frame of its side. The frame of a right wheel is the mirror image of
+        // the left wheel's frame.
         let plain = |axle: usize, side: Side, v: Vector3<f64>| {
             Vector3::new(v.x, side.sign() * v.y, v.z) + offset(axle)
         };

@@ -34,8 +34,8 @@ pub(super) const BODY: usize = 8;
 pub(super) const VERTICAL: usize = 10;
 pub(super) const ROLL_MOMENT: usize = 11;
 pub(super) const PITCH_MOMENT: usize = 12;
-/// Indices of the equations that the solver replaces if these unknowns are prescribed: height gamma, roll phi and pitch theta,
-/// in this order.
+/// Index of the equation that prescribes each of these unknowns: height gamma, roll phi, pitch theta. Index 0 is the
+/// first of the equations that replace those of the whole car.
 pub(super) const HELD_ROWS: [usize; 3] = [2, 0, 1];
 
 /// Inputs that stay fixed while the solver changes the unknowns.
@@ -95,7 +95,7 @@ pub struct Balance<T> {
     pub sprung: (T, Vector3<T>),
     /// Mass of the whole car, and its centre of gravity.
     pub whole: (T, Vector3<T>),
-    /// Mean contact point in the design position.
+    /// Mean of the four contact points in the design position.
     pub design_contact: Vector3<T>,
     /// Downforces near the front and the rear axle, and the drag, in this order.
     pub air: [T; 3],
@@ -123,7 +123,8 @@ struct Assembled<T> {
 }
 
 impl<T: Scalar> Assembled<T> {
-    /// Computes the parts of a state. `corners` are the wheels at the travels that `x` contains.
+    /// Computes masses, ground, wheels and forces of a state. `corners` are the wheels at the travels that `x`
+    /// contains.
     fn of(
         held: &Held<'_>,
         parameters: &Parameters<T>,
@@ -214,12 +215,12 @@ pub(super) struct Ground<T> {
     pub road: Road<T>,
     /// Height gamma of the ground.
     pub height: T,
-    /// Acceleration of the case plus gravity.
+    /// Acceleration of all masses, including gravity: alpha of equation (7).
     pub acceleration: Vector3<T>,
 }
 
 impl<T: Local> Ground<T> {
-    /// Ground for a roll, a pitch and a height.
+    /// Computes the ground at a roll, a pitch and a height.
     #[inline(always)]
     pub(super) fn of(parameters: &Parameters<T>, [roll, pitch, height]: [T; 3]) -> Self {
         let road = Road::under(roll, pitch);
@@ -274,7 +275,8 @@ impl<T: Local> Resultant<T> {
         self.moment = self.moment + at.cross(by);
     }
 
-    /// Computes the residuals of the body (8). Forces are along i, e and n; the roll moment is about the body's own x axis.
+    /// Computes the residuals of the equations (8) of the whole car. Forces are along i, e and n; the roll moment is
+    /// about the body's own x axis.
     #[inline(always)]
     fn residuals(&self, held: &Held<'_>, road: &Road<T>) -> [T; 6] {
         let inertia = held.car.yaw_inertia.unwrap_or(0.0) * held.case.yaw_acceleration;
@@ -301,7 +303,8 @@ pub(super) struct Body<T> {
 }
 
 impl<T: Local> Body<T> {
-    /// Computes the forces for a sprung mass with its centre of gravity.
+    /// Computes the inertia force of the sprung mass, and the aerodynamic forces. The last argument contains the sprung
+    /// mass and its centre of gravity.
     #[inline(always)]
     pub(super) fn of(
         held: &Held<'_>,
@@ -347,7 +350,7 @@ pub(super) struct Loaded<T> {
 }
 
 impl<T: Local> Loaded<T> {
-    /// Components (9) of the wheel loads.
+    /// Returns the components of the wheel loads by equation (9).
     #[inline(always)]
     pub(super) fn parts(&self, wheels: [&Stance<T>; 4]) -> [[T; 4]; 4] {
         let [a, b, c, d] = wheels;
@@ -357,8 +360,8 @@ impl<T: Local> Loaded<T> {
         [a, b, c, d]
     }
 
-    /// Computes the forces for values of the unknowns. The arguments contain the wheels and the other forces on the
-    /// body at these values.
+    /// Computes the forces of the wheels and all residuals at the unknowns `x`. The arguments contain the wheels and
+    /// the other forces on the body at these unknowns.
     #[inline(always)]
     pub(super) fn of(
         held: &Held<'_>,

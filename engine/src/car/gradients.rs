@@ -26,7 +26,8 @@ pub struct CarGradient {
 }
 
 impl<'a> CarSolver<'a> {
-    /// Computes a state with its derivatives with respect to accelerations, a couple, body motions and warp.
+    /// Computes a state with its derivatives with respect to accelerations, a couple on the body, body motions, and
+    /// warp of the ground.
     pub fn solved(
         &mut self,
         case: &Case,
@@ -47,7 +48,7 @@ impl<'a> CarSolver<'a> {
         Ok(solved)
     }
 
-    /// Solves the car at rest on the tyres of a case.
+    /// Solves the car at rest with the tyres of a case (rigid or elastic).
     fn at_rest(&mut self, case: &Case) -> Result<(Case, Equilibrium), NoEquilibrium> {
         let mut rest = Case::at_rest("static");
         rest.setting.elastic_tyres = case.setting.elastic_tyres;
@@ -176,9 +177,9 @@ impl<'a> CarSolver<'a> {
         Ok(gradients)
     }
 
-    /// Returns the derivatives with respect to the parameters, which are the first numbers of the tape. With a steering
-    /// gear, the derivative with respect to the rack is computed from the derivatives with respect to the points of the
-    /// axle. Derivatives with respect to the racks are NaN if they are not known.
+    /// Returns the derivatives with respect to the parameters. In `by_numbers`, these derivatives come first. With a
+    /// steering gear, the derivative with respect to the rack is computed from the derivatives with respect to the
+    /// points of the axle. Derivatives with respect to the racks are NaN if they are not known.
     fn of_parameters(
         &self,
         by_numbers: &[f64],
@@ -200,7 +201,7 @@ impl<'a> CarSolver<'a> {
     }
 }
 
-/// Returns derivatives of zero with respect to the hardpoints of a wheel.
+/// Returns zero vectors as the derivatives with respect to the hardpoints of a wheel.
 fn no_gradients(axle: &Axle) -> Vec<Vector3<f64>> {
     vec![Vector3::default(); axle.left.mechanism.points.len()]
 }

@@ -103,10 +103,11 @@ impl At {
 
 impl Case {
     /// Makes a case with an acceleration of 1 g along the ground. The direction is in degrees, from forward towards the
-    /// left. The forces of each axle are distributed in proportion to the wheel loads, as in a map of states.
+    /// left. The car brakes if ax is negative; otherwise it has drive. The longitudinal force of each axle is
+    /// distributed in proportion to the wheel loads. All other settings are those of `at_rest`.
     pub fn along(name: &str, degrees: f64, at_rest: &Case) -> Case {
         // In a direction along one axis, the other acceleration must be exactly zero. Otherwise the equations would
-        // distribute a force that is only rounding error.
+        // distribute a force that is only a rounding error.
         let [ax, ay] = match degrees.rem_euclid(360.0) {
             0.0 => [1.0, 0.0],
             90.0 => [0.0, 1.0],
@@ -195,7 +196,8 @@ impl CarSolver<'_> {
                 Some(found) if found.lifted == [false; 4] => low = At { g, found },
                 _ => {
                     high = g;
-                    // Newton's method approaches the lift only from above, so bisection is needed for the lower end.
+                    // Newton's method approaches the lift only from the upper end of the bracket. So bisection moves
+                    // the lower end.
                     let g = 0.5 * (low.g + high);
                     match self.solve_beside(&ray.at(g), &low.found) {
                         Some(found) if found.lifted == [false; 4] => low = At { g, found },

@@ -13,14 +13,14 @@ use crate::mechanism::NoPose;
 use crate::model::{ArmId, Axis, Constraint, Mechanism, PointId, RockerId, Side};
 use crate::number::{Each, Vector3};
 
-/// A member of one wheel's suspension, with the force in the results.
+/// Type of a force in the results, with the member of one wheel's suspension that transmits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum What {
     /// Tension of the link between two points.
     Link(PointId, PointId),
-    /// Force of the constraints at a point on the wheel carrier.
+    /// Force of the constraints at a point, which acts on the wheel carrier.
     Point(PointId, Axis),
-    /// Force at the outer joint of an arm on the wheel carrier.
+    /// Force on the wheel carrier at the outer joint of an arm.
     Joint(ArmId, Axis),
     /// Tension of the rod of a rocker.
     Rod(RockerId),
@@ -248,8 +248,8 @@ impl CarSolver<'_> {
         let moment = if self.car.carrier_takes_torque(axle, setting.longitudinal) {
             nothing
         } else {
-            // Shafts from the body, not the carrier, take the torque about the spin axis. So this moment cancels the
-            // torque on the carrier.
+            // Shafts transmit the torque about the spin axis to the body. So this moment removes the torque from the
+            // carrier.
             let spin = wheel.corner.spin;
             let lever = wheel.contact - wheel.corner.centre;
             spin * -spin.dot(lever.cross(push))

@@ -11,13 +11,13 @@ use crate::optimise::{
 use crate::study::Vehicle;
 use nalgebra::DVector;
 
-/// Goals as residuals and constraint rows. The rows of the cases come first, then the rows of the front rig and of the
-/// rear rig.
+/// Goals of the tuning: residuals of the targets, and constraint rows. A constraint has one or more rows, for example
+/// one per limit. The rows of the cases come first, then the rows of the front rig and of the rear rig.
 pub(super) struct Objective<'a> {
     car: &'a Car,
     goals: CarGoals<'a>,
     rigs: Vec<RigRows<'a>>,
-    /// Factor on all residuals, by (1).
+    /// Factor on all residuals, so that their mean square is the squared misfit of `tune.rs`.
     scale: f64,
 }
 
@@ -95,8 +95,8 @@ impl Objective<'_> {
         self.in_row_order(vec![None; of_cases], of_rigs)
     }
 
-    /// Returns the violation of each constraint that counts as 1 in its rows, in the unit of the constraint. Its size
-    /// is visible in practice, such as 1 mm or 1 degree.
+    /// Returns, for each constraint, the violation that has the value 1 in its rows. The violation is in the unit of
+    /// the constraint. It is visible in practice, such as 1 mm or 1 degree.
     pub(super) fn visible_units(&self) -> Vec<f64> {
         let of_cases = self.goals.constraints.iter().map(|own| own.visible);
         let of_rigs = self.rigs.iter().flat_map(RigRows::visible_units);
@@ -140,7 +140,7 @@ impl Objective<'_> {
             self.evaluate_case(&car, &mut solver, number, into, rows.as_deref_mut())?;
         }
         let mut residual = self.residuals_of_cases();
-        // The rows of equalities come before all other rows.
+        // The rows of equality constraints come before all other rows.
         let mut equality = 0;
         let mut row = self.equalities() + self.rows_of_cases().1;
         for rig in &mut self.rigs {
@@ -235,7 +235,7 @@ impl Objective<'_> {
     }
 }
 
-/// Returns the quantity of a target or a constraint. The unit of the gradient depends on it.
+/// Returns the quantity of a target or a constraint. The quantity determines the unit of the gradient.
 fn gradient_unit(used: &Use, goals: &CarGoals<'_>) -> CarQuantity {
     match *used {
         Use::Target(row) => goals.targets[row].quantity,
@@ -300,7 +300,7 @@ impl Constrained for Objective<'_> {
     }
 }
 
-/// Tuning problem: a car, its goals, and the layouts of the goals on the rigs.
+/// Tuning problem: a car, its goals, and the lists of the residuals and constraint rows of the rigs.
 pub(super) struct Problem<'a> {
     pub(super) car: &'a Car,
     pub(super) goals: CarGoals<'a>,

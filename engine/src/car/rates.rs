@@ -21,17 +21,19 @@ pub struct Solved<'c, T> {
     pub by_ax: Balance<Jet<T, 2>>,
     /// State with its derivative with respect to a couple on the body, about the forward direction along the ground.
     pub by_couple: Balance<Jet<T, 2>>,
-    /// State with its derivative with respect to gamma. Roll, pitch, A and B are held.
+    /// State with its derivative with respect to the ground height gamma. Roll, pitch and the tyre force factors A and
+    /// B are held.
     pub by_heave: Balance<Jet<T, 2>>,
-    /// State with its derivative with respect to theta. Gamma, roll, A and B are held.
+    /// State with its derivative with respect to the pitch theta. The ground height, roll and the tyre force factors A
+    /// and B are held.
     pub by_pitch: Balance<Jet<T, 2>>,
     /// State with its derivative with respect to a warp of the ground. The body is free.
     pub by_warp: Balance<Jet<T, 2>>,
-    /// Heave of the car at rest on the same tyres.
+    /// Heave of the car at rest with the same type of tyres (rigid or elastic).
     pub rest_heave: f64,
 }
 
-/// Numbers of a state from which its derivatives are computed. These numbers carry no derivatives themselves.
+/// Values that the computation of a state's derivatives needs. These values carry no derivatives themselves.
 #[derive(Clone, Debug)]
 pub(super) struct Plain {
     pub unknowns: [f64; UNKNOWNS],
@@ -52,7 +54,7 @@ enum Direction {
     Body(usize),
 }
 
-/// Parameters among the [`DIRECTIONS`], in the same order.
+/// Parameters that occur in [`DIRECTIONS`], in the same order.
 const PARAMETERS: [BodyParameter; 3] = [BodyParameter::Ay, BodyParameter::Ax, BodyParameter::Warp];
 
 const DIRECTIONS: [Direction; 6] = [
@@ -65,7 +67,7 @@ const DIRECTIONS: [Direction; 6] = [
 ];
 
 impl Plain {
-    /// Computes the numbers from which the derivatives of a state follow. `None` if the equations are singular.
+    /// Computes the values that the computation of a state's derivatives needs. `None` if the equations are singular.
     pub(super) fn of<R: WheelParts<f64>>(
         base: &Base<'_, '_, R>,
         parameters: &Parameters<f64>,
@@ -136,12 +138,12 @@ impl Direction {
     }
 
     /// Returns the errors in the derivatives of the equations in this direction. `rates` are the derivatives of the
-    /// residuals. `level` is the work of the couple per roll angle.
+    /// residuals. `level` is the work of a unit couple per roll angle.
     fn defect<T: Real>(self, mut rates: [T; UNKNOWNS], level: T) -> [T; UNKNOWNS] {
         match self {
             Direction::Parameter(_) => {}
             Direction::Couple => rates[ROLL_MOMENT] = rates[ROLL_MOMENT] + level,
-            // A prescribed motion of the body satisfies the equations of the body.
+            // If a motion of the body is prescribed, it replaces the equations of the whole car.
             Direction::Body(_) => rates[BODY..].fill(level.zero()),
         }
         rates
@@ -161,8 +163,8 @@ fn times<T: Real>(matrix: &Matrix, vector: [T; UNKNOWNS]) -> [T; UNKNOWNS] {
     product
 }
 
-/// Corrects the unknowns by Newton steps. If numbers carry gradients, one step adds the gradient of the unknowns (10).
-/// For Taylor series, each step adds one order.
+/// Corrects the unknowns by Newton steps. If numbers carry gradients, one step adds the gradient of the unknowns, by
+/// equation (10). For Taylor series, each step adds one order.
 pub(super) fn settle<T: Scalar, U: Real, R: WheelParts<U>>(
     base: &Base<'_, '_, R>,
     parameters: &Parameters<T>,
@@ -194,7 +196,7 @@ impl<'c> Solved<'c, f64> {
 }
 
 impl<'c, T: Scalar> Solved<'c, T> {
-    /// Computes the state with all its derivatives, from the numbers `plain`. `orders` is the number of derivative
+    /// Computes the state with all its derivatives, from the values `plain`. `orders` is the number of derivative
     /// orders of the number type: 0 for plain numbers, 1 for gradients.
     pub(super) fn of<U: Real, R: WheelParts<U>>(
         car: &'c Car,

@@ -55,7 +55,8 @@ impl<'a> RigRows<'a> {
         self.goals.optimise.constraints.len()
     }
 
-    /// Violation of each constraint that counts as 1 in its rows, in the unit of the constraint.
+    /// For each constraint, the violation that has the value 1 in its rows. The violation is in the unit of the
+    /// constraint.
     pub(super) fn visible_units(&self) -> impl Iterator<Item = f64> {
         let constraints = self.goals.optimise.constraints.iter();
         constraints.map(|own| own.parts.last().map_or(1.0, |part| part.visible))
@@ -74,7 +75,7 @@ impl<'a> RigRows<'a> {
         rows.map(move |target| (target, share * self.layout.share(target)))
     }
 
-    /// Factor from the axle's own residuals to those of the car.
+    /// Factor that converts the residuals of this axle's problem to residuals of the car's problem.
     fn share(&self, scale: f64) -> f64 {
         scale * (self.weights() / self.layout.residuals().max(1) as f64).sqrt()
     }
@@ -96,9 +97,9 @@ impl<'a> RigRows<'a> {
         DVector::from_iterator(self.goals.columns.len(), own)
     }
 
-    /// Writes the residuals to the rows from `first` on, with the factors of the car's problem. There, the factor on
-    /// each squared residual is the weight of the target divided by its number of stations. `scale` is the factor on
-    /// all residuals of the car.
+    /// Writes the residuals to the rows from `first` on, with the factors of the car's problem. In that problem, the
+    /// factor on each squared residual is the weight of the target divided by its number of stations. `scale` is the
+    /// factor on all residuals of the car.
     pub(super) fn write_residuals(&self, first: usize, scale: f64, into: &mut Linearisation) {
         let own = &self.assessment.goal;
         let rows = own.residuals.len();

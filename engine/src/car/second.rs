@@ -26,7 +26,7 @@ pub(crate) struct ExpandedState<'a> {
     parameters: Parameters<f64>,
     plain: Plain,
     wheels: Vec<Expandable<'a>>,
-    /// Wheels of the unchanged design.
+    /// Wheels of the design without changes.
     still: Vec<ExpandedWheel>,
     travels: [f64; 4],
     carriers: [Carriers; 2],
@@ -64,8 +64,8 @@ impl<'a> CarSolver<'a> {
 }
 
 impl ExpandedState<'_> {
-    /// Returns a wheel of a design that is a Taylor series. `number` is 0 to 3: front left, front right, rear left,
-    /// rear right.
+    /// Returns a wheel whose design is a Taylor series. `number` is 0 to 3: front left, front right, rear left, rear
+    /// right.
     pub(crate) fn wheel(&self, number: usize, design: &[Vector3<Series>]) -> ExpandedWheel {
         self.wheels[number].along(design)
     }

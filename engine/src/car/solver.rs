@@ -161,7 +161,8 @@ impl<'a> CarSolver<'a> {
             return Err(NoEquilibrium::Unsupported);
         }
         match self.search(case) {
-            // The remedy is only right if it leads to an equilibrium. Otherwise the shares are not the reason.
+            // The remedy is only right if it leads to an equilibrium. Otherwise the distribution of the forces is not
+            // the reason for the failure.
             Err(
                 failure @ NoEquilibrium::NoContactSet {
                     remedy: Some(_), ..

@@ -173,8 +173,8 @@ pub(super) const HELD: [usize; 6] = [
     LONGITUDINAL,
 ];
 
-/// Tangent in which other equations replace the equations of the whole car. Each of them holds one unknown, in the
-/// order of [`HELD`].
+/// Tangent in which other equations replace the equations of the whole car. Each new equation keeps one unknown
+/// constant, in the order of [`HELD`].
 pub(super) fn held(tangent: &Matrix) -> Matrix {
     let mut matrix = *tangent;
     for (row, unknown) in matrix[BODY..].iter_mut().zip(HELD) {

@@ -55,7 +55,7 @@ pub struct CarConstraint {
     pub case: usize,
     /// Lowest and highest value, in the printed unit; infinite without a limit.
     pub between: [f64; 2],
-    /// Violation that counts as 1, as a difference of the printed value.
+    /// Violation that counts as 1, in the printed unit.
     pub visible: f64,
 }
 
@@ -112,10 +112,10 @@ pub struct CarTuning {
     /// Missed targets on which the variables have no effect or too little effect. The indices run over the targets of
     /// the cases, of the front rig and of the rear rig.
     pub unmoved: Unmoved,
-    /// Indices of violated constraints that no variable changes, in the order of `contradiction`.
+    /// Indices of violated constraints that no variable changes. The indices are numbered as in `contradiction`.
     pub unmoved_constraints: Vec<usize>,
-    /// Price of each constraint, in the order of `contradiction`: reduction of the misfit per unit by which the limit
-    /// moves outwards.
+    /// Price of each constraint: reduction of the misfit per unit by which the limit moves outwards. The constraints
+    /// are numbered as in `contradiction`.
     pub prices: Vec<Price>,
     /// Indices of constraints that cannot all be satisfied together. The indices run over the cases, the front rig and
     /// the rear rig. Without any one of these constraints, the others could be satisfied. Empty if all constraints can
@@ -227,8 +227,8 @@ fn unmoved(
     residuals.unmoved(&rms, &fit.evaluation)
 }
 
-/// Returns the price of each constraint (reduction of the misfit per unit of its limit). Also returns the indices of
-/// violated constraints that no variable changes.
+/// Returns the price of each constraint (reduction of the misfit per unit by which the limit moves outwards). Also
+/// returns the indices of violated constraints that no variable changes.
 fn limits(objective: &Objective<'_>, fit: &Fit) -> (Vec<Price>, Vec<usize>) {
     let Some(state) = &fit.constraints else {
         return (Vec::new(), Vec::new());
@@ -282,7 +282,7 @@ fn contradiction(
             rigs: [rig(front, &rigs[0]), rig(rear, &rigs[1])],
             ..*goals
         };
-        // The whole problem is valid, so a problem with fewer constraints is valid too.
+        // The problem with all constraints is valid, so a problem with fewer constraints is valid too.
         Problem::of(problem.car, goals)
             .is_ok_and(|some| is_satisfied_from(starts, bounds, control, || some.objective()))
     })

@@ -1,7 +1,8 @@
 //! Anti-dive, anti-lift and anti-squat: the share of the load transfer that the arms carry instead of the springs.
 //!
 //! The formulas follow from virtual work. A longitudinal force F acts on the tyre at the contact point C, and the wheel load
-//! changes by the load transfer N = F_total h/L. The torque of F about the spin axis a has one of two paths:
+//! changes by the load transfer N = F_total h/L. F_total is the longitudinal force on the whole car, h the height of the
+//! centre of gravity, and L the wheelbase. The torque of F about the spin axis a has one of two paths:
 //!
 //! - The carrier takes it (outboard brakes, hub motors, live axles). The wheel moves as if locked to the carrier.
 //! - A shaft from the body takes it (inboard brakes, drive shafts). The wheel rotates about a in its carrier, so that it

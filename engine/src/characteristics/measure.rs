@@ -152,7 +152,8 @@ impl Measure {
         }
     }
 
-    /// Order of the derivatives with respect to the drive coordinate that the value contains: 0 or 1.
+    /// Highest order of the derivatives with respect to the drive coordinate that the value contains: 1 if it contains
+    /// velocities, else 0.
     pub fn rate_order(&self) -> usize {
         self.quantity().map_or(0, Quantity::rate_order)
     }
@@ -268,8 +269,8 @@ impl Measure {
         }
     }
 
-    /// Value of a geometric measure along a series of poses. For catalogue quantities use
-    /// [`WheelReading`](super::WheelReading), for forces [`CarriedForce::value`].
+    /// Value of a geometric measure in a configuration. If the configuration is a Taylor series, the value is also a
+    /// series. For catalogue quantities use [`WheelReading`](super::WheelReading), for forces [`CarriedForce::value`].
     pub fn value<T: Scalar>(&self, at: &Configuration<T>) -> T {
         let (inputs, count) = self.inputs(at.mechanism);
         let like = at.rack;

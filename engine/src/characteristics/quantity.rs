@@ -26,8 +26,8 @@ impl Quantity {
         }
     }
 
-    /// Order of the derivatives with respect to the drive coordinate that the value contains: 1 for a quantity that
-    /// contains velocities, else 0.
+    /// Highest order of the derivatives with respect to the drive coordinate that the value contains: 1 for a quantity
+    /// that contains velocities, else 0.
     #[inline]
     pub fn rate_order(self) -> usize {
         match self {

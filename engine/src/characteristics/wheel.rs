@@ -94,7 +94,7 @@ macro_rules! wheel {
                 }
             }
 
-            /// Combines each number with the same number of another wheel.
+            /// Combines each number with the corresponding number of another wheel.
             #[inline(always)]
             pub(crate) fn zip<U: Copy, V: Copy>(
                 &self,
@@ -151,7 +151,7 @@ pub struct DesignWheel<T> {
 }
 
 impl<T: Copy> DesignWheel<T> {
-    /// Makes a design wheel whose entries all equal `number`.
+    /// Makes a design wheel in which every number equals `number`.
     #[inline(always)]
     pub(crate) fn filled(number: T) -> Self {
         let vector = Vector3::new(number, number, number);
@@ -202,9 +202,9 @@ pub struct Inputs<T> {
 /// Defines the slots, one per line: kind (vector or number), and field in [`Inputs`].
 macro_rules! slots {
     ($($slot:ident: $kind:ident $($place:ident).+;)*) => {
-        /// Input of a formula: one vector or one number of [`Inputs`]. A slot that is a number uses the first component
-        /// of a vector. The plan computes only the slots that formulas read. Each slot has its own seed in the
-        /// computation of sensitivities.
+        /// Input of a formula: one vector or one number of [`Inputs`]. The derivative with respect to a slot is stored
+        /// as a vector. For a number, only the first component is used. The plan computes only the slots that formulas
+        /// read. Each slot has its own seed in the computation of sensitivities.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Slot {
             $(#[doc = concat!("`", stringify!($($place).+), "`, a ", stringify!($kind))] $slot,)*

@@ -1,14 +1,15 @@
 //! Small matrices, and rotations stored as their difference from the identity.
 //!
-//! The difference D = R - I keeps all digits of a rotation near the identity. A point at the lever l moves by u + D l
-//! (1). A small rotation w changes D to
+//! The difference D = R - I keeps all digits of a rotation near the identity. With the shift u of the reference point, a
+//! point at the lever l moves by u + D l (1). A small rotation w changes D to
 //!
 //! ```text
 //! D + E + E D,   E = (2 r^ + 2 r^ r^)/(1 + r.r),   r = w/2                                       (2)
 //! ```
 //!
 //! (r^ is the cross-product matrix of r). E is exactly a rotation minus the identity, and equals w^ to first order. So
-//! Newton's method converges quadratically with it. The rotation vector follows from the parts of R,
+//! Newton's method converges quadratically with it. The rotation vector follows from the antisymmetric part and the
+//! trace of R (R' is the transpose of R),
 //!
 //! ```text
 //! v = (R - R')/2 as a vector, |v| = sin t, cos t = 1 + trace(D)/2, log R = v t/sin t              (3)
@@ -278,7 +279,7 @@ fn angle_by_small_sine<T: Valued>(squared: T) -> T {
     sum * squared + squared.one()
 }
 
-/// Ratio t/sin t of any angle. This code is compiled as a separate function, because few angles are large.
+/// Ratio t/sin t of any angle. Few angles need this code, so it is compiled as a separate function.
 struct AngleBySine<T> {
     squared: T,
     cosine: T,

@@ -30,17 +30,17 @@ pub(super) struct Built<T> {
     pub(super) places: Places,
 }
 
-/// Parts of an axle that connect to the wheel's parts.
+/// Parts of an axle that are connected to the parts of the wheel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OfAxle<'a, T> {
     pub(super) subframe: Option<&'a Subframe<T>>,
     /// Rate of the anti-roll bar: torque per angle between its levers.
     pub(super) bar_rate: Option<T>,
-    /// Half of a solid axle that is on the side of this wheel.
+    /// Half of a solid axle on the side of this wheel; `None` for an independently suspended wheel.
     pub(super) half: Option<HalfOfAxle>,
 }
 
-/// Half of a body that carries both wheels.
+/// Half of a body that carries both wheels (solid axle).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HalfOfAxle {
     /// Reference point of the body, in the axes of this side.
@@ -147,7 +147,7 @@ impl<T: Scalar> Builder<'_, T> {
         })
     }
 
-    /// Body that holds a point of the vehicle.
+    /// Returns the body that holds a point: the subframe, or else the body of the vehicle.
     fn holder(&self, id: PointId) -> Holder {
         match self.of_axle.subframe {
             Some(subframe) if subframe.carries.contains(&id) => Holder::Subframe,
@@ -246,8 +246,8 @@ impl<T: Scalar> Builder<'_, T> {
         limbs
     }
 
-    /// Makes an end of a part. `outer` is the joint at the part's reference point. Without a bushing, the end is a ball
-    /// joint, and the function also adds a rigid rod.
+    /// Makes an end of an arm or link. `outer` is the joint at the part's reference point. Without a bushing, the end
+    /// is a ball joint. The function then adds a rigid rod that keeps the distance between both joints constant.
     fn end(&mut self, id: PointId, outer: PointId, bushing: Option<Bushing<T>>) -> End<T> {
         let lever = self.at(id) - self.at(outer);
         if bushing.is_none() {

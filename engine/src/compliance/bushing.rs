@@ -1,7 +1,7 @@
 //! Bushing between two bodies.
 //!
 //! Body i holds the bushing's axes A (rows), and body j moves in the frame of body i. The bushing's points are p_i and p_j,
-//! and R_i and R_j are the rotations of the bodies. With e = p_j - p_i,
+//! and R_i and R_j are the rotations of the bodies. A' is the transpose of A. With e = p_j - p_i,
 //!
 //! ```text
 //! d = A R_i' e,   phi = A log(R_i' R_j)                                                           (1)
@@ -98,7 +98,7 @@ fn small_coefficient<T: Valued>(square: T) -> (T, T) {
     (value, slope + slope)
 }
 
-/// Coefficient c of a large angle. This code is compiled as a separate function, because few angles are large.
+/// Coefficient c of a large angle. Few angles are large, so this code is compiled as a separate function.
 struct LargeCoefficient<T>(Logarithm<T>);
 
 impl<T: Valued> Outlined for LargeCoefficient<T> {

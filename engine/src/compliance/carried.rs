@@ -37,7 +37,7 @@ pub(crate) enum MemberPart {
 /// Force of one part of the suspension, as it appears in the results.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ElasticMember {
-    /// Suffix of a column name: the name of the load comes before it.
+    /// Name of the force, which follows the name of the load in a column name.
     pub(crate) name: String,
     pub(crate) part: MemberPart,
     /// True if the axle has this part only once.

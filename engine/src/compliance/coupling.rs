@@ -11,8 +11,8 @@ use super::limb::{BESIDE, Beside, Sum, TWIST_BESIDE, joined};
 use super::system::Equations;
 use crate::number::{Each, Matrix3, Scalar, Vector3};
 
-/// Number of coordinates of a holder in addition to the carrier's six coordinates. These are the shift of the rack, the
-/// twist of the bar, and three displacements of a spring's upper end.
+/// Number of coordinates, in addition to the carrier's six coordinates, on which the forces of parts depend. These are
+/// the shift of the rack, the twist of the bar, and three displacements of a spring's upper end.
 const EXTRA: usize = 5;
 
 impl<T: Scalar> Coupling<T> {
@@ -139,7 +139,8 @@ impl<T: Scalar> InFrame<T> {
         self.add_scalars(equations, coupling);
     }
 
-    /// Converts to the axes of the vehicle. Rack and twist stay scalars.
+    /// Converts the forces and tangents to the axes of the vehicle. The rack's shift and the bar's twist are scalars
+    /// and stay unchanged.
     fn turned(&self, pose: &Pose<T>) -> Self {
         let rotation = &pose.rotation;
         let turned = |v: &[T; 6]| {
@@ -186,7 +187,8 @@ impl<T: Scalar> InFrame<T> {
         found
     }
 
-    /// Adds equations (1) to (4). All vectors are in the axes of the vehicle.
+    /// Adds the forces of the parts that the subframe holds, with their tangents, by equations (1) to (4) of
+    /// `ground.rs`. All vectors are in the axes of the vehicle.
     fn add_on_subframe(
         &self,
         pose: &Pose<T>,

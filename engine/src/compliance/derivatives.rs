@@ -1,9 +1,9 @@
 //! Derivatives of an equilibrium with respect to loads, travel, rack and design.
 //!
-//! With the equations of balance G(x, p), the unknowns x, an input p and an output y,
+//! With the equations of balance G(x, p), the unknowns x, an input p and an output y(x, p),
 //!
 //! ```text
-//! x_p = -G_x^-1 G_p,   y_p = y_x.x_p + y_p                                                        (1)
+//! x_p = -G_x^-1 G_p,   dy/dp = y_x.x_p + y_p                                                      (1)
 //! ```
 //!
 //! In numbers that carry derivatives, one Newton step from a state in balance computes (1). In the state after this step,
@@ -78,7 +78,8 @@ impl<T: Scalar> ElasticWheel<T> {
             Change::Travel => right[equations.size - 1] = system.like().one(),
             Change::Rack => {
                 // The equations contain the rack displacement, so their residuals give the derivatives with respect to
-                // it. In equilibrium, an eliminated unknown contributes only the derivative of its residual.
+                // it. In equilibrium, the residual of an eliminated unknown is zero, so only the residual's derivative
+                // has an effect.
                 let dual = self.built.system_over(Dual::<T, 1>::constant);
                 let mut moving = task.map(Dual::constant);
                 moving.rack.partials[0] = system.like().one();

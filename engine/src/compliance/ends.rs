@@ -71,7 +71,8 @@ pub enum EndCause {
     Force(DrivingForce),
     /// The search reached its largest value. Equilibria may exist beyond it.
     SearchEnds,
-    /// Newton's method found no further equilibrium, but every motion has stiffness.
+    /// The cause is unknown: every motion has stiffness, but Newton's method found no further equilibrium. Or the search
+    /// took too many steps.
     Unresolved,
 }
 
@@ -160,7 +161,7 @@ impl Way {
 /// Reason why the search does not accept a value.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Refusal {
-    /// No equilibrium exists. For an axle, the error contains the index of the wheel.
+    /// No equilibrium exists. The first field is the index of the wheel, for an axle.
     Obstacle(Option<usize>, Obstacle),
     /// The force is too large.
     Force(DrivingForce),
@@ -179,8 +180,8 @@ struct Followed<S> {
     refusal: Option<Refusal>,
 }
 
-/// Follows the equilibria from the state at value 0, in steps. `next` finds the state at a value; it starts from a
-/// neighbouring state.
+/// Follows the equilibria from the state at value 0, in steps. `next` finds the state at a value. Its first argument is
+/// a neighbouring state.
 fn followed<S: Copy>(
     start: &S,
     way: Way,
@@ -226,7 +227,7 @@ fn followed<S: Copy>(
 pub(super) trait Followable {
     /// State with all displacements.
     type State: Copy;
-    /// Loads, heights and rack of an equilibrium.
+    /// Loads, heights and rack displacement of an equilibrium.
     type Task;
     /// Finds the stable equilibrium for given inputs (loads, heights and rack), from a neighbouring state. If a wheel
     /// of an axle fails, the error contains the index of this wheel.
@@ -245,7 +246,8 @@ pub(super) trait Followable {
         state: &Self::State,
         task: &Self::Task,
     ) -> Option<(f64, (String, Motion))>;
-    /// Returns the name of an eliminated part, and the direction in which this part moves without stiffness.
+    /// Returns the name of a part whose unknowns are eliminated, and the direction in which this part moves without
+    /// stiffness.
     fn limb(&self, side: Option<usize>, limb: usize) -> (String, Motion);
 
     /// Finds the ends of the equilibria in both directions from `start`, the state at value 0.

@@ -26,7 +26,7 @@ pub(super) struct Floating<T> {
     pub(super) outer: Bushing<T>,
     /// Vector from the carrier's reference point to the outer end.
     pub(super) joint: Vector3<T>,
-    /// Vector along the link's line. The square of its length is a stiffness, as in [`Swinging::spin`].
+    /// Vector along the link's line. The square of the vector's length is a stiffness, as in [`Swinging::spin`].
     pub(super) spin: Vector3<T>,
 }
 
@@ -44,7 +44,8 @@ impl<T: Valued> Floating<T> {
         }
     }
 
-    /// Returns the vector e of the outer bushing, and the rotation R_i' R_j - I between carrier and link.
+    /// Returns two deflections of the outer bushing by equation (1) of `bushing.rs`: the vector e, and the rotation
+    /// R_i' R_j - I between carrier and link.
     #[inline(always)]
     fn at_carrier(&self, at: &Conditions<T>, own: &Placed<T>) -> (Vector3<T>, Matrix3<T>) {
         let e = own.displacement(self.along) - at.carrier.displacement(self.joint);

@@ -2,8 +2,9 @@
 //!
 //! The energy of parts on the subframe depends only on the carrier's pose relative to the subframe. So the program
 //! computes the forces of these parts in the subframe's axes, with the formulas for a body at rest. Let O and S be the
-//! reference points of carrier and subframe. With r = O - S, the subframe's rotation R, and the force f and moment m on
-//! the carrier,
+//! reference points of carrier and subframe, and r = O - S. Small shifts and rotations are du and dw for the carrier,
+//! and ds and w_s for the subframe. Relative to the subframe, the carrier moves by du' and dw'. With the subframe's
+//! rotation R (transpose R'), and the force f and moment m on the carrier,
 //!
 //! ```text
 //! du' = R'(du - ds - w_s x r),   dw' = R'(dw - w_s)                                               (1)
@@ -41,7 +42,7 @@ pub(super) enum Holder {
 }
 
 impl Holder {
-    /// Index of the sum for the parts on the rack. The indices of the holders come first.
+    /// Index of the sum for the parts on the rack. The sums for the body and the subframe have the indices 0 and 1.
     pub(super) const RACK: usize = 2;
 }
 
@@ -90,7 +91,7 @@ pub(super) struct Surroundings<T> {
 }
 
 impl<T: Valued> Surroundings<T> {
-    /// Positions with only the rack displaced.
+    /// Positions of the shared bodies, of which only the rack is displaced.
     #[inline(always)]
     pub(super) fn of_rack(rack: T) -> Self {
         Surroundings {
@@ -157,8 +158,8 @@ pub(super) struct Coupling<T> {
     pub(super) own: [[T; SHARED]; SHARED],
     pub(super) by_corner: [[T; MOST]; SHARED],
     pub(super) corner_by: [[T; SHARED]; MOST],
-    /// Responses of those parts with own degrees of freedom that also depend on coordinates other than the carrier's.
-    /// Each response is stored with the index of its part.
+    /// Responses of those parts with own degrees of freedom that also depend on the coordinates in `Beside`. Each
+    /// response is stored with the index of its part.
     pub(super) beside: Vec<(usize, [[T; BESIDE]; 6])>,
 }
 

@@ -56,7 +56,8 @@ pub enum Parameter {
     Moment(Axis),
 }
 
-/// Input of an axle. It belongs to one wheel or to both wheels. If it belongs to both, they change as mirror images.
+/// Input of an axle. It belongs to one wheel or to both wheels. If it belongs to both, the two wheels change as mirror
+/// images.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxleParameter {
     /// Input of one wheel, or of a part that both wheels share.
@@ -110,7 +111,7 @@ impl Compliance {
     }
 }
 
-/// Elastic suspension with numbers on a tape.
+/// Elastic suspension whose numbers are recorded on a tape.
 #[derive(Clone, Debug)]
 pub struct OnTape<'t> {
     /// The suspension.
@@ -171,8 +172,8 @@ pub(super) fn law_of<T>(parts: &mut Compliance<T>, parameter: Parameter) -> Opti
 }
 
 impl<'t> OnTape<'t> {
-    /// Makes the suspension with these inputs. The inputs are the first numbers on the tape, in this order. An input
-    /// has no effect if the suspension does not have its part.
+    /// Makes the suspension with these inputs. The inputs are the first numbers on the tape, in the order of
+    /// `parameters`. An input has no effect if the suspension does not have the part to which it belongs.
     pub fn new(
         suspension: &Suspension,
         design: &[Vector3<f64>],
@@ -208,8 +209,8 @@ impl<'t> OnTape<'t> {
         })
     }
 
-    /// Adds derivatives with respect to the inputs to an equilibrium of the suspension. The height stays held, or all
-    /// loads stay held.
+    /// Adds derivatives with respect to the inputs to an equilibrium of the suspension. The height or the load that the
+    /// equilibrium holds stays held.
     pub fn carried(&self, at: &Equilibrium) -> Option<Equilibrium<Tracked<'t>>> {
         let mut task = at.solution.task.map(Tracked::constant);
         for (parameter, added) in &self.added {
@@ -240,7 +241,7 @@ impl<'t> OnTape<'t> {
     ) -> Option<Equilibrium<Tracked<'t>>> {
         let (_, base) = self.wheel.held_as(station, held);
         let mut task = at.solution.task.map(Tracked::constant);
-        // The value of the wheel load is that of `at`. Its derivatives are those of the station.
+        // The wheel load has the value in the equilibrium `at`, but the derivatives of the station.
         if let Hold::Load = base.hold {
             let change = task.loads.contact.z.plain() - base.loads.contact.z.plain();
             task.loads.contact.z = base.loads.contact.z + Tracked::constant(change);

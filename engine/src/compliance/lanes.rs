@@ -24,14 +24,15 @@ use crate::number::{MOST_LANES, SimdReal, Vector3, outlined};
 use crate::threads::checkpoint;
 use std::cell::{Cell, RefCell};
 
-/// Numbers of equal steps to a travel. If one number fails, the next is tried. These numbers are powers of two, so that
-/// the last step ends exactly at the travel.
+/// Numbers of equal steps from the design position to a travel. If one number of steps fails, the solver tries the
+/// next. These numbers are powers of two, so that the last step ends exactly at the travel.
 const PARTS: [usize; 3] = [2, 4, 8];
 
-/// Memory in which the numbers of several wheels are collected.
+/// Memory that collects the values of several wheels before they are loaded into SIMD lanes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LaneMemory {
-    /// For each number, its values in all SIMD lanes. The order is that in which the conversion visits the numbers.
+    /// Values of each number in all SIMD lanes. The numbers are in the order in which the conversion of a wheel visits
+    /// them.
     numbers: RefCell<Vec<[f64; MOST_LANES]>>,
     /// Index of the next number.
     next: Cell<usize>,
@@ -42,7 +43,7 @@ impl LaneMemory {
         self.next.set(0);
     }
 
-    /// Moves to the next number and returns its index. The function extends the memory if necessary.
+    /// Moves to the next number and returns its index. The memory grows if necessary.
     fn advance(&self) -> usize {
         let number = self.next.get();
         self.next.set(number + 1);
@@ -163,8 +164,8 @@ impl<B: SimdReal> WheelsInLanes<B> {
         found
     }
 
-    /// Finds the equilibria after a change, which the solver makes in equal steps. `task` returns the inputs of the
-    /// equilibria after a fraction of the change.
+    /// Finds the equilibria after a change in `parts` equal steps. `task` returns the inputs of the equilibria after a
+    /// fraction of the change.
     #[inline(always)]
     fn in_parts(
         &self,
@@ -217,7 +218,7 @@ impl<B: SimdReal> WheelsInLanes<B> {
         )
     }
 
-    /// Runs Newton's method in the lanes that are still open.
+    /// Runs Newton's method in the lanes for which `open` is true.
     #[inline(always)]
     fn solved(
         &self,
@@ -327,7 +328,7 @@ fn is_stable_lane(entries: &[[[f64; MOST_LANES]; 6]], bounds: Bounds, lane: usiz
 }
 
 impl<B: SimdReal> EquilibriaInLanes<B> {
-    /// Copies each equilibrium that exists in `others` but not in `self`.
+    /// Copies each equilibrium that exists in `others` to the same lane of `self`.
     #[inline(always)]
     fn take(&mut self, others: &Self) {
         let mut is_taken = [0.0; MOST_LANES];
@@ -342,8 +343,8 @@ impl<B: SimdReal> EquilibriaInLanes<B> {
         self.state = State::choose(taken, &others.state, &self.state);
     }
 
-    /// Writes the equilibria of the first wheels to `to`, one after the other. `to` has one entry per wheel; `None`
-    /// means that the wheel has no result.
+    /// Writes the equilibria of the wheels to `to`, in the order of the lanes. An entry is `None` if the wheel has no
+    /// result.
     #[inline(always)]
     pub(crate) fn write(&self, to: &mut [Option<Equilibrium>]) {
         let numbers = outlined!(

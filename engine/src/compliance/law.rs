@@ -145,7 +145,8 @@ impl<T: Valued> Law<T> {
         }
     }
 
-    /// Converts the law to another number type. `shape` is the shape, already converted.
+    /// Converts the law to another number type. `shape` is the already converted shape, and `f` converts the other
+    /// numbers.
     pub(super) fn with<U>(&self, shape: Shape<U>, f: impl Fn(T) -> U) -> Law<U> {
         Law {
             shape,

@@ -2,8 +2,8 @@
 //!
 //! The spring or drop link acts at the seat, a point of the arm. The seat is fixed in the frame of the arm's axis e and
 //! outer joint. Let r be the unit vector from the axis to the joint, n = e x r, and l the joint's distance from the
-//! axis. Let b and c be the seat's distances along r and n. A force F at the seat is equivalent to this force at the
-//! joint:
+//! axis. Let b and c be the seat's distances along r and n, and r' and n' the transposes of r and n. A force F at the
+//! seat is equivalent to this force at the joint:
 //!
 //! ```text
 //! n p/l,   p = F.(b n - c r);   tangent -(p/l^2)(r n' + n r') - (F.(b r + c n)/l^2) n n'          (1)

@@ -2,14 +2,15 @@
 //!
 //! The inner unknowns y of a part are additional to the displacement x of the part's outer support. The support is the
 //! joint of an arm, or the whole carrier. The inner unknowns are eliminated from the equations. Let f and m be the
-//! derivatives of the energy with respect to x and y. Without an inner loop, the full Newton step is
+//! derivatives of the energy with respect to x and y. The full Newton step, which needs no iteration for y, is
 //!
 //! ```text
 //! dy = -(m_y^-1 m + m_y^-1 m_x dx)                                                                (1)
 //! f_x - f_y m_y^-1 m_x,   f - f_y m_y^-1 m                                                        (2)
 //! ```
 //!
-//! A force F acts on a body at the lever r = R (P - O), and K is its derivative with respect to the point's position.
+//! A force F acts on a body with the reference point O and the rotation R. It acts at the point P, at the lever
+//! r = R (P - O). K is the derivative of F with respect to the position of P.
 //! The effect of F on the body is
 //!
 //! ```text
@@ -154,7 +155,8 @@ pub(super) struct Beside<T> {
     pub(super) by_carrier: [[T; 6]; BESIDE],
     /// Tangent of the carrier's force and moment with respect to the additional coordinates.
     pub(super) carrier_by: [[T; BESIDE]; 6],
-    /// Response of the inner unknowns: dy = -(rest + by dx + inner_by de).
+    /// Response of the inner unknowns: dy = -(rest + by dx + inner_by de). The step de is that of the additional
+    /// coordinates. The terms `rest` and `by` are in [`Followers`].
     pub(super) inner_by: [[T; BESIDE]; 6],
 }
 
@@ -191,7 +193,7 @@ pub(super) fn joined<T: Copy>(first: Vector3<T>, second: Vector3<T>) -> [T; 6] {
 /// Values of the inner unknowns of a part.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LimbState<T> {
-    /// Position of the part. Its shift is only used for links with a bushing at each end.
+    /// Position of the part. The solver only uses its shift for links with a bushing at each end.
     pub(super) placed: Placed<T>,
     /// Components of the force in a ball joint at the body.
     pub(super) pivot: [T; 2],

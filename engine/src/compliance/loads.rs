@@ -1,6 +1,6 @@
 //! Loads on the wheel, with fixed directions. The wheel is locked to the carrier.
 //!
-//! W is the wheel centre, C the lowest point of the disc, and T the level heading of the wheel. Forces act at C, at C -
+//! W is the wheel centre, C the lowest point of the disc, and T the horizontal heading of the wheel. Forces act at C, at C -
 //! trail T and at W, and a moment acts on the carrier. C and T depend on the spin axis, so a force at C or C - trail T has
 //! a tangent. For side forces this tangent is not symmetric, because their work along a closed path is not zero.
 

@@ -5,7 +5,7 @@
 //! position. Deflections are computed from these displacements (`algebra.rs`), not as differences of coordinates. The
 //! program eliminates the parts between body and carrier one by one (`limb.rs`, `swinging.rs`, `floating.rs`, `parts.rs`).
 //! A system of at most twelve equations remains (`system.rs`), and Newton's method increases the loads (`solve.rs`).
-//! Elements work with any number type, so the same code gives derivatives with respect to loads, travel, rack and design.
+//! All formulas work with any number type, so the same code gives derivatives with respect to loads, travel, rack and design.
 
 mod algebra;
 mod axle;

@@ -2,13 +2,15 @@
 //!
 //! **Top mount.** The strut's line is fixed in the carrier, along the unit vector a. A point of the carrier, at the
 //! vector l from the carrier's reference point, coincides with `strut_top` in the design position. The point of the
-//! mount is on the line, at the distance t from that point of the carrier. The point of the mount moves by
+//! mount is on the line, at the distance t from that point of the carrier. With the carrier's shift u and rotation R
+//! (D = R - I), the point of the mount moves by d. Small changes du and dt and a small rotation w change d by dd:
 //!
 //! ```text
 //! d = u + D l + a t,   dd = du + w x r + a dt,   r = R l + a t                                    (1)
 //! ```
 //!
-//! and a bushing with three rates holds it. The spring acts along t. The rod can rotate freely about its line. The tilt
+//! A bushing with three rates holds the point of the mount. The spring acts along t. The rod can rotate freely about its
+//! line. The tilt of the strut from its direction a0 in the design position,
 //!
 //! ```text
 //! q = (a0 x a) s/sin s,   cos s = a0.a                                                            (2)
@@ -28,7 +30,7 @@ use crate::number::{Dual, Each, Matrix3, Real, SimdReal, Valued, Vector3, outlin
 pub(super) struct Mount<T> {
     /// Vector from the carrier's reference point to `strut_top`.
     pub(super) top: Vector3<T>,
-    /// Direction a of the strut in the design position.
+    /// Direction a0 of the strut in the design position.
     pub(super) along: Vector3<T>,
     /// Vector from the spring's lower end to `strut_top`.
     pub(super) spring_line: Vector3<T>,
@@ -41,7 +43,7 @@ pub(super) struct Mount<T> {
 pub(super) struct MountState<T> {
     /// Deflection in the mount's axes.
     pub(super) deflection: Vector3<T>,
-    /// Force of the mount's law.
+    /// Force of the bushing of the mount.
     pub(super) force: Vector3<T>,
     pub(super) tilt: [T; 2],
     pub(super) tilt_torque: [T; 2],
@@ -122,8 +124,8 @@ impl<T: Valued> Mount<T> {
                 *column = *column + Vector3::from(second) * torque;
             }
         }
-        // The second derivative is with respect to the rotation vector. To convert it to small rotations about fixed
-        // axes, subtract half of the moment.
+        // The second derivative is with respect to the rotation vector. Half of the moment is subtracted to convert it
+        // to small rotations about fixed axes.
         let half = moment * moment.x.constant(-0.5);
         sum.add_moment(moment, &by_turn.plus(&cross_matrix(half)));
     }
@@ -262,7 +264,7 @@ impl<T: Valued> RodPart<T> {
         Stretched::of(self.along, moved)
     }
 
-    /// Adds a rod with axial stiffness.
+    /// Adds the force and the tangent of a rod with axial stiffness.
     pub(super) fn add(&self, at: &Conditions<T>, elastic: [T; 2], sum: &mut Sum<T>) {
         outlined!(
             [T: Valued] at.rack;

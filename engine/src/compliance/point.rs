@@ -1,7 +1,7 @@
 //! Forces between two points: rods, and springs that act on the suspension directly or through a rocker.
 //!
 //! With the vector v from the fixed to the moving point, l = |v|, u = v/l and the tension T(l), the energy changes by T
-//! u.dp. Its second derivative is
+//! u.dp. Its second derivative, with T' = dT/dl and the transpose u' of u, is
 //!
 //! ```text
 //! T' u u' + T/l (I - u u')                                                                        (1)
@@ -11,7 +11,8 @@
 //! form keeps all digits.
 //!
 //! A rod with axial stiffness turns a rocker by theta about the rocker's axis. The balance of moments about this axis is a
-//! scalar equation, which eliminates theta. With the moment g,
+//! scalar equation, which eliminates theta. Let F be the force on the rod's outer end at p, and K = dF/dp. Let g be the
+//! moment about the axis, g' = dg/dtheta, and k = dg/dp with the transpose k'. Tangent, force and response are
 //!
 //! ```text
 //! K - k k'/g',   F - k g/g',   dtheta = -(g + k.dp)/g'                                            (3)
@@ -91,7 +92,8 @@ impl<T: Valued> PointForce<T> {
         ]
     }
 
-    /// Makes the force of a tension. The unit vector `u` points from the fixed to the moving point. Equation (1).
+    /// Makes the force of a tension, with its tangent by equation (1). The unit vector `u` points from the fixed to the
+    /// moving point.
     #[inline(always)]
     pub(super) fn along(u: Vector3<T>, pull: T, rate: T, inverse_length: T) -> Self {
         let across = pull * inverse_length;
@@ -233,7 +235,7 @@ pub(super) struct SeatForce<T: Valued> {
 }
 
 impl<T: Valued> SeatForce<T> {
-    /// Makes the force of a spring, if no rocker with an elastic rod is between spring and seat.
+    /// Makes the force of a spring without a rocker, or with a rocker on a rigid rod.
     #[inline(always)]
     fn plain(point: PointForce<T>) -> Self {
         let like = point.force.x;

@@ -2,14 +2,14 @@
 //!
 //! Torques are zero in this position. Many sets of forces f0 balance every body under the spring's force and a vertical
 //! force F at the contact point. The program uses the set with the smallest sum f0.K^-1 f0/2, where K contains the
-//! slopes of the laws at zero deflection. B, C and q are the lever arms of the forces f0, of the forces in the rigid
-//! joints, and of F. With the spring's forces r,
+//! slopes of the laws at zero deflection. B, C and q are the lever arms of the forces f0, of the forces l in the rigid
+//! joints, and of F. With the spring's forces r and the transposes B' and C',
 //!
 //! ```text
 //! f0 = K B' v,   B K B' v + C' l - q F = -r,   C v = 0,   q.v = 0                                 (1)
 //! ```
 //!
-//! v is the velocity of the parts without torsional stiffness, at constant height of the contact point. The program
+//! v is a small motion of the parts, without torsional stiffness and at constant height of the contact point. The program
 //! solves these equations with the same elimination as an equilibrium. No force affects the spin of a link about its
 //! line, so an artificial stiffness holds this spin.
 
@@ -34,7 +34,7 @@ pub(super) enum NoPreload {
     },
 }
 
-/// Small step from the design position, relative to the bodies that hold a wheel's parts.
+/// Small step from the design position. It can be converted to a step relative to the bodies that hold a wheel's parts.
 pub(super) struct SeenStep<'s, T> {
     pub(super) step: &'s Step<T>,
     pub(super) around: &'s Surroundings<T>,

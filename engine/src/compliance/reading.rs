@@ -7,7 +7,7 @@
 //! spin = atan2(h.u, h.T),   u = T x a                                                             (1)
 //! ```
 //!
-//! where T is the level heading of the wheel and a its spin axis. The spin is positive if the front of the carrier rises,
+//! where T is the horizontal heading of the wheel and a its spin axis. The spin is positive if the front of the carrier rises,
 //! as for increasing caster.
 
 use super::build::Built;

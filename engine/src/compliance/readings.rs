@@ -251,7 +251,7 @@ impl<T: Scalar> ElasticWheel<T> {
 }
 
 /// Returns the force of a link on the rack, along +y. If the link has a ball joint at the rack, this force equals the
-/// force of the bushing at the carrier.
+/// force of the carrier's bushing on the link.
 fn rack_force_of<T: Scalar>(
     link: &Floating<T>,
     states: &[Option<BushingState<T>>; 2],
@@ -261,7 +261,8 @@ fn rack_force_of<T: Scalar>(
         (Some(bushing), [Some(found), _]) => bushing.axes.apply(found.force).y,
         (_, [_, Some(found)]) => {
             let in_carrier = link.outer.axes.apply(found.force);
-            // The carrier exerts -F on the link. So the rack exerts +F on the link, and the link exerts -F on the rack.
+            // Let F be the force of the bushing on the carrier. The carrier exerts -F on the link. So the rack exerts
+            // +F on the link, and the link exerts -F on the rack.
             -carrier.rotation().apply(in_carrier).y
         }
         _ => carrier.shift.x.zero(),

@@ -1,7 +1,7 @@
 //! Rotation of a rocker or lever by a rigid rod, with exact derivatives.
 //!
 //! The rod has its outer end at p and its inner end at q(theta) on the rocker. Its length is constant, so with r = q - p,
-//! the derivatives a = dq/dtheta and b = d2q/dtheta2, and s = r.a,
+//! the derivatives a = dq/dtheta and b = d2q/dtheta2, s = r.a, and the transposes a' and g' of vectors,
 //!
 //! ```text
 //! g = dtheta/dp = r/s,   d2theta/dp2 = -(I - a g' - g a' + (a.a + r.b) g g')/s                     (1)

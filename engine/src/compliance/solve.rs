@@ -67,7 +67,7 @@ pub(super) struct Solution<T> {
     pub(super) steps: usize,
 }
 
-/// Result of a run of the solver that did not reach the equilibrium.
+/// Result of a solver run that did not reach the equilibrium.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stuck {
     /// Fraction of the change that the solver reached.

@@ -24,7 +24,7 @@ pub(super) struct End<T> {
     pub(super) on_rack: bool,
     /// Bushing at this end; `None` for a ball joint.
     pub(super) bushing: Option<Bushing<T>>,
-    /// Two directions normal to the lever. The force in a ball joint acts along these directions.
+    /// Two unit vectors normal to the lever. The force in a ball joint acts along these vectors.
     pub(super) normals: [Vector3<T>; 2],
 }
 
@@ -40,9 +40,9 @@ pub(super) struct Swinging<T> {
     pub(super) seat: Option<(Vector3<T>, Seat<T>)>,
     /// Drop link of an anti-roll bar on the arm, with the vector from the outer joint to its outer end.
     pub(super) bar: Option<(Vector3<T>, BarSeat<T>)>,
-    /// Vector along the line of a link; `None` for an arm. The square of its length is a stiffness. Only torsional
-    /// stiffness prevents a rotation of the link about its line. The calculation of the forces at the design load
-    /// ignores torsion, so it uses this stiffness instead.
+    /// Vector along the line of a link; `None` for an arm. Only torsional stiffness prevents a rotation of the link
+    /// about its line. The calculation of the forces at the design load ignores torsion. Instead, it uses the square of
+    /// this vector's length as the stiffness against the rotation.
     pub(super) spin: Option<Vector3<T>>,
 }
 

@@ -2,14 +2,16 @@
 //!
 //! Unknowns are the shift and rotation of the carrier, and a force for each rigid joint. If the height of the wheel centre
 //! is held, the vertical force at the contact point is unknown as well. The program first eliminates the parts between body
-//! and carrier (`limb.rs`). Let A be the sum of their tangents, C the rows of the rigid joints and h the row of the height.
-//! Let q be the wrench of a vertical force at the contact point. A Newton step solves
+//! and carrier (`limb.rs`). Let A be the sum of the tangents of these parts. Let C be the rows of the rigid joints (transpose
+//! C'), and h the row of the height. Let q be the wrench of a vertical unit force at the contact point. A Newton step solves
 //!
 //! ```text
-//! | A  C' -q | | du, w |     | forces out of balance |
-//! | C  0   0 | | dl    | = - | joints left open      |                                            (1)
-//! | h  0   0 | | dV    |     | height left over      |
+//! | A  C' -q | | du, w |     | unbalanced forces     |
+//! | C  0   0 | | dl    | = - | gaps of the joints    |                                            (1)
+//! | h  0   0 | | dV    |     | error of the height   |
 //! ```
+//!
+//! for the shift du and rotation w of the carrier, and the changes dl of the joint forces and dV of the vertical force.
 
 #![expect(
     clippy::needless_range_loop,
@@ -193,7 +195,7 @@ impl<T: Valued> Limb<T> {
             }
             Limb::LegSeat(_) | Limb::CarrierSeat(_) => {}
         }
-        // Formula for the tangent of half a sum of angles.
+        // Addition formula of the tangent: `slide` is the tangent of half the rocker's angle.
         let half = step.slide * a.constant(0.5);
         next.slide = (state.slide + half) / (a.one() - state.slide * half);
         next
@@ -267,7 +269,7 @@ impl<T: Valued> System<T> {
         self.fill(&frames, state, task, held, equations)
     }
 
-    /// Adds all forces to equations that are still empty.
+    /// Adds the forces of all parts and all loads to equations that do not contain them yet.
     #[inline(always)]
     fn fill(
         &self,
@@ -290,7 +292,8 @@ impl<T: Valued> System<T> {
         )
     }
 
-    /// Adds the loads. If the height is held, also adds the vertical force with its row.
+    /// Adds the loads. If the height is held, the function also adds the vertical force as an unknown, and the equation
+    /// that holds the height.
     #[inline(always)]
     pub(super) fn add_loads(&self, equations: &mut Equations<T>, state: &State<T>, task: &Task<T>) {
         let mut loads = task.loads;
@@ -322,7 +325,7 @@ impl<T: Valued> System<T> {
         (row, carrier.displacement(self.wheel.centre).z)
     }
 
-    /// Adds the vertical force at the contact point as an unknown, with its row.
+    /// Adds the vertical force at the contact point as an unknown, and the equation with the coefficients `row`.
     #[inline(always)]
     pub(super) fn border(
         &self,

@@ -103,8 +103,8 @@ pub struct ElasticWheel<T = f64> {
     pub(super) start: State<T>,
 }
 
-/// Makes the inputs of an equilibrium with a held height. The only load is the vertical force that keeps the wheel at
-/// this height.
+/// Makes the inputs of an equilibrium with a held height, without given loads. Only the vertical force that keeps the
+/// wheel at this height acts.
 #[inline(always)]
 pub(super) fn level_task<T: Valued>(travel: T, rack: T) -> Task<T> {
     Task {
@@ -144,7 +144,8 @@ impl<T: Scalar> ElasticWheel<T> {
         Ok(wheel)
     }
 
-    /// Makes the elastic suspension like `of`, in the design position. The forces at the design load are not set.
+    /// Makes the elastic suspension like `of`, in the design position. The forces of elastic parts at the design load
+    /// are not set.
     pub(super) fn unloaded(
         suspension: &Suspension,
         design: &[Vector3<T>],
@@ -214,7 +215,7 @@ impl<T: Scalar> ElasticWheel<T> {
         Motion::Turn(largest_axis(along.map(Scalar::value)))
     }
 
-    /// Makes the inputs of the equilibrium at the design height, with the rack straight ahead.
+    /// Makes the inputs of the equilibrium at the design height and at rack displacement 0.
     fn level(&self) -> Task<T> {
         let nothing = self.start.vertical.zero();
         level_task(nothing, nothing)

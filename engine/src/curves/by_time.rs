@@ -8,8 +8,8 @@ use crate::study::TimeLaw;
 pub(crate) struct ByTime(Option<[f64; 2]>);
 
 impl ByTime {
-    /// Derivatives at the time with this index. Without a time law, results stay derivatives with respect to the drive
-    /// coordinate.
+    /// Time derivatives of the moving coordinate at the time with this index. Without a time law, the results are
+    /// derivatives with respect to the drive coordinate.
     pub(crate) fn at(law: Option<&TimeLaw>, number: usize) -> Self {
         ByTime(law.map(|law| {
             let series = law

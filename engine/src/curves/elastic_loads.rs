@@ -84,8 +84,8 @@ impl MemberColumns {
 }
 
 impl Load {
-    /// Loads to add to an equilibrium whose only load is `wheel_load`. A load that prescribes the wheel load already
-    /// contains this force, so it replaces `wheel_load`.
+    /// Loads to add to an equilibrium whose only load is `wheel_load`. With [`HeldQuantity::WheelLoad`], this load
+    /// already contains the whole vertical force, so `wheel_load` is subtracted.
     pub(crate) fn in_equilibrium(&self, held: HeldQuantity, wheel_load: f64) -> WheelLoads {
         let mut loads = WheelLoads::none(0.0);
         match self.at {

@@ -38,8 +38,8 @@ pub struct Placement {
     pub steering_axis: Option<[[f64; 3]; 2]>,
     /// Contact point of the wheel, if its radius is known.
     pub contact: Option<[f64; 3]>,
-    /// Roll centre, in the car's centre plane. This and the following fields are `None` if the wheel's velocities are unknown
-    /// or the centre is at infinity.
+    /// Roll centre, in the car's centre plane. `None` if the wheel's velocities are unknown, or if the centre is at
+    /// infinity. This also applies to the next two fields.
     pub roll_centre: Option<[f64; 3]>,
     /// Instantaneous centre in front view, in the transverse plane of the contact point.
     pub front_view_centre: Option<[f64; 3]>,
@@ -79,8 +79,8 @@ pub struct Turn {
     pub other_axle: f64,
 }
 
-/// Computes the frames of one wheel at the stations of a plan, rack by rack. They show equilibria if there are elastic parts,
-/// otherwise poses.
+/// Computes the frames of one wheel at the stations of a plan, one rack displacement after another. They show equilibria if
+/// there are elastic parts, otherwise poses.
 ///
 /// # Errors
 /// Returns an error if the design position cannot be solved, or if the design has no elastic model.
@@ -121,7 +121,7 @@ fn equilibrium_frames(
     Ok(stations.map(frame).collect())
 }
 
-/// Frames of the rigid mechanism of a suspension at the stations of a plan, rack by rack.
+/// Frames of the rigid mechanism of a suspension at the stations of a plan, one rack displacement after another.
 pub fn frames(suspension: &Suspension, plan: &Plan) -> Result<Vec<Frame>, DesignFault> {
     let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
     let mechanism = &suspension.mechanism;

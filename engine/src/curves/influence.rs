@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// Influence of a hardpoint coordinate on an output over the motion, from its derivatives.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Influence {
-    /// Column of the output.
+    /// Name of the output's column.
     pub output: String,
     /// Coordinate, for example `tie_rod_inner.z`.
     pub coordinate: String,

@@ -52,9 +52,9 @@ pub enum Status {
     /// Solved, but no member supports the loads: the leverage of the spring is too small for six correct digits of the
     /// forces. The forces have no values.
     Unsupported,
-    /// Solved, but a rod is at a toggle at this station or nearer to the design position. The first entry is the rod of the
-    /// left (or only) wheel, the second the rod of the right wheel. Quantities that depend on the rocker of such a rod have
-    /// no values.
+    /// Solved, but a rod has reached its toggle at this station, or earlier on the way from the design position. The first
+    /// element is the rod of the left (or only) wheel, the second is that of the right wheel. Quantities that depend on the
+    /// rocker of such a rod have no values.
     Toggle([Option<Rod>; 2]),
     /// Not solved, for this reason.
     Failed(NoPose),
@@ -138,8 +138,8 @@ pub struct Station {
     pub status: Status,
     /// Value of each column of [`Curves::columns`], or the reason why it has no value.
     pub values: Vec<Result<f64, NoValue>>,
-    /// Condition number of the equations. For an axle, the larger number of the two wheels. A number below 1000 is accurate
-    /// only within a factor of ten if the pose comes from the closed form. `None` if there is no pose.
+    /// Condition number of the equations. For an axle, the larger of the two wheels' condition numbers. A number below
+    /// 1000 is accurate only within a factor of ten if the pose comes from the closed form. `None` if there is no pose.
     pub condition: Option<f64>,
     /// Certified bounds of the pose. `None` if the study does not request them, or if they were not found.
     pub proof: Option<Proof>,
@@ -158,8 +158,8 @@ pub struct Proof {
     /// Bound on the distance of any point of a wheel carrier from its exact position.
     pub position_error: f64,
     /// Smallest distance to any other pose. Any other pose differs by at least this length in a coordinate of a carrier's
-    /// origin, in an entry of a rotation or in the roll angle. Rotation entries and roll angle are multiplied by the
-    /// mechanism's size.
+    /// origin, in an entry of a rotation matrix or in the roll angle. These entries and the roll angle are multiplied by
+    /// the mechanism's size.
     pub uniqueness: f64,
     /// All certified bounds, including `position_error` and `uniqueness`, in the order of [`Curves::bounds`].
     pub bounds: Vec<f64>,
@@ -223,13 +223,13 @@ impl Curves {
         self.stations.iter().map(move |station| station.at[index?])
     }
 
-    /// Returns true if every requested value exists at every station. A quantity may be undefined at some stations, but not at
-    /// all of them.
+    /// Returns true if every station is solved with all its defined values, and every column has a value at some
+    /// station.
     pub fn are_complete(&self) -> bool {
         self.are_whole() && (0..self.columns.len()).all(|column| self.has_value(column))
     }
 
-    /// Returns true if every station is solved.
+    /// Returns true if every station is solved and every defined value is present.
     pub fn are_whole(&self) -> bool {
         self.stations.iter().all(|s| s.status.is_whole())
     }

@@ -168,7 +168,7 @@ impl<'a, const N: usize> Linearised<'a, N> {
     }
 }
 
-/// Dependence of an output on the configuration. Each call adds the derivative with respect to one input.
+/// Dependence of an output on the configuration. Each call of a method adds the derivative with respect to one input.
 pub struct Seeds<'s, 'a, T, G: ?Sized = [Vector3<T>]> {
     at: &'s Configuration<'a, T>,
     adjoint: Adjoint<'s, T, G>,

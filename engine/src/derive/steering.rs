@@ -135,8 +135,8 @@ pub(crate) fn screw_axis<T: Real>(
     (point, upward)
 }
 
-/// Derivative of `by_point . point + by_direction . direction` of the screw axis with respect to the twist. With the point
-/// p relative to the origin and the angular velocity w, p w.w = w x shift.
+/// Derivative of `by_point . point + by_direction . direction` of the screw axis with respect to the twist. With the
+/// point p relative to the origin, the angular velocity w (`turn`) and the velocity v (`shift`), p w.w = w x v.
 #[inline(always)]
 pub(crate) fn screw_axis_gradient<T: Real>(
     twist: &Twist<T>,

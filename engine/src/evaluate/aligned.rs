@@ -2,7 +2,7 @@
 
 use std::ops::{Deref, DerefMut};
 
-/// Bytes in a cache line, and numbers in it.
+/// Bytes in a cache line, and `f64` numbers in a cache line.
 const LINE: usize = 64;
 const IN_LINE: usize = LINE / size_of::<f64>();
 

@@ -46,7 +46,7 @@ impl<'s> AxleStations<'s> {
         station < self.of_motion || station == self.design
     }
 
-    /// Collects the stations of a plan, and further stations.
+    /// Collects the stations of the plan's motion, the design position, and the positions `further`.
     pub(crate) fn of(
         axle: Cow<'s, Axle>,
         plan: &AxlePlan,

@@ -17,7 +17,7 @@ use crate::solve::{
 };
 use crate::threads::Interrupt;
 
-/// Longest step of a steering gear, as a share of the axle's size.
+/// Longest step of a steering gear, as a share of the axle's size ([`Suspension::size`]).
 const GEAR_STEP: f64 = 0.02;
 
 /// Solves as many axles at a time as the processor has lanes.
@@ -43,13 +43,13 @@ struct Gear {
     groups: Vec<Group>,
 }
 
-/// Stations that the batch visits together, because they have the same heave, rack displacement and steering gear
+/// Stations that the tracker visits together, because they have the same heave, rack displacement and steering gear
 /// displacement.
 struct Group {
     rack: f64,
-    /// Index of the group in the batch.
+    /// Index of the group in the tracker.
     index: usize,
-    /// Indices of the stations, in the order of the batch.
+    /// Indices of the stations, in the order in which the tracker visits them.
     numbers: Vec<usize>,
 }
 
@@ -139,7 +139,7 @@ fn grouped(placements: &[Placement], carriers: Carriers) -> Option<Vec<Together>
     Some(groups)
 }
 
-/// Sorts groups by the displacement of the steering gear. `size` is the axle's size.
+/// Sorts groups by the displacement of the steering gear. `size` is the length [`Suspension::size`] of the axle.
 fn by_gear(grouped: Vec<Together>, size: f64) -> Vec<Gear> {
     let mut gears: Vec<Gear> = Vec::new();
     for (index, group) in grouped.into_iter().enumerate() {
@@ -211,7 +211,8 @@ impl<'a> AxleLanes<'a> {
             return Err(NotInLanes::Stations);
         }
         let rates = quantities.iter().any(|q| q.rate_order() > 0);
-        // The pose of each wheel of a rigid axle depends on the travels of both wheels.
+        // The pose of each wheel of a rigid axle depends on two travels. The second travel takes the place of the rack
+        // displacement.
         let by_rack = axle.is_rigid() || quantities.iter().any(|q| q.info().by_rack);
         let reader = |side: Side| {
             let slots = quantities.iter().map(|q| q.lane_slots(side));
@@ -449,7 +450,7 @@ struct Reading<'r, 'a, B: SimdReal> {
     rack: B,
     /// SIMD lanes whose poses the pose tracker has accepted so far.
     accepted: B::Mask,
-    /// Destination of the values, in the layout of [`Block::from`].
+    /// Destination of the values, in the order of [`Block::from`].
     values: &'r mut [f64],
 }
 

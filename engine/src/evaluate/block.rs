@@ -4,8 +4,8 @@ use super::aligned::Aligned;
 use crate::mechanism::{DesignFault, NoPose};
 use crate::number::{MOST_LANES, SimdReal};
 
-/// Number of designs in a full block. Sums, shards and resumed sweeps also use whole blocks: a block always contains the
-/// designs from `k * BLOCK` on, for any number of threads.
+/// Number of designs in a full block. Sums, shards and resumed sweeps also use whole blocks: block `k` always begins with
+/// design `k * BLOCK`, for any number of CPU threads.
 pub const BLOCK: usize = 128;
 /// Number of designs whose values are stored side by side, in the order in which lanes return them.
 pub(super) const SIDE_BY_SIDE: usize = MOST_LANES;
@@ -95,8 +95,8 @@ impl Block {
         })
     }
 
-    /// Derivative with respect to the drive coordinate in the design position. NaN for a quantity that contains
-    /// velocities, unless the sweep requests it.
+    /// Derivative with respect to the drive coordinate in the design position. NaN for a quantity that contains velocities,
+    /// unless the sweep requests this derivative.
     #[inline]
     pub fn slope(&self, design: usize, output: usize) -> f64 {
         self.slopes[self.slope_place(design, output)]
@@ -123,8 +123,9 @@ impl Block {
         });
     }
 
-    /// Returns the memory for values and slopes of the designs that are solved together, from `design` on. The next station
-    /// follows [`SIDE_BY_SIDE`] numbers later, the next output after all stations.
+    /// Returns the memory for the values and the memory for the slopes of the designs from `design` on, which are solved
+    /// together. The values of the next station begin [`SIDE_BY_SIDE`] numbers later. The values of the next output follow
+    /// after all stations.
     #[inline(always)]
     pub(super) fn from(&mut self, design: usize) -> (&mut [f64], &mut [f64]) {
         let (value, slope) = (self.place(design, 0, 0), self.slope_place(design, 0));

@@ -87,14 +87,14 @@ impl ElasticQuantities {
     }
 }
 
-/// Reader of values of designs with different rates.
+/// Reads the values of designs whose rates can differ.
 pub(super) struct ElasticDesigns<'a> {
     of: &'a ElasticQuantities,
     elastic: ComplianceStudy,
     stations: &'a Stations,
     /// Rates of the block's designs. Empty if no rate varies.
     rates: Vec<f64>,
-    /// Values that are read at a station, and their derivatives with respect to wheel travel.
+    /// Values to read at the present station, with the requested derivatives with respect to wheel travel.
     wanted: Vec<KcValue>,
 }
 
@@ -123,7 +123,7 @@ impl<'a> ElasticDesigns<'a> {
         self.rates.extend_from_slice(rates);
     }
 
-    /// Prepares the elastic wheel of a design of the block, with its tests.
+    /// Prepares the elastic wheel of the design with index `number`, for its equilibria and tests.
     pub(super) fn run(
         &mut self,
         designs: &[Vector3<f64>],
@@ -159,7 +159,7 @@ impl<'a> ElasticDesigns<'a> {
         reads.filter_map(move |(k, read)| Some((k, read.slope.filter(|_| is_design)?)))
     }
 
-    /// Sets the values that are read at a station.
+    /// Selects the values to read at a station.
     pub(super) fn want(&mut self, station: usize) {
         let mut wanted = std::mem::take(&mut self.wanted);
         wanted.clear();
@@ -169,7 +169,7 @@ impl<'a> ElasticDesigns<'a> {
         self.wanted = wanted;
     }
 
-    /// Values that are read at the station.
+    /// Values to read at the station of the last call of [`Self::want`].
     pub(super) fn wanted(&self) -> &[KcValue] {
         &self.wanted
     }

@@ -96,7 +96,7 @@ impl SimdTask for ElasticTask<'_, '_> {
 
 /// Design that a lane solves.
 struct Member<'a> {
-    /// Index in the block.
+    /// Index of the design in the block.
     number: usize,
     run: KcRun<'a>,
     /// True while every equilibrium was found.

@@ -1,8 +1,8 @@
 //! Evaluation of a block of designs: hardpoints in, values out.
 //!
-//! This module separates a sweep from the solver. A sweep handles samples, threads and files. The solver handles poses. The
-//! values of a design depend only on this design, never on its neighbours in the block. After the first block, only failures
-//! allocate memory.
+//! This module separates a sweep from the solver. A sweep handles samples, CPU threads and files. The solver handles poses.
+//! The values of a design depend only on this design, never on its neighbours in the block. After the first block, only
+//! failures allocate memory.
 
 use super::lanes::{LaneSolver, NotInLanes};
 use super::one_by_one::OneByOne;

@@ -78,8 +78,8 @@ impl Evaluated {
         &self.gradients[first..first + self.points]
     }
 
-    /// Derivative of a quantity if every hardpoint of a wheel moves at its rate. An empty list of rates means that no
-    /// hardpoint moves.
+    /// Derivative of a quantity if every hardpoint of a wheel moves at its rate. `place` holds the indices of design, quantity
+    /// and station. An empty list of rates means that no hardpoint moves.
     pub fn along(&self, place: (usize, usize, usize), side: Side, rates: &[Vector3<f64>]) -> f64 {
         let pairs = rates.iter().zip(self.gradient(place, side));
         // A point that does not move contributes nothing, even if the derivative with respect to it has no value.

@@ -45,9 +45,9 @@ pub struct Gradients<'a> {
     stations: Stations,
     accepted: [bool; MOST_LANES],
     found: Found,
-    /// Directions that are the same in every lane.
+    /// Directions of a single design, copied to every lane.
     spread: Vec<f64>,
-    /// Unknowns of a single design at the stations of its routes.
+    /// Unknowns of a single design at every pose that the tracker visits, in the order of the visit.
     history: Vec<f64>,
 }
 

@@ -225,7 +225,8 @@ pub(crate) fn scatter<B: SimdReal>(
     }
 }
 
-/// Visitor of the poses of a group. Both tasks use a single type, so that the tracker is compiled only once.
+/// Visitor of the poses of a group: it reads values or computes gradients. Both uses share this type, so that the tracker is
+/// compiled only once.
 pub(super) enum Visitor<'v, 'r, 't, B: SimdReal> {
     /// Reads values.
     Values(&'v mut Reading<'r, B>),
@@ -255,7 +256,7 @@ pub(super) struct Reading<'r, B: SimdReal> {
     count: usize,
     first: usize,
     design_station: usize,
-    /// Destination of the values, in the layout of [`Block::from`].
+    /// Destination of the values, in the order of [`Block::from`].
     values: &'r mut [f64],
     slopes: &'r mut [f64],
 }

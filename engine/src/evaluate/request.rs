@@ -116,7 +116,8 @@ impl<'s> Request<'s> {
         }
     }
 
-    /// Returns true for a station of the motion, of its targets in a study of one wheel, and for the design position.
+    /// Returns true for every station of one wheel. For an axle, returns true for the stations of the motion and for the design
+    /// position.
     pub(crate) fn is_in_motion(&self, station: usize) -> bool {
         self.axle().is_none_or(|own| own.is_in_motion(station))
     }
@@ -175,7 +176,8 @@ impl<'s> Request<'s> {
                     .map_err(|fault| (Side::Left, fault))
             }
             Requested::Axle(stations) => GradientEvaluator::of_axle(stations),
-            // Gradients of equilibria come from a tape, together with derivatives with respect to rates.
+            // This evaluator has no gradients of equilibria. A tape computes them elsewhere, with the derivatives with respect
+            // to rates.
             Requested::Elastic(_) => Err((Side::Left, DesignFault::Singular)),
         }
     }

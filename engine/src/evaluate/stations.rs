@@ -25,8 +25,8 @@ pub struct Stations {
 }
 
 impl Stations {
-    /// Stations of a motion, and stations at `further` drive values. Single values use the rack displacement of the study, or
-    /// rack 0 if the study sweeps the rack.
+    /// Stations of a motion, and stations at `further` drive values, in all combinations with the rack displacements. The
+    /// design position and targets without rack displacements use the displacement [`Motion::design_rack`].
     pub fn of(motion: &Motion, frame: &Frame, further: &[f64]) -> Self {
         let mut values = motion.values.clone();
         for value in further {
@@ -57,7 +57,8 @@ impl Stations {
         }
     }
 
-    /// Stations of an order at one rack displacement (towards the kernel's +y). No station counts as the design position.
+    /// Stations in the given order, all at one rack displacement (towards the kernel's +y). No station counts as the design
+    /// position.
     pub(crate) fn at_rack(drive: Drive, order: &StationOrder, rack: f64) -> Self {
         let values = order.values().len();
         Stations {
@@ -103,7 +104,7 @@ impl Stations {
         self.number(self.home, self.design)
     }
 
-    /// Index of the station at which a target evaluates this drive value, if there is one.
+    /// Index of the station at which a target evaluates this drive value. `None` if no station has this drive value.
     pub fn at(&self, value: f64) -> Option<usize> {
         let value = self.values().iter().position(|v| *v == value)?;
         Some(self.number(self.home, value))

@@ -122,7 +122,7 @@ impl Study {
         Ok(self)
     }
 
-    /// Returns the wheel whose requests change, or an error for the study of an axle.
+    /// Returns the study of the wheel, so that the caller can change its requests. Returns an error for the study of an axle.
     fn wheel_to_ask(&mut self) -> Result<&mut WheelStudy, Error> {
         let refusal = Error::Axle("write the requested outputs in its study file");
         self.one_wheel_mut().ok_or(refusal)
@@ -365,7 +365,7 @@ fn ends(what: &str, range: &RangeInclusive<f64>) -> Result<[f64; 2], Error> {
     Ok([low, high])
 }
 
-/// Returns the number of values of each variable in a grid of `points` points. `None` if there is no such grid.
+/// Returns the number of values of each variable in a grid with `points` designs. `None` if there is no such grid.
 fn steps_of_grid(points: u64, variables: usize) -> Option<u64> {
     let variables = u32::try_from(variables).ok().filter(|n| *n > 0)?;
     // Below 2^53, the nearest whole number is the exact root if an exact root exists. Other code refuses larger numbers.

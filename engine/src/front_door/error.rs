@@ -74,10 +74,10 @@ pub enum Error {
     /// Two columns of a sweep's rows would have this name.
     #[error("two columns would have the name {0}; give a variable another name")]
     TwoColumns(String),
-    /// The system could not start the threads.
+    /// The system could not start the CPU threads.
     #[error("cannot start {threads} threads: {reason}")]
     Threads {
-        /// Number of threads.
+        /// Number of CPU threads.
         threads: usize,
         /// Reason, in words.
         reason: String,

@@ -12,10 +12,10 @@ use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
-/// Threads of a sweep, and a flag that stops it.
+/// CPU threads of a sweep, and a flag that stops the sweep.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SweepControl<'a> {
-    /// Number of threads. `None` for one thread per core. Results do not depend on the number of threads.
+    /// Number of CPU threads. `None` for one thread per core. Results do not depend on the number of threads.
     pub threads: Option<NonZeroUsize>,
     /// Flag that stops the sweep. Once the flag is true, the sweep ends after the current designs.
     pub interrupt: Option<&'a AtomicBool>,
@@ -54,8 +54,8 @@ impl Study {
     }
 
     /// Tunes the variables towards the targets. [`Tuning::best`] is the tuned design; it is `None` if no start has a
-    /// solution at all stations. Starts run in parallel, on separate threads with large stacks. The number of threads
-    /// is at most that of the current rayon pool. Outside a pool, the global pool counts.
+    /// solution at all stations. The starts run in parallel, on separate CPU threads with large stacks. There are at most as
+    /// many threads as in the current rayon pool. Outside of a pool, rayon's global pool sets this limit.
     ///
     /// ```
     /// # extern crate hardpoint_engine as hardpoint;
@@ -146,7 +146,7 @@ impl Study {
             reason: error.to_string(),
         })?;
         let go_on = || !Interrupt(control.interrupt).is_raised();
-        // Making the plan solves the design itself. Solving the design also needs the large stack of a thread of the pool.
+        // The plan solves the design itself, which needs the large stack of a thread of the pool.
         pool.install(|| {
             let plan = SweepPlan::of(self, sweep)
                 .map_err(|reason| Error::not_begun(self.wheel(), reason))?;
@@ -159,7 +159,7 @@ impl Study {
 // The message of `refuse_wrong` contains this number.
 const _: () = assert!(MOST_EXCHANGED == 126);
 
-/// Returns an error if the sampling has a fault that the reader of studies would also refuse.
+/// Returns an error if the sampling has a fault. A study file with the same fault is refused, too.
 fn refuse_wrong(sampled: &Sampled) -> Result<(), Error> {
     let variables = &sampled.variables;
     if variables.is_empty() {

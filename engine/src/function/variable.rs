@@ -145,8 +145,8 @@ impl DesignVariable {
         Some((self.moved.clone(), at / m.factor + 0.0))
     }
 
-    /// Converts the variable to a column of a table of designs. `None` for a rotation and for a rate of an elastic part,
-    /// because neither can be a column.
+    /// Converts the variable to a column of a table of designs. `None` for a rotation and for a stiffness (rate) of an
+    /// elastic part, because neither can be a column.
     pub fn swept_as(&self) -> Option<SweepVariable> {
         let is_of_points = self.moved.turn.is_none() && self.moved.rate.is_none();
         is_of_points.then(|| SweepVariable {

@@ -31,7 +31,7 @@ pub enum BuildError {
         /// Expected range, in words.
         expected: &'static str,
     },
-    /// Neither `spindle_inner` nor static camber and toe are given, or both are.
+    /// The builder received neither `spindle_inner` nor static camber and toe, or it received all of them.
     #[error(
         "the direction of the wheel needs either the hardpoint spindle_inner, or static camber and toe"
     )]

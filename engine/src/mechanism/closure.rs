@@ -39,14 +39,14 @@ impl RowSet {
         self.0 & (1 << row) != 0
     }
 
-    /// Number of equations in the set. Only the drive `driver` counts, not the other drive.
+    /// Number of equations in the set. Of the two drive equations, only the equation of `driver` counts.
     #[inline]
     pub(crate) fn count<T>(self, driver: Driver<T>) -> u64 {
         u64::from((self.0 & 0b1_1111).count_ones()) + u64::from(self.holds(driver.row()))
     }
 }
 
-/// Sink that records only whether it received a derivative with respect to one of these hardpoints.
+/// Receiver of derivatives (sink). It records only whether it received a derivative with respect to one of these hardpoints.
 struct Touches<'a> {
     points: &'a [PointId],
     found: bool,
@@ -67,14 +67,14 @@ pub struct Closure<T> {
     driven: Option<TravelRow<T>>,
 }
 
-/// Source of the dimensions from which rows are made: a design or built parts. With a trait instead of an enum, code for
-/// designs contains no code for built parts. The function `row` is inlined, because a called function would not be compiled
-/// for SIMD lanes.
+/// Source of the dimensions in the constraint equations (rows): a design or built parts. With a trait instead of an enum, code for
+/// designs contains no code for built parts. The function `row` is inlined, because a called function would not be compiled for
+/// SIMD lanes.
 trait Dimensions<T>: Copy {
     /// Returns one of the dimensions. New constants get the number type of this dimension.
     fn like(self) -> T;
-    /// Makes a row. `constraint` is the index of its constraint, and `number` is its index among the rows of that
-    /// constraint.
+    /// Makes one constraint equation (row). `constraint` is the index of the constraint. `number` is the index among the equations
+    /// of this constraint.
     fn row(self, mechanism: &Mechanism, constraint: usize, number: usize) -> Row<T>;
 }
 
@@ -100,7 +100,8 @@ impl<T: Real> Dimensions<T> for PartDimensions<'_, T> {
     }
 }
 
-/// A row to make: the index of its constraint, and its index among the rows of that constraint.
+/// A constraint equation (row) that must be made: the index of its constraint, and its index among the equations of this
+/// constraint.
 #[derive(Clone, Copy)]
 struct RowToMake<'a, T, D> {
     mechanism: &'a Mechanism,
@@ -131,7 +132,7 @@ impl<T: Real> Closure<T> {
         Closure::of_rows(mechanism, parts)
     }
 
-    /// Makes the five rows.
+    /// Makes the five constraint equations.
     #[inline(always)]
     fn of_rows(mechanism: &Mechanism, dimensions: impl Dimensions<T>) -> Self {
         let like = dimensions.like();
@@ -163,7 +164,7 @@ impl<T: Real> Closure<T> {
         *self = Closure::new(mechanism, design);
     }
 
-    /// Rows of the five constraints.
+    /// The five constraint equations.
     #[inline(always)]
     pub(crate) fn rows(&self) -> &[Row<T>; 5] {
         &self.rows
@@ -439,7 +440,7 @@ static_toe = 0.0
 heave = [0.0]
 "#;
 
-    /// The rates of all rows along a motion of the knuckle equal the derivatives of Taylor series. The test covers
+    /// The rates of all rows of the Jacobian along a motion of the knuckle equal the derivatives of Taylor series. The test covers
     /// rods on knuckles and on a half of a twist beam, and both halves of an axle.
     #[test]
     fn rates_of_rows_are_those_of_series() {

@@ -1,8 +1,8 @@
 //! The mechanism in a pose: positions of its bodies, the equations between them, and reasons for missing poses.
 //!
 //! A [`Configuration`] is a design, a pose of the wheel carrier and a rack displacement. A configuration gives the
-//! positions of points, rods and rockers. The [`Closure`] is the list of constraint rows that a pose must satisfy, each
-//! in a separate file. The rows are written once, over any number type.
+//! positions of points, rods and rockers. The [`Closure`] is the list of constraint equations that a pose must satisfy.
+//! Each kind of constraint has a separate file. The code contains each equation once, for any number type.
 
 mod arm;
 mod builder;

@@ -320,8 +320,7 @@ impl<'a, T: Real> Configuration<'a, T> {
         }
     }
 
-    /// Does the work of [`Configuration::push_point`]. A separate function with a dynamic sink, so that it is
-    /// compiled once.
+    /// Implements [`Configuration::push_point`] as a separate function with a dynamic sink, so that it is compiled only once.
     #[inline(never)]
     fn push_point_outlined(&self, id: PointId, gradient: Vector3<T>, mut sink: &mut dyn Sink<T>) {
         self.push_point_inline(id, gradient, &mut sink);

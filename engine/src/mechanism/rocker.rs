@@ -162,8 +162,8 @@ impl<T: Real> Turn<T> {
         (by_ends, back)
     }
 
-    /// Angle from the design position. The angle is positive if a rod of this kind has pushed the rocker. For a pullrod, the
-    /// angle is positive if the rod has pulled the rocker.
+    /// Angle from the design position. The angle is positive if the rod has pushed the rocker. For a pullrod, the angle is positive
+    /// if the rod has pulled the rocker.
     #[inline(always)]
     pub(crate) fn angle(&self, rod: Rod) -> T {
         (self.sine * self.sense(rod)).atan2(self.cosine)
@@ -422,7 +422,8 @@ impl Configuration<'_, f64> {
         turn.leverage_squared.sqrt()
     }
 
-    /// Rod at a toggle that stops a rocker here: the rocker's own rod, or the rod of a rocker that turns it.
+    /// Rod at a toggle that stops a rocker here: the rocker's own rod, or the rod of a rocker that turns it. `None` if no such rod
+    /// is at a toggle.
     pub(crate) fn toggle(&self, id: RockerId) -> Option<Rod> {
         let before = self
             .mechanism

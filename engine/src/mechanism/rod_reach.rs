@@ -68,7 +68,8 @@ impl<B: SimdReal> RodReach<B> {
         }
     }
 
-    /// Returns the position that is nearer to `self`, out of two positions of the rod's outer end. Chooses lane by lane.
+    /// Returns the nearer of two positions of the rod's outer end: the one with the shorter distance to `self`. The choice is made
+    /// separately in each SIMD lane.
     #[inline(always)]
     pub fn nearer(&self, first: &Self, second: &Self) -> Self {
         let first_away = (first.outer - self.outer).norm_squared();

@@ -1,8 +1,8 @@
 //! Checks that hardpoints form a suspension: the set is complete, points are distinct, arms and rockers can rotate,
 //! the size is plausible, and the side is correct.
 //!
-//! The [builder](super::SuspensionBuilder) and the reader of studies share these checks. The reader adds the position
-//! in the file and the remedy.
+//! The [builder](super::SuspensionBuilder) and the code that reads studies share these checks. The code that reads studies
+//! adds the position in the file and the remedy to an error.
 
 use super::rocker::has_leverage;
 use crate::model::{Body, Group, LengthUnit, PointId, Rod, Suspension, Topology};

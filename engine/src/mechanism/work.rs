@@ -14,7 +14,7 @@ pub struct Work {
     pub closed_form_solves: u64,
     /// Evaluations of the closed form, for all poses from the closed form.
     pub closed_form_evaluations: u64,
-    /// Newton iterations on closure equations, for both formulations.
+    /// Newton iterations, on the closure equations or on the equations of the formulation `point_coordinates`.
     pub newton_iterations: u64,
     /// Factorisations of a Jacobian.
     pub factorisations: u64,
@@ -56,7 +56,7 @@ impl std::ops::Add for Work {
     }
 }
 
-/// Counts of work. Code that has only a shared reference can increase them.
+/// Counts of the solver's steps. Code that has only a shared reference can increase them.
 #[derive(Clone, Debug, Default)]
 pub struct WorkCounter(Cell<Work>);
 

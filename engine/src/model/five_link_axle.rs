@@ -1,9 +1,9 @@
 //! Solid axle on five links: two lower and two upper links, and a Panhard rod.
 //!
-//! Two heights and five lengths are seven equations for the six unknowns of the axle. So rigid links would bind. Links with
-//! axial stiffness settle in the pose of least energy ([`crate::compliance`]). The constraints of the mechanism leave out the
-//! upper link of the far half. Without this link the axle has nearly the same motion. The program uses this motion to check and
-//! to draw a study.
+//! The heights of both wheels and the lengths of five links are seven equations for the six unknowns of the axle. So rigid links
+//! would bind. Links with axial stiffness settle in the pose of least energy ([`crate::compliance`]). The constraints of the
+//! mechanism leave out the upper link of the far half (the half of the other wheel). Without this link the axle has nearly the
+//! same motion. The program uses this motion to check and to draw a study.
 
 use super::{Mechanism, Point, PointId};
 use crate::number::Each;
@@ -12,8 +12,8 @@ use crate::number::Each;
 const UPPER_LINK: [&str; 2] = ["upper_link_chassis", "upper_link_axle"];
 
 impl Mechanism {
-    /// Replaces the single upper link of a solid axle by one upper link on each side. The points of the far half are
-    /// the last ones.
+    /// Replaces the single upper link of a solid axle by one upper link on each side. The points of the new far half are at the
+    /// end of the list of points.
     pub fn pair_upper_links(&mut self) {
         let near = UPPER_LINK.each(|name| self.point(name));
         let (Some(rigid), [Some(chassis), Some(axle)]) = (&mut self.rigid_axle, near) else {

@@ -82,8 +82,8 @@ impl Side {
         format!("{} wheel: {sentence}", self.name())
     }
 
-    /// Sign of the side: 1 for left, -1 for right. The sign converts two values to the frame of the side: a rack movement
-    /// to the left, and half the difference between both wheels.
+    /// Sign of the side: 1 for left, -1 for right. The sign converts two values to the frame of the side: a rack displacement
+    /// to the left, and half the difference of the travels of both wheels.
     pub fn sign(self) -> f64 {
         [1.0, -1.0][self as usize]
     }

@@ -51,7 +51,7 @@ pub enum Body {
     /// Fixed in the vehicle in x and z. Sideways it moves opposite to a knuckle point by the same distance. For the
     /// mounts of a twist beam.
     Opposite(PointId),
-    /// Moved by the steering gear. The present position of the point is the design position of the given point.
+    /// Moved by the steering gear. The design position of the given point stores the present position of this point.
     SteeringGear(PointId),
     /// The wheel carrier.
     Knuckle,
@@ -134,9 +134,9 @@ pub enum Constraint {
     /// Holds one of the two travels of a rigid axle at a given value. In other mechanisms, the rack displacement has a
     /// given value instead. Removes one degree of freedom.
     AxleTravel {
-        /// Centre of the near wheel.
+        /// Centre of the near wheel, to which the mechanism belongs.
         near: PointId,
-        /// Centre of the far wheel.
+        /// Centre of the far wheel, on the other side of the axle.
         far: PointId,
         /// Travel with the given value.
         held: AxleTravel,
@@ -263,7 +263,7 @@ pub struct Mechanism {
     pub spring: Option<Spring>,
     /// Closed form of this mechanism, if there is one.
     pub closed_form: Option<ClosedForm>,
-    /// Far half of the axle, if the knuckle is an axle that carries both wheels.
+    /// Far half of the axle (the half of the other wheel), if the knuckle is an axle that carries both wheels.
     pub rigid_axle: Option<RigidAxle>,
 }
 
@@ -304,7 +304,7 @@ impl Mechanism {
             .map_or(SPINDLE_INNER, |point| &point.name)
     }
 
-    /// Adds the far half of a rigid axle to a design, as the mirror image of the near half.
+    /// Adds the far half of a rigid axle (the half of the other wheel) to a design, as the mirror image of the near half.
     pub fn add_far_half(&self, design: &mut Vec<Vector3<f64>>) {
         if let Some(rigid) = &self.rigid_axle {
             for [near, _] in &rigid.pairs {
@@ -351,7 +351,8 @@ impl Mechanism {
         }
     }
 
-    /// Returns true for a point of the far half of a rigid axle. The program computes the far half from the near half.
+    /// Returns true for a point of the far half of a rigid axle (the half of the other wheel). The program computes the far
+    /// half from the near half.
     pub fn is_far(&self, id: PointId) -> bool {
         self.rigid_axle
             .as_ref()

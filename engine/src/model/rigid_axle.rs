@@ -1,8 +1,8 @@
 //! Rigid axle: one body carries both wheels.
 //!
-//! A rigid axle has the mechanism of one wheel, the near wheel. The knuckle of this mechanism is the axle itself. The mechanism
-//! has the points of both halves. Two travels drive the axle. With the heights z_n and z_f of the near and the far wheel centre
-//! above their design positions, the travels are
+//! A rigid axle has the mechanism of one wheel, the near wheel. The other wheel is the far wheel. The knuckle of this mechanism
+//! is the axle itself. The mechanism has the points of both halves. Two travels drive the axle. With the heights z_n and z_f of
+//! the near and the far wheel centre above their design positions, the travels are
 //!
 //! ```text
 //! mean        (z_n + z_f)/2                                                        (1)
@@ -43,7 +43,7 @@ impl AxleTravel {
     }
 }
 
-/// The far half of a rigid axle.
+/// The far half of a rigid axle. The mechanism belongs to the near wheel, and the far half carries the other wheel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigidAxle {
     /// Points of the near half, each with its counterpart in the far half.
@@ -99,8 +99,8 @@ impl RigidAxle {
         }
     }
 
-    /// Moves the far half with the near half. `own` is a design with both halves. If the far half of `own` differs from a
-    /// mirror image, the far half keeps these differences.
+    /// Moves the far half with the near half. `own` is a design with both halves. If the far half of `own` deviates from a
+    /// mirror image of the near half, the moved far half has the same deviations.
     #[inline(always)]
     pub fn complete<T: Real>(&self, own: &[Vector3<f64>], design: &mut [Vector3<T>]) {
         for [near, far] in &self.pairs {

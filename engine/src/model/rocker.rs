@@ -286,8 +286,8 @@ impl Mechanism {
         rods.position(Rod::is_of_spring).map(RockerId)
     }
 
-    /// Index of the anti-roll bar, which a drop link rotates. For a twist beam it is the other half, whose rotation twists
-    /// the cross member.
+    /// Index of the anti-roll bar, which a drop link rotates. For a twist beam it is the far half of the beam, whose rotation
+    /// twists the cross member.
     #[inline]
     pub fn anti_roll_bar(&self) -> Option<RockerId> {
         let mut rods = self.rockers.iter().map(|rocker| rocker.rod);

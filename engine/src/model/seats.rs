@@ -4,7 +4,7 @@ use super::{Body, Mechanism, PointId, SpinAxis};
 use crate::number::Vector3;
 use crate::sorting::sort_by;
 
-/// Ratio of distances below which a body counts as clearly nearer than the usual body.
+/// Ratio of distances from a point. Below this ratio, a body counts as clearly nearer than the assigned body.
 const CLEARLY_NEARER: f64 = 0.5;
 
 /// A body that may carry a point.
@@ -98,8 +98,8 @@ impl Mechanism {
             | Body::Knuckle
             | Body::StrutRod(_) => {}
         }
-        // The point of the spin axis only gives a direction. It may be far inboard of the real knuckle, so it does not
-        // count.
+        // The point of the spin axis only gives a direction. It may be far inboard of the real knuckle, so the distance ignores
+        // it.
         let shows_spin =
             |point: PointId| matches!(self.spin_axis, SpinAxis::From(own) if own == point);
         points.retain(|point| *point != id && !shows_spin(*point));

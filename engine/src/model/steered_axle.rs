@@ -81,7 +81,7 @@ pub(super) static STEERING: Group = Group {
     ],
 };
 
-/// Steering of a solid axle, as seen from the near wheel.
+/// Steering of a solid axle, as seen from the near wheel (the wheel to which the mechanism belongs).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxleSteering {
     /// Knuckle of the near wheel.

@@ -144,9 +144,9 @@ impl Given {
         self.0.iter().position(|p| p.name == name).map(PointId)
     }
 
-    /// Adds the points of the far half of an axle. The name of a far point is the name of its near point with `right_` before
-    /// it. `far_body` returns the body of a far point, given the near point and the body of the near point. Returns the points
-    /// that both halves share, and the pairs.
+    /// Adds the points of the far half of an axle (the half of the other wheel). The name of a far point is the name of its
+    /// near point with `right_` before it. `far_body` returns the body of a far point, given the near point and the body of the
+    /// near point. Returns the points that both halves share, and the pairs.
     pub(super) fn add_far_half(
         &mut self,
         is_single: impl Fn(&str) -> bool,

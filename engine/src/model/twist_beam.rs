@@ -6,11 +6,11 @@
 //! halves move sideways, by equal distances in opposite directions. Each half has six unknowns. The hinge removes five of
 //! these twelve, the mounts five, and the two travels determine the rest.
 //!
-//! The mechanism is that of the near half. Let M be the far mount, and S and T two points of the hinge. The near
-//! mount gives two equations. M keeps its distances from S and T, and each of these distances is a link. The travels
-//! are two equations (see `rigid_axle.rs`). The far half is a rocker on the near half, with the hinge as its axis.
-//! Every point P of the far half keeps its distance from M, so a rod from M to P can rotate this rocker. Every P
-//! gives the same motion. The program chooses a P that makes the rod perpendicular to its lever.
+//! The mechanism belongs to the near half. The far half carries the other wheel. Let M be the mount of the far half, and S
+//! and T two points of the hinge. The mount of the near half gives two equations. M keeps its distances from S and T, and
+//! each of these distances is a link. The travels are two equations (see `rigid_axle.rs`). The far half is a rocker on the
+//! near half, with the hinge as its axis. Every point P of the far half keeps its distance from M, so a rod from M to P can
+//! rotate this rocker. Every P gives the same motion. The program chooses a P that makes the rod perpendicular to its lever.
 
 use super::rigid_axle::{AxleTravel, RigidAxle};
 use super::rocker::Carriers;

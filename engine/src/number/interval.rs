@@ -5,7 +5,7 @@
 //! double, so the code can compute it (D. E. Knuth, *The Art of Computer Programming* 2, 4.2.2). Sine, cosine and the
 //! inverse functions come from the platform. The code assumes that their error is at most two units in the last place.
 //!
-//! A result that is NaN or unbounded becomes the whole line, which certifies nothing.
+//! A result that is NaN or unbounded becomes the interval of all real numbers, which certifies nothing.
 
 use super::{Real, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -20,7 +20,7 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// The whole line.
+    /// Interval of all real numbers.
     pub const WHOLE: Interval = Interval {
         low: f64::NEG_INFINITY,
         high: f64::INFINITY,
@@ -32,7 +32,7 @@ impl Interval {
         Interval::bounds(value, value)
     }
 
-    /// Interval between two numbers, or the whole line if one of them is NaN.
+    /// Interval between two numbers, or all real numbers if one of them is NaN.
     #[inline]
     pub fn bounds(low: f64, high: f64) -> Self {
         if low <= high {
@@ -98,7 +98,7 @@ impl Interval {
         } else {
             (self.high * factor, self.low * factor)
         };
-        // If a factor is NaN, the result is the whole line.
+        // If a factor is NaN, the result is the interval of all real numbers.
         Interval::bounds(low.next_down(), high.next_up())
     }
 

@@ -178,9 +178,8 @@ logic!(Not, not, not);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Width {
     /// One value, with instructions that every processor has. On x86-64 this width is not compiled: without AVX2, the program
-    /// solves each design alone. Solving each design alone is faster, and saves a third of the code for lanes. With `--cfg
-    /// hardpoint_portable`, x86-64 has this width, too. Tests then check that its results are bit-identical to those of the
-    /// other widths.
+    /// solves each design alone. This is faster, and saves a third of the code for lanes. With `--cfg hardpoint_portable`,
+    /// x86-64 has this width, too. Tests then check that its results are bit-identical to those of the other widths.
     Portable,
     /// AVX2: registers of four values.
     Avx2,

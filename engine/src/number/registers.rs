@@ -21,7 +21,7 @@ pub trait Registers: Copy + Debug {
     /// Registers with a truth value for each number.
     type Truths: Copy + Debug;
 
-    /// Does a piece of work in a separate function, compiled for the set.
+    /// Does a piece of work in a separate function, compiled for the instruction set.
     fn outlined<P: crate::number::Outlined>(self, piece: P) -> P::Output;
     /// Copies a number to every lane.
     fn splat(self, value: f64) -> Lanes<Self>;
@@ -65,7 +65,7 @@ pub trait Registers: Copy + Debug {
 
 /// An instruction set for which pieces of work can be compiled.
 pub(super) trait Instructions: Copy + Debug {
-    /// Does a piece of work in a separate function, compiled for the set.
+    /// Does a piece of work in a separate function, compiled for the instruction set.
     fn compiled<P: crate::number::Outlined>(self, piece: P) -> P::Output;
 }
 
@@ -84,7 +84,7 @@ impl Instructions for Plain {
     }
 }
 
-/// One number at a time, with the instructions of a set.
+/// One number at a time, with the instructions of an instruction set.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Single<S>(pub(super) S);
 

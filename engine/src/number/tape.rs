@@ -4,7 +4,7 @@
 //! the derivatives of a result with respect to all inputs, for a few times the cost of the result (A. Griewank, A. Walther,
 //! *Evaluating Derivatives*, 2nd ed., SIAM 2008, chapter 3). [`super::Dual`] is the better choice for a few inputs.
 //!
-//! The record belongs to the thread, and a number contains only its index in the record. So the number fits in two
+//! The record belongs to the CPU thread, and a number contains only its index in the record. So the number fits in two
 //! registers. If it contained a reference to its record, it would be passed through memory. Rig tests with derivatives
 //! would take a tenth longer.
 

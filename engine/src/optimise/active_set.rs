@@ -16,9 +16,10 @@
 //! constraints, and each of these held constraints prevents the move. By Farkas' lemma these constraints contradict one
 //! another. The held gradients are independent, so none of these constraints can be left out.
 //!
-//! The method works on a matrix J with J^T R^T R J = 1. The first columns of J span the held gradients. A move along the
+//! The method works on a matrix J with J^T R^T R J = 1. The first q columns of J span the q held gradients. A move along the
 //! other columns leaves the values of the held constraints unchanged. J begins as R^-1, so the normal equations are never
-//! formed. With normals n that point into the feasible side, n . d >= b:
+//! formed. The normals n point into the feasible side, n . d >= b. J_2 contains the columns of J after the first q. v_1
+//! contains the first q numbers of v, and v_2 the other numbers of v.
 //!
 //! ```text
 //! J^T [n_1 .. n_q] = [T; 0]        T upper triangular, kept so by plane rotations                   (1)
@@ -33,26 +34,26 @@ use super::qr::{back_substitute, dot};
 /// A constraint of the quadratic program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Held {
-    /// A row.
+    /// A row of [`Rows`], given by its index.
     Row(usize),
-    /// The lower bound of a variable.
+    /// The lower bound of a variable, given by its index.
     Lower(usize),
-    /// The upper bound of a variable.
+    /// The upper bound of a variable, given by its index.
     Upper(usize),
 }
 
-/// Rows a . d + c. The equalities come first.
+/// Constraints a . d + c of a quadratic program, one constraint in each row. The equalities come first.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Rows<'a> {
-    /// Entries of a, row after row.
+    /// Vectors a, one row after another.
     pub normals: &'a [f64],
-    /// Offsets c.
+    /// Offsets c, one for each row.
     pub offsets: &'a [f64],
     /// Number of rows that must be zero. All other rows must be at most zero.
     pub equalities: usize,
-    /// Largest violation, in the unit of the rows, with which a row still counts as satisfied. Applies only if the gradient of
-    /// the row is a linear combination of the gradients of the held constraints. Without this limit, duplicate rows would
-    /// contradict one another, because they are equal only up to rounding.
+    /// Largest violation, in the unit of the rows, with which a row still counts as satisfied. This limit applies only to
+    /// rows whose gradient is a linear combination of the gradients of the held constraints. Without this limit, duplicate
+    /// rows would contradict one another, because they are equal only up to rounding.
     pub slack: f64,
 }
 
@@ -88,7 +89,7 @@ pub struct ActiveSet {
     projected: Vec<f64>,
     way: Vec<f64>,
     change: Vec<f64>,
-    /// Norms of the rows.
+    /// Lengths of the row vectors a.
     norms: Vec<f64>,
 }
 
@@ -101,10 +102,10 @@ const DEPENDENT: f64 = 1e-25;
 /// Replaces the threshold [`DEPENDENT`] for a row that is violated by no more than [`Rows::slack`], because the gradients of
 /// duplicate rows differ by rounding.
 const NEARLY_DEPENDENT: f64 = 1e-18;
-/// A row counts as satisfied if its violation is at most this fraction of [`Rows::slack`].
+/// An inequality row also counts as satisfied if its violation is at most this fraction of [`Rows::slack`].
 const UNFELT: f64 = 1e-2;
-/// Relative tolerance of a constraint whose gradient depends on the held gradients. This tolerance is larger, because with a
-/// badly conditioned R, the computed point has fewer correct digits.
+/// Relative tolerance of a constraint whose gradient depends on the held gradients. It is larger than [`ROUNDING`], because
+/// with a badly conditioned R, the computed point has fewer correct digits.
 const MARGINAL: f64 = 1e-9;
 /// Smallest coefficient in a combination of gradients. A constraint with a smaller coefficient does not belong to the
 /// combination.
@@ -227,7 +228,8 @@ impl ActiveSet {
         Ok(())
     }
 
-    /// Returns the constraint with the largest violation, measured as a distance, and its violation.
+    /// Returns the constraint with the largest violation, measured as a distance, and its negative violation. `None` if all
+    /// constraints are satisfied.
     fn most_violated(&self, rows: Rows<'_>, lower: &[f64], upper: &[f64]) -> Option<(Held, f64)> {
         let n = self.variables;
         let mut worst = (0.0, None);
@@ -381,7 +383,8 @@ impl ActiveSet {
         back_substitute(&self.triangle[..q * n], n, &mut self.change);
     }
 
-    /// Two squared lengths: of the normal's part outside the span of the held gradients, and of the whole normal.
+    /// Returns two squared lengths: the first of the part of the normal outside the span of the held gradients, the second of
+    /// the complete normal.
     fn gain(&self) -> (f64, f64) {
         let free = &self.projected[self.held.len()..];
         (dot(free, free), dot(&self.projected, &self.projected))

@@ -2,7 +2,7 @@
 //!
 //! A variable moves the same points of both wheels, each wheel in the frame of its own side. So the derivative of a row is
 //! the sum of both wheels' gradients along the variable's rates. If the right wheel has different hardpoints, the variables
-//! move them as mirror images of the left hardpoints. The two wheels of a build always differ.
+//! move them as mirror images of the left hardpoints. In a scattered build, the two wheels always differ.
 
 use super::elastic_axle::elastic_axle_rows;
 use super::layout::{LimitedValue, TargetSample};
@@ -25,7 +25,7 @@ pub(super) struct AxleStation {
     pub limits: Vec<LimitedValue>,
 }
 
-/// Layout of the targets of an axle.
+/// Residuals of the targets of an axle, assigned to the poses in which they are evaluated.
 #[derive(Clone, Debug)]
 pub(super) struct AxleLayout {
     pub axle: Axle,
@@ -34,7 +34,8 @@ pub(super) struct AxleLayout {
 }
 
 impl AxleLayout {
-    /// Lays out the targets of an axle. `rows` is the number of rows of all targets, `own` the number of rows of each target.
+    /// Assigns the targets of an axle to poses. Adds the number of residuals to `rows`, and the number of each target's
+    /// residuals to `own`.
     pub(super) fn of(
         axle: &Axle,
         optimise: &Optimise,
@@ -89,12 +90,12 @@ impl AxleLayout {
         self.station(placement).limits.push(limited);
     }
 
-    /// Values with limits, for each station.
+    /// Limits of values, for each station.
     pub(super) fn limits(&self) -> impl Iterator<Item = &[LimitedValue]> {
         self.stations.iter().map(|station| &station.limits[..])
     }
 
-    /// Values with limits, for each station. They are mutable, so that the caller can assign numbers to their rows.
+    /// Limits of values, for each station. They are mutable, so that the caller can number the rows of the limits.
     pub(super) fn limits_mut(&mut self) -> impl Iterator<Item = &mut [LimitedValue]> {
         self.stations
             .iter_mut()
@@ -110,8 +111,8 @@ impl AxleLayout {
         }
     }
 
-    /// Highest order of derivatives with respect to travel and rack that the rows read, plus one if the design changes the
-    /// travels.
+    /// Highest order of derivatives with respect to travel and rack that the quantities need. It is one higher if the travels
+    /// of some pose depend on the design.
     fn degree(&self) -> usize {
         let orders = self.quantities.iter().map(|q| q.rate_order());
         let on_plane = |s: &AxleStation| s.placement.hold() != Hold::TravelsOnPads;
@@ -196,9 +197,9 @@ pub(super) fn moved_points(variables: &[Variable]) -> Vec<PointId> {
     points
 }
 
-/// Evaluator of the rows of an axle or of elastic parts, with derivatives.
+/// Evaluates the residuals and constraints of an axle or of elastic parts, with their derivatives.
 pub(super) trait RowsBeside: Send {
-    /// Writes the rows of all targets into `into`, from the given row on, and the rows of the constraints into `rows`.
+    /// Writes the residuals of all targets into `into`, from the given row on, and the rows of the constraints into `rows`.
     fn evaluate(
         &mut self,
         moved: &Moved<'_>,
@@ -207,7 +208,7 @@ pub(super) trait RowsBeside: Send {
     ) -> Result<(), Infeasible>;
 }
 
-/// Makes the evaluator of a layout's rows for an axle. The variables move `points`.
+/// Makes the evaluator of the residuals and constraints that an axle's layout lists. The variables move `points`.
 pub(super) fn axle_rows<'a>(
     layout: &'a AxleLayout,
     axle: &'a Axle,
@@ -319,8 +320,9 @@ impl<const N: usize> RowsBeside for Rows<'_, N> {
     }
 }
 
-/// Calls `take` with the derivatives of a value with respect to the variables, in parts: the index of the variable, and the
-/// part of one point of one wheel. `by_wheel` has the gradient of the value with respect to the points of both wheels.
+/// Calls `take` once for each point rate of each wheel. The arguments are the index of the variable, and the contribution of
+/// the point to the derivative of a value with respect to this variable. `by_wheel` has the gradient of the value with
+/// respect to the points of both wheels.
 fn each_slope(moved: &Moved<'_>, by_wheel: [&[Vector3<f64>]; 2], mut take: impl FnMut(usize, f64)) {
     for ((_, point_rates), gradient) in moved.wheels.iter().zip(by_wheel) {
         for rate in *point_rates {
@@ -329,19 +331,19 @@ fn each_slope(moved: &Moved<'_>, by_wheel: [&[Vector3<f64>]; 2], mut take: impl 
     }
 }
 
-/// Targets and limits of a station whose derivatives are needed.
+/// One station of an axle: its targets and limits, as far as their derivatives are needed.
 struct StationRows<'r> {
     layout: &'r AxleLayout,
     station: &'r AxleStation,
-    /// Targets with a residual that has slopes.
+    /// Targets whose residuals have derivatives. A target with a band has none while the value is within the band.
     pulling: Vec<&'r TargetSample>,
     /// Limits with their values.
     limited: Vec<(&'r LimitedValue, f64)>,
 }
 
 impl StationRows<'_> {
-    /// Writes the residuals of the targets and the rows of the limits, without their slopes. `value` reads a quantity. Lists
-    /// the quantities whose gradients are needed in `wanted`.
+    /// Writes the residuals of the targets and the rows of the limits, without their slopes. `value` returns the value of a
+    /// quantity. The function writes the quantities whose gradients are needed into `wanted`.
     fn write_values(
         &mut self,
         value: impl Fn(Quantity) -> Result<f64, Infeasible>,

@@ -10,10 +10,11 @@
 //!
 //! An active-set method finds this minimum exactly. Each variable is either free or held at a bound. An orthogonal
 //! factorisation solves for the free variables. If this step crosses bounds, the method stops at the first of them and holds
-//! these variables. If it crosses none, the method frees the held variable that gains most by leaving its bound. (Ch. L.
-//! Lawson, R. J. Hanson, Solving Least Squares Problems, 1974, chapter 23; P. B. Stark, R. L. Parker, Bounded-variable
-//! least-squares: an algorithm and applications, Computational Statistics 10, 1995.) The method does not form the normal
-//! equations. The normal equations would square the singular values, which already spread over eight decades.
+//! these variables. If the step crosses no bound, the method frees the held variable whose release lowers the objective most.
+//! (Ch. L. Lawson, R. J. Hanson, Solving Least Squares Problems, 1974, chapter 23; P. B. Stark, R. L. Parker,
+//! Bounded-variable least-squares: an algorithm and applications, Computational Statistics 10, 1995.) The method does not
+//! form the normal equations. The normal equations would square the singular values of J W, which already spread over eight
+//! decades.
 
 use super::qr::{back_substitute, dot, scale_columns, triangularise, triangularise_within};
 use nalgebra::{DMatrix, DVector};
@@ -48,7 +49,7 @@ pub struct BoundedLeastSquares {
     remainder: Vec<f64>,
     /// Indices of the free variables, in rising order.
     free: Vec<usize>,
-    /// Held variables that were freed and returned to their bound at once.
+    /// Flags of the variables: true if the method freed a held variable and the variable returned to its bound at once.
     turned_back: Vec<bool>,
     matrix: Vec<f64>,
     vector: Vec<f64>,
@@ -362,7 +363,8 @@ mod tests {
             (&self.jacobian * s + &self.residuals).norm_squared() + self.damping * s.norm_squared()
         }
 
-        /// Smallest objective over all sets of held variables for which the free variables are feasible.
+        /// Smallest objective, by a trial of all sets of held variables. Only minima whose free variables are within their
+        /// bounds count.
         fn by_enumeration(&self) -> f64 {
             let n = self.lower.len();
             let mut least = f64::INFINITY;
@@ -400,7 +402,8 @@ mod tests {
             least
         }
 
-        /// Asserts the Kuhn-Tucker conditions, computed from J itself, to rounding.
+        /// Asserts that the solution satisfies the Kuhn-Tucker conditions up to rounding. The test computes the conditions
+        /// from J itself, not from the triangle.
         fn assert_optimal(&self, solver: &BoundedLeastSquares) {
             let s = DVector::from_column_slice(solver.step());
             let remainder = &self.jacobian * &s + &self.residuals;

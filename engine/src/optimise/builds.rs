@@ -107,8 +107,8 @@ impl<'a> Builds<'a> {
         wheels.try_for_each(|(wheel, design)| wheel.redraw(design))
     }
 
-    /// Assembles all wheels of a build, and writes their designs and rates. `nominal` contains the nominal designs and
-    /// their rates.
+    /// Assembles all wheels of a build. Writes the designs of the wheels, and the rates at which the variables move their
+    /// points. `nominal` contains the same data for the nominal wheels.
     pub(super) fn build<'d>(
         &mut self,
         number: usize,
@@ -180,7 +180,8 @@ impl<'a> BuiltWheel<'a> {
         Ok(())
     }
 
-    /// Assembles a build from its random numbers. `nominal` contains the rates of the nominal design.
+    /// Assembles a build from its random numbers. `nominal` contains the rates at which the variables move the points of the
+    /// nominal design.
     fn build(
         &mut self,
         draws: &[f64],

@@ -59,7 +59,7 @@ pub fn price_list(
     tuning: &Tuning,
     control: Control<'_>,
 ) -> Result<Vec<Choice>, DesignFault> {
-    // In a study that is tuned for yield, misfits are those of the nominal design.
+    // In a study that is tuned for yield, the choices use the misfits of the nominal design.
     let drawing = Optimise {
         scatter: optimise.scatter.clone().filter(Scatter::lowers_misfit),
         ..optimise.clone()
@@ -140,7 +140,7 @@ impl Tuner<'_> {
             })
         };
         let unmoved = untraded(&self.design).filter(|_| self.keeps_constraints());
-        // The list also contains the tuned design.
+        // The list also contains the tuned design, if this design satisfies the constraints.
         let kept = untraded(&best.x).filter(|_| best.is_feasible());
         let mut all: Vec<Found> = unmoved.into_iter().chain(found).collect();
         if let Some(kept) = kept {

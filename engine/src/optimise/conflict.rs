@@ -6,7 +6,7 @@ use super::starts::STARTS_BEFORE_REFUSAL;
 use super::{Bounds, Constrained, Control, Held, Multistart, Options, Termination};
 
 /// Finds a smallest set of constraints that cannot be satisfied together. The function starts with all constraints that the
-/// runs name. It removes a constraint if the other constraints still cannot be satisfied.
+/// runs of the tuning report as contradictory. It removes a constraint if the other constraints still cannot be satisfied.
 ///
 /// `of_rows` gives the constraint of each row, `count` is the number of constraints. `can_be_kept` returns true if a run with
 /// only these constraints satisfies them. The result is empty if no such set is found.
@@ -27,7 +27,7 @@ pub(crate) fn smallest_conflict(
     blamed.sort_unstable();
     blamed.dedup();
     if blamed.is_empty() || can_be_kept(&blamed) {
-        // The named constraints alone can be satisfied. So other constraints take part in the conflict.
+        // The reported constraints alone can be satisfied. So other constraints take part in the conflict.
         blamed = (0..count).collect();
         if blamed.len() > 12 || can_be_kept(&blamed) {
             return Vec::new();
@@ -60,7 +60,7 @@ pub(crate) fn is_satisfied_from<P: Constrained>(
         .any(|start| {
             let options = Options::default();
             let fit = constrained_fit(0, problem(), bounds, &start.x, &options, control);
-            // An interrupted run does not show that the constraints conflict.
+            // An interrupted run does not show that the constraints conflict, so it counts as satisfied.
             fit.is_ok_and(|fit| fit.is_feasible() || fit.termination == Termination::Interrupted)
         })
 }

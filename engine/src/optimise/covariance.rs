@@ -13,7 +13,7 @@ pub(super) struct Covariance {
     variables: Vec<usize>,
     /// Matrix with one column for each variable. The scalar product of two columns is the covariance of their variables.
     pub spread: DMatrix<f64>,
-    /// Diagonal of A^-1.
+    /// Diagonal of A^-1, with A of (2) of [`standard_errors`](super::standard_errors).
     inverse: Vec<f64>,
     /// True for each variable that the measurements do not determine.
     pub unseen: Vec<bool>,
@@ -45,8 +45,8 @@ impl Covariance {
             let hidden = (0..k).filter(|d| values[*d] <= nothing);
             hidden.map(|d| vectors[(j, d)].powi(2)).sum::<f64>() > 1e-12
         };
-        // Rows of the scaled Jacobian, multiplied by the weights again, times A^-1. The products of this matrix's columns
-        // are the covariances.
+        // The Jacobian already contains the weights. The code multiplies its rows by the weights once more, then multiplies
+        // the matrix by A^-1. The scalar products of the columns are then the covariances.
         let a_inverse =
             &vectors * DMatrix::from_diagonal(&DVector::from_vec(inverse)) * vectors.transpose();
         let mut weighed = scaled;
@@ -61,8 +61,9 @@ impl Covariance {
         })
     }
 
-    /// Ratio k_j: variance of a variable, divided by its variance with the weights 1/variance. The result is 1 if the ratio
-    /// is not known.
+    /// Ratio k_j, (3) of [`standard_errors`](super::standard_errors): the variance of a variable, divided by its variance if
+    /// all weights were 1/variance. Returns 1 if the ratio is not known, and 0 if the covariance does not include the
+    /// variable.
     pub(super) fn ratio(&self, variable: usize) -> f64 {
         let Some(j) = self.variables.iter().position(|v| *v == variable) else {
             return 0.0;

@@ -28,7 +28,7 @@ struct ElasticStation {
     limits: Vec<LimitedValue>,
 }
 
-/// Layout of the targets of a wheel with elastic parts.
+/// Residuals of the targets of a wheel with elastic parts, assigned to the stations at which they are evaluated.
 #[derive(Clone, Debug)]
 pub(super) struct ElasticLayout {
     suspension: Suspension,
@@ -37,7 +37,8 @@ pub(super) struct ElasticLayout {
 }
 
 impl ElasticLayout {
-    /// Lays out the targets of a study. `rows` is the number of rows of all targets, `own` the number of rows of each target.
+    /// Assigns the targets of a study to stations. Adds the number of residuals to `rows`, and the number of each target's
+    /// residuals to `own`.
     pub(super) fn of(
         wheel: &WheelStudy,
         elastic: &ComplianceStudy,
@@ -117,12 +118,12 @@ impl ElasticLayout {
         }
     }
 
-    /// Values with limits, for each station.
+    /// Limits of values, for each station.
     pub(super) fn limits(&self) -> impl Iterator<Item = &[LimitedValue]> {
         self.stations.iter().map(|station| &station.limits[..])
     }
 
-    /// Values with limits, for each station. They are mutable, so that the caller can assign numbers to their rows.
+    /// Limits of values, for each station. They are mutable, so that the caller can number the rows of the limits.
     pub(super) fn limits_mut(&mut self) -> impl Iterator<Item = &mut [LimitedValue]> {
         self.stations
             .iter_mut()
@@ -144,7 +145,7 @@ impl ElasticLayout {
         }
     }
 
-    /// All samples, with the rack displacement along the kernel's +y.
+    /// Target samples of all stations, each with the rack displacement along the kernel's +y.
     pub(super) fn samples(&self) -> impl Iterator<Item = (&TargetSample, f64)> {
         let along = self.suspension.frame.sign(Axis::Y);
         self.stations.iter().flat_map(move |station| {
@@ -165,7 +166,7 @@ fn place<'m>(site: &'m Site, own: &'m Motion) -> (&'m Motion, Vec<f64>) {
     (motion, racks)
 }
 
-/// Makes the evaluator of a layout's rows. The variables move `points` of the suspension.
+/// Makes the evaluator of the residuals and constraints that the layout lists. The variables move `points` of the suspension.
 pub(super) fn elastic_rows<'a>(
     layout: &'a ElasticLayout,
     suspension: &'a Suspension,

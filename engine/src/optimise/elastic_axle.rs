@@ -17,7 +17,8 @@ use crate::model::{Axis, PointId, Side};
 use crate::number::Each;
 use crate::study::{AxleComplianceStudy, Variable};
 
-/// Makes the evaluator of a layout's rows, for an axle with elastic parts. The variables move `points`.
+/// Makes the evaluator of the residuals and constraints that the layout lists, for an axle with elastic parts. The variables
+/// move `points`.
 pub(super) fn elastic_axle_rows<'a>(
     layout: &'a AxleLayout,
     axle: &'a Axle,
@@ -64,8 +65,7 @@ struct Rows<'a> {
     layout: &'a AxleLayout,
     axle: &'a Axle,
     elastic: &'a AxleComplianceStudy,
-    /// Wheels with separate moving points and rates. Only one entry, `None`, if the wheels are mirror images; otherwise one
-    /// entry for each wheel.
+    /// Wheels with separate moving points and rates: both wheels, or only one item `None` if the wheels are mirror images.
     sides: Vec<Option<Side>>,
     /// Coordinates and rates that the variables move.
     parameters: Vec<AxleParameter>,
@@ -73,8 +73,8 @@ struct Rows<'a> {
     slopes: Vec<f64>,
 }
 
-/// Indices of the quantities, among `count`, that targets or limits of a station use. Targets are included only if
-/// `seeks_targets` is true.
+/// Indices of the quantities that targets or limits of a station use. `count` is the number of all quantities. Targets are
+/// included only if `seeks_targets` is true.
 fn used_by(station: &AxleStation, count: usize, seeks_targets: bool) -> Vec<usize> {
     let is_used = |k: &usize| {
         let is_wanted = seeks_targets && station.samples.iter().any(|own| own.of == *k);
@@ -103,7 +103,7 @@ fn along_variables(
     add_rates(moved, by, slopes);
 }
 
-/// Reason why a position without level pads is refused.
+/// Makes the error for a position of the axle that is not on level pads. Axles with elastic parts support level pads only.
 fn for_rigid_axles_only(placement: Placement, unit: &str) -> Infeasible {
     Infeasible::Refused(format!(
         "this position is available for rigid axles only: {placement} ({unit})"
@@ -167,7 +167,7 @@ impl RowsBeside for Rows<'_> {
                 }
             };
             let found = if moved.variables.is_empty() {
-                // A build that is only evaluated needs no derivatives.
+                // Without variables, a build is only evaluated, so it needs no derivatives.
                 equilibria.values(at, &reads).map(|values| {
                     let found = values.into_iter().enumerate();
                     found

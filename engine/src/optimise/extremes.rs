@@ -1,12 +1,13 @@
 //! Extremes between stations, so that constraints also hold between the stations.
 //!
-//! If the value at a station is above the values at both neighbours, or below both, an extreme lies nearby. The search
-//! begins at the extreme of the parabola through the three values, and uses the value's derivative with respect to the
-//! drive. At an end of the motion the search uses the parabola through the last three values. The extreme of this parabola
-//! must lie within the motion. The row of the station then holds the value at the extreme. At an extreme the value has zero
-//! slope along the drive. So the slopes of the row do not need the derivative of the extreme's position. So limits hold at
-//! all extremes. While the design changes, an extreme may move past a station. When the extreme is halfway between two
-//! stations, the row of the other station takes over the value at this extreme. So the largest row stays continuous.
+//! If the value at a station is above the values at both neighbours, or below both, an extreme lies nearby. The search begins
+//! at the extreme of the parabola through the three values, and uses the value's derivative with respect to the drive value
+//! (the travel or the arm angle). At an end of the motion the search uses the parabola through the last three values. The
+//! extreme of this parabola must lie within the motion. The row of the station then holds the value at the extreme. So limits
+//! hold at all extremes. At an extreme the value has zero slope along the drive value. So the slopes of the row do not need
+//! the derivative of the extreme's position. While the design changes, an extreme may move past a station. When the extreme
+//! is halfway between two stations, the row of the other station takes over the value at this extreme. So the largest row
+//! stays continuous.
 
 use super::Linearisation;
 use super::layout::{Extremes, Leg, Part};
@@ -25,7 +26,7 @@ pub(super) const FAR: f64 = 1.0;
 
 /// Search for the position of an extreme, where the slope vanishes.
 pub(super) struct Search {
-    /// Index of the extreme to follow among [`Leg::extremes`].
+    /// Index of the searched limit among [`Leg::extremes`].
     pub of: usize,
     /// Row that receives the value at the extreme.
     pub row: usize,
@@ -44,9 +45,9 @@ pub(super) struct Search {
     rise: f64,
 }
 
-/// Lists in `into` where a leg (a motion at one rack displacement) needs a search for an extreme between stations. Uses the
-/// values of the leg's parts and the rows of constraints at its stations. Leaves out rows that are farther than `far` below
-/// their limit.
+/// Writes into `into` the searches that a leg (a motion at one rack displacement) needs for extremes between stations. The
+/// function uses the values of the constraint parts and the rows of the constraints at the stations. It leaves out rows that
+/// are farther than `far` below their limit.
 pub(super) fn searches(
     leg: &Leg,
     parts: &[Part],

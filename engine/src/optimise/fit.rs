@@ -16,7 +16,8 @@ use std::sync::atomic::AtomicBool;
 pub struct Control<'a> {
     /// Flag that stops the run. Once true, the run ends before its next evaluation, with the result so far.
     pub interrupt: Option<&'a AtomicBool>,
-    /// Callback after each iteration. If several starts run in parallel, the threads of the starts call it.
+    /// Callback after each iteration. If several starts run in parallel on CPU threads, the callback runs on the thread of
+    /// the start.
     pub watch: Option<&'a ProgressCallback<'a>>,
 }
 
@@ -88,18 +89,20 @@ pub enum Termination {
     NoFeasibleStep(Infeasible),
     /// The design is good enough, and no other good enough design nearby has a smaller change.
     NearestGoodEnough,
-    /// No design is good enough. This design is as good as the best, and no equally good design nearby has a smaller change.
+    /// No design is good enough. This design is as good as the best one found, and no equally good design nearby has a
+    /// smaller change.
     NearestOfTheBest,
     /// The design is good enough, but the search for a smaller change did not converge.
     GoodEnoughNotKnownNearest,
-    /// No design is good enough. This design is as good as the best, but the search for a smaller change did not converge.
+    /// No design is good enough. This design is as good as the best one found, but the search for a smaller change did not
+    /// converge.
     BestNotKnownNearest,
     /// No step lowers the cost by more than the share [`Options::reduction_below`], or the step would be shorter than
     /// [`Options::step_below`]. But the optimality conditions are not satisfied.
     NotStationary,
     /// No small move raises the yield.
     LargestYield,
-    /// The yield is above that of the optimum without scatter, but the search for the largest yield did not converge.
+    /// The yield is above the yield of the optimum without scatter, but the search for the largest yield did not converge.
     YieldNotConverged,
     /// No small move reduces the violation of the constraints.
     ConstraintsExcludeEachOther,

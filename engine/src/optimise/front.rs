@@ -17,14 +17,15 @@
 //! detects a front with gaps. For three criteria the limits form a grid, and the search lowers each criterion in turn. It
 //! keeps the points that are farthest apart.
 //!
-//! Problem (1) minimises and limits half the squares of the norms r_h = u_h f_h. With its multipliers L_h,
+//! The residuals of criterion h have the norm r_h = u_h f_h, with a constant factor u_h. Problem (1) minimises and limits
+//! r_h^2 / 2. With the multipliers L_h of its limits,
 //!
 //! ```text
 //! sum_h m_h df_h = 0 along the front,   m_g = u_g^2 f_g,   m_h = L_h u_h^2 f_h                (2)
 //! ```
 //!
-//! The m, scaled to a sum of 1, are the weights of the criteria at that point. If criterion 1 falls by one tolerance, criterion 2
-//! rises by m_1/m_2 tolerances.
+//! The values m, scaled to a sum of 1, are the weights of the criteria at that point. If criterion 1 falls by one tolerance,
+//! criterion 2 rises by m_1/m_2 tolerances.
 
 use super::constrained::{Assessment, Constrained, constrained_fit};
 use super::nearest::NEAR_LEVEL;
@@ -39,12 +40,12 @@ const POINTS: usize = 50;
 /// Largest number of minimisations (1) for each point of a Pareto front. Every gap without a point also needs some
 /// minimisations.
 const EFFORT: usize = 3;
-/// Number of levels of each limited criterion, for a Pareto front of three criteria.
+/// Number of equal intervals into which the levels divide the range of a limited criterion, for a Pareto front of three criteria.
 const LEVELS: usize = 6;
-/// Ratio of a criterion to its least value, up to which the criterion counts as equally low. A limit at exactly the least
-/// value would leave no freedom to lower the other criteria: no neighbouring design satisfies such a limit.
+/// A criterion counts as equally low if it is at most this multiple of its least value. A limit at exactly the least value
+/// would leave no freedom to lower the other criteria: no neighbouring design satisfies such a limit.
 const AS_LOW: f64 = 1.0001;
-/// Smallest level.
+/// Smallest limit (level) of a criterion.
 const LEAST_LEVEL: f64 = 1e-6;
 /// Smallest improvement that counts, as a share of the extent of the Pareto front.
 const NO_BETTER: f64 = 1e-4;
@@ -74,7 +75,7 @@ pub(super) struct Tracer<'a, F> {
     pub bounds: &'a Bounds,
     pub distance: &'a Distance<'a>,
     pub aims: Vec<Criterion>,
-    /// Criteria that are limited in every minimisation, with their levels.
+    /// Further criteria that every minimisation limits, each with its level.
     pub rest: Vec<(Criterion, f64)>,
     pub options: &'a Options,
     pub control: Control<'a>,
@@ -230,7 +231,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             let lowered = 1 - held;
             let level = gap.middle(held);
             let from = [&points[gap.ends[0]].x, &points[gap.ends[1]].x];
-            // Start from the end of the gap that already satisfies the level.
+            // The run starts from the end of the gap that already satisfies the level.
             let has = &points[gap.ends[held]].amounts;
             let found = self
                 .lower(lowered, &[(held, level)], &from)
@@ -255,8 +256,8 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             }
             gaps.extend(parts);
         }
-        // Width of the widest gap between neighbours that the search has not examined. In wider gaps, the search found no
-        // design.
+        // Width of the widest interval between neighbouring points that the search has not examined. If two points are much
+        // farther apart than this, the search found no design between them.
         let unknown = gaps.iter().map(|gap| gap.width(extent)).fold(0.0, f64::max);
         let mut kept: Vec<usize> = best_of(&points);
         sort_by(&mut kept, |a, b| {
@@ -337,8 +338,8 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         kept
     }
 
-    /// Least values of the first criterion for `steps` rising limits of the second. The limits rise from the value at the
-    /// given design to the value at the design with the least first criterion.
+    /// Least values of the first criterion for `steps` rising limits of the second criterion. The limits rise from the value
+    /// at the given design to the value at the design with the least first criterion.
     pub(super) fn list(
         &self,
         from: &DVector<f64>,
@@ -459,7 +460,8 @@ fn farthest_apart(points: Vec<Found>, ranges: &[[f64; 2]]) -> Vec<Found> {
         };
         let next = (0..rest.len()).max_by(|a, b| apart(a).total_cmp(&apart(b)).then(b.cmp(a)));
         let Some(next) = next else { break };
-        // Points that a reader could not distinguish count as one.
+        // All remaining points are within a thousandth of the ranges from a selected point. A diagram could not show the
+        // difference.
         if apart(&next) < 1e-6 {
             break;
         }
@@ -468,7 +470,7 @@ fn farthest_apart(points: Vec<Found>, ranges: &[[f64; 2]]) -> Vec<Found> {
     kept
 }
 
-/// All orders of the criteria.
+/// All permutations of the criteria.
 fn orders(aims: &[usize]) -> Vec<Vec<usize>> {
     if aims.is_empty() {
         return vec![Vec::new()];

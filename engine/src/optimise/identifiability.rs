@@ -70,11 +70,11 @@ pub struct Identifiability {
     /// Singular values in falling order, one for each variable: change of the residuals (norm, in multiples of the tolerance)
     /// per fraction of the ranges.
     pub singular_values: Vec<f64>,
-    /// Number of directions that change the residuals, with an effect above the given limit.
+    /// Number of directions whose effect on the residuals is above the given limit.
     pub rank: usize,
-    /// Basis of the other directions: combinations of variables that leave all targets unchanged, and also the rows given
-    /// to [`Identifiability::keeping`]. In each direction, the variable that moves across its whole range does not occur in
-    /// the other directions.
+    /// Basis of the directions without effect: combinations of variables that leave all targets unchanged. They also leave
+    /// the rows given to [`Identifiability::keeping`] unchanged. In each direction, one variable moves across its whole
+    /// range. This variable does not occur in the other directions of the basis.
     pub unseen: Vec<Direction>,
 }
 
@@ -263,8 +263,8 @@ mod tests {
         }
     }
 
-    /// An additional row to keep unchanged removes a dimension of the unseen directions. The remaining unseen directions
-    /// leave this row unchanged, and the rank remains that of the targets.
+    /// An additional row that must stay unchanged removes one unseen direction. The remaining unseen directions leave this
+    /// row unchanged. The rank does not change, because it counts only effects on targets.
     #[test]
     fn unseen_directions_leave_kept_rows_unchanged() {
         let evaluation = Linearisation {

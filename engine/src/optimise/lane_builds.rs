@@ -187,7 +187,7 @@ impl SimdTask for Assembling<'_, '_> {
     }
 }
 
-/// Makes a series in lanes. The values are `value`, and the rate in every lane is that of `series`.
+/// Makes a series with one value in each lane. All lanes have the same rate, the rate of `series`.
 #[inline(always)]
 fn with_rate<B: SimdReal>(value: Vector3<B>, series: Vector3<Jet<f64, 2>>) -> Vector3<Jet<B, 2>> {
     let rate = Vector3::new(series.x.0[1], series.y.0[1], series.z.0[1]);

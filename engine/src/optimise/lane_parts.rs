@@ -15,7 +15,7 @@ use crate::number::Vector3;
 pub(super) enum LanePart {
     /// Value of a quantity, given by its index among the quantities that are read.
     Quantity(usize),
-    /// A formula of vectors.
+    /// Measure with a formula, and the sources of the vectors in the formula.
     Formula(Measure, Vec<Source>),
 }
 
@@ -26,7 +26,7 @@ pub(super) enum Source {
     Point([usize; 3]),
     /// Coordinates of two points of the wheel carrier. The vector goes from the first to the second.
     Between([[usize; 3]; 2]),
-    /// Camber and toe.
+    /// Direction of the spin axis, from camber and toe.
     SpinAxis([usize; 2]),
     /// A direction of the design position that rotates with the wheel carrier. Three points of the carrier give the
     /// rotation. The first field contains the indices of the quantities that are the coordinates of these points. The

@@ -31,8 +31,8 @@ pub(super) struct Checked<'r> {
 }
 
 impl<'a> LaneRows<'a> {
-    /// Prepares the targets of a layout, and its constraints if `with_constraints` is true. `None` if targets cannot be
-    /// differentiated in lanes.
+    /// Prepares the evaluation of the targets, and of the constraints if `with_constraints` is true and all of them are
+    /// available in lanes. `None` if targets cannot be differentiated in lanes, or if no target applies to a leg.
     pub(super) fn new(
         suspension: &'a Suspension,
         layout: &TargetLayout,
@@ -145,7 +145,8 @@ impl<'a> LaneRows<'a> {
         })
     }
 
-    /// Writes the residuals, with derivatives, of the builds that the solver in lanes accepts.
+    /// Writes the residuals of builds, with their derivatives. The values of a build are valid only if the solver in lanes
+    /// accepts the build.
     pub(super) fn of_builds(
         &mut self,
         layout: &TargetLayout,
@@ -181,7 +182,7 @@ impl<'a> LaneRows<'a> {
     }
 }
 
-/// Writes a row.
+/// Writes the residual of one target sample, and its derivatives.
 fn write(
     sample: &TargetSample,
     row: usize,

@@ -1,4 +1,6 @@
-//! Layout of targets and constraints over the stations of the motions.
+//! Layout of a tuning: assigns each residual of a target, and each row of a constraint, to a station of a motion.
+//!
+//! The drive value of a station is its travel, or its arm angle.
 
 mod draft;
 mod margins;
@@ -20,12 +22,13 @@ use draft::{Draft, TargetPlace, draft_of, legs_of};
 use nalgebra::DVector;
 use rows::RowNumbers;
 
-/// A target at one station of a leg (a motion at one rack displacement) or of an axle.
+/// A target at one station: of a leg (a motion at one rack displacement), of an axle, or of a wheel with elastic parts.
 #[derive(Clone, Debug)]
 pub(super) struct TargetSample {
     pub row: usize,
     pub target: usize,
-    /// Index of the target's measure in [`TargetLayout::measures`], or index of the target's quantity for an axle.
+    /// Index of the target's measure in [`TargetLayout::measures`]. For an axle, the index of its quantity in the axle's
+    /// layout; for elastic parts, the index of its value at the station.
     pub of: usize,
     /// Target value. For an axle, the `drive` of the sample is the abscissa of the target's curve, as written in the study.
     pub wanted: Sample,
@@ -48,7 +51,7 @@ impl TargetSample {
     }
 }
 
-/// A part of a constraint with a limit along a motion. The limit also applies to extremes between the stations.
+/// A limit of a constraint part along a motion. The limit also applies to extremes between the stations.
 #[derive(Clone, Debug)]
 pub(super) struct Extremes {
     pub part: usize,
@@ -70,7 +73,7 @@ pub(super) struct Leg {
     pub extremes: Vec<Extremes>,
 }
 
-/// A part of a constraint.
+/// A part of a constraint: one measure with its limits.
 #[derive(Clone, Debug)]
 pub(super) struct Part {
     pub constraint: usize,
@@ -88,24 +91,25 @@ pub struct RowLabel {
     pub part: usize,
     /// True for the upper limit.
     pub is_upper: bool,
-    /// Index of the leg: a motion at one rack displacement. The index after the last leg denotes elastic parts.
+    /// Index of the leg: a motion at one rack displacement. The index after the last leg denotes the stations of an axle or
+    /// of elastic parts.
     pub leg: usize,
     /// Index of the station. If the part has an extreme between this station and its neighbours, the row applies to that
     /// extreme instead.
     pub station: usize,
 }
 
-/// Layout of the targets of an axle or of elastic parts.
+/// Layout of the targets and constraints of an axle or of elastic parts.
 #[derive(Clone, Debug)]
 pub(super) enum Beside {
-    /// Rows of an axle.
+    /// Residuals and constraints of an axle.
     Axle(Box<AxleLayout>),
-    /// Rows of a wheel with elastic parts.
+    /// Residuals and constraints of a wheel with elastic parts.
     Elastic(Box<ElasticLayout>),
 }
 
 impl Beside {
-    /// Values with limits, for each station.
+    /// Limits of values, for each station.
     fn limits(&self) -> Vec<&[LimitedValue]> {
         match self {
             Beside::Axle(axle) => axle.limits().collect(),
@@ -113,7 +117,7 @@ impl Beside {
         }
     }
 
-    /// Values with limits, for each station. They are mutable, so that the caller can assign numbers to their rows.
+    /// Limits of values, for each station. They are mutable, so that the caller can number the rows of the limits.
     fn limits_mut(&mut self) -> Vec<&mut [LimitedValue]> {
         match self {
             Beside::Axle(axle) => axle.limits_mut().collect(),
@@ -130,7 +134,7 @@ impl Beside {
     }
 }
 
-/// Layout of targets and constraints: quantity and station of each row of the problem.
+/// Layout of a tuning: quantity and station of each residual, and of each row of the constraints.
 #[derive(Clone, Debug)]
 pub struct TargetLayout {
     pub(super) legs: Vec<Leg>,
@@ -146,26 +150,26 @@ pub struct TargetLayout {
     pub(super) equalities: usize,
     /// Number of constraints of the study.
     constraints: usize,
-    /// Number of builds. Each build has all rows. 1 if the tuning is not robust.
+    /// Number of builds, or 1 if the tuning is not robust. Each build has all residuals.
     pub(super) builds: usize,
     /// Residual per deviation of one tolerance, for each target.
     shares: Vec<f64>,
     rate_order: usize,
-    /// Quantities of wheel and steering axis that the outputs read.
+    /// Quantities of wheel and steering axis that the targets and constraints need.
     pub(super) reads: Slots,
 }
 
 impl TargetLayout {
-    /// Lays out the targets and constraints of the nominal design alone. The layout of a robust study has the rows of all
-    /// its builds. An evaluation of the nominal design must not use the layout of a robust study. It would fill the rows of
-    /// only one build, but divide the misfit by the number of all rows.
+    /// Makes the layout for the nominal design alone. The layout of a robust study has the residuals of all its builds. An
+    /// evaluation of the nominal design must not use that layout. It would compute the residuals of only one build, but
+    /// divide the misfit by the number of all residuals.
     pub fn nominal(optimise: &Optimise, vehicle: &Vehicle) -> Self {
         TargetLayout::of(&optimise.nominal(), vehicle)
     }
 
-    /// Lays out the targets and constraints of a mechanism. Curves are compared at all stations of the motion between the
-    /// ends of the curve, and at stations added for the curve. A target at a single drive value adds a station. The rack
-    /// has the displacement that the study gives, or is straight ahead if the study sweeps the rack.
+    /// Makes the layout of a study's targets and constraints. A curve is compared at all stations of the motion between the
+    /// ends of the curve, and at stations added for the curve. A target at a single drive value adds a station. The rack has
+    /// the displacement that the study gives, or is straight ahead if the study sweeps the rack.
     pub fn of(optimise: &Optimise, vehicle: &Vehicle) -> Self {
         let (
             own_motion,
@@ -312,7 +316,7 @@ impl TargetLayout {
         self.rows * self.builds
     }
 
-    /// Returns the meaning of each row of the constraints, equalities first.
+    /// Returns the constraint, station and limit of each row of the constraints, equalities first.
     pub fn labels(&self) -> &[RowLabel] {
         &self.labels
     }
@@ -322,7 +326,7 @@ impl TargetLayout {
         self.equalities
     }
 
-    /// Target index of each residual.
+    /// Index of the target that each residual belongs to.
     pub fn targets_of_rows(&self) -> Vec<usize> {
         let mut of = vec![0; self.rows];
         for row in self.target_rows() {
@@ -414,15 +418,15 @@ impl TargetLayout {
     }
 }
 
-/// Residual per deviation of one tolerance, for each target. It depends on the number of all rows and on the number of rows
-/// of the target.
+/// Residual per deviation of one tolerance, for each target. It depends on the weight of the target. Unless the targets are
+/// measurements, it also depends on the number of all residuals and on the number of the target's residuals.
 fn shares(optimise: &Optimise, rows: usize, own: &[usize]) -> Vec<f64> {
     let total: f64 = optimise.targets.iter().map(|t| t.weight).sum();
     let targets = optimise.targets.iter().zip(own);
     targets
         .map(|(target, own)| {
             if optimise.fit {
-                // Each measured point has the same weight, whatever the number of points.
+                // The weight of a measured point depends only on the weight of its target, not on the number of points.
                 (target.weight / total * optimise.targets.len() as f64).sqrt()
             } else {
                 (target.weight / total * rows as f64 / *own as f64).sqrt()

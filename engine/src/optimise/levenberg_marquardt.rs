@@ -7,23 +7,23 @@
 //! damping = max( mu |r|^2, drift |J W| |r| )                                               (2)
 //! ```
 //!
-//! (1) is solved exactly (`BoundedLeastSquares`). With damping proportional to |r|^2 the method converges quadratically to a
-//! zero of r. This holds even if zeros are not isolated and J does not have full rank (Ch. Kanzow, N. Yamashita, M.
-//! Fukushima, Levenberg-Marquardt methods with strong local convergence properties for solving nonlinear equations with
-//! convex constraints, J. Comput. Appl. Math. 172, 2004). mu follows the ratio of the actual reduction to the predicted one
-//! (J. Fan, Y. Yuan, On the quadratic convergence of the Levenberg-Marquardt method without nonsingularity assumption,
-//! Computing 74, 2005). The method needs no decision about the rank: directions that leave the residuals unchanged have no
-//! gradient, and damping does not move them.
+//! where drift = eps / [`DRIFT`], and eps is the machine precision. (1) is solved exactly (`BoundedLeastSquares`). With
+//! damping proportional to |r|^2 the method converges quadratically to a zero of r. This holds even if zeros are not isolated
+//! and J does not have full rank (Ch. Kanzow, N. Yamashita, M. Fukushima, Levenberg-Marquardt methods with strong local
+//! convergence properties for solving nonlinear equations with convex constraints, J. Comput. Appl. Math. 172, 2004). mu
+//! follows the ratio of the actual reduction to the predicted one (J. Fan, Y. Yuan, On the quadratic convergence of the
+//! Levenberg-Marquardt method without nonsingularity assumption, Computing 74, 2005). The method needs no decision about the
+//! rank: directions that leave the residuals unchanged have no gradient, and damping does not move them.
 //!
 //! The second term of (2) also prevents moves along these directions that rounding would cause. Rounding turns the zero
-//! singular value of such a direction into one of about e |J W|, with e the machine precision. The left singular vector may
-//! have a component along r, so the step along the direction is up to e |J W| |r| / damping. The term limits that step to
-//! [`DRIFT`] of the range. The term goes to zero with r, so it does not slow down the convergence.
+//! singular value of such a direction into one of about eps |J W|. The left singular vector may have a component along r, so
+//! the step along the direction is up to eps |J W| |r| / damping. The second term limits that step to [`DRIFT`] of the range.
+//! This term goes to zero with r, so it does not slow down the convergence.
 //!
 //! If singular values spread over many decades, the cost has a narrow, curved valley. Steps along the floor of this valley
 //! would soon become very short. Even a short step along the floor raises the cost, because the floor curves and the step
 //! ends on a steep wall. So a trial that does not lower the cost is corrected before it is rejected. Newton steps move the
-//! trial to the point with the residuals that the model predicted. These Newton steps use Jacobians that the trials have
+//! trial to the point with the residuals that the model predicted. These Newton steps e use Jacobians that the trials have
 //! already computed:
 //!
 //! ```text
@@ -151,8 +151,8 @@ impl<'a> LevenbergMarquardt<'a> {
         }
     }
 
-    /// Returns the reduction predicted with the smallest possible damping, `drift`. The step itself does not change: it remains
-    /// that of `damping`.
+    /// Returns the reduction that the model predicts with the smallest possible damping, `drift`. Afterwards the model again
+    /// contains the step with `damping`.
     fn undamped_reduction(&mut self, drift: f64, damping: f64) -> f64 {
         self.model.solve(drift);
         let reduction = self.model.predicted_reduction();
@@ -200,8 +200,8 @@ impl<'a> LevenbergMarquardt<'a> {
             .gemv(1.0, &self.current.jacobian, &self.corrected_x, 1.0);
     }
 
-    /// Stores the deviation from the predicted residuals as the rounding error of the residuals. Does so only if the step
-    /// from `x` to the trial is at most [`STRAIGHT`].
+    /// Stores the deviation from the predicted residuals as the rounding error of the residuals, if the step from `x` to the
+    /// trial is at most [`STRAIGHT`].
     fn note_rounding(&mut self, x: &DVector<f64>) {
         if self.model.largest_component() <= STRAIGHT {
             self.promise(x);

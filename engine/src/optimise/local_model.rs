@@ -94,8 +94,8 @@ impl<'a> LocalModel<'a> {
         }
     }
 
-    /// Returns true if the residuals are orthogonal to the columns of the Jacobian. Only columns count whose variable can
-    /// lower the cost without crossing a bound. `size` is the norm of the residuals, and `cosine` is the tolerance.
+    /// Returns true if the residuals are orthogonal to the columns of the Jacobian. The function ignores the columns of
+    /// variables whose bounds prevent a lower cost. `size` is the norm of the residuals, and `cosine` is the tolerance.
     pub(super) fn is_stationary(&self, size: f64, cosine: f64) -> bool {
         let columns = self.subproblem.column_norms().iter().enumerate();
         columns.into_iter().all(|(j, column)| {

@@ -102,7 +102,7 @@ pub fn moved_design(
 
 impl Study {
     /// Returns the study with the variables of its tuning moved by `offsets`. A right wheel with different hardpoints moves
-    /// by the same offsets. If one body carries both wheels, its far half (at the other wheel) moves with the near half. A
+    /// by the same offsets. If one body carries both wheels, its right half moves as the mirror image of its left half. A
     /// tuned rate scatters about its new value.
     pub fn moved(&self, offsets: &[f64]) -> Study {
         let Some(optimise) = &self.optimise else {

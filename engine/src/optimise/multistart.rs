@@ -48,10 +48,10 @@ impl Multistart {
     }
 }
 
-/// Minimises from `starts` points in parallel, on the threads of the current rayon pool. The starts are the point of the box
-/// nearest to `design`, and points of a low-discrepancy sequence over the box.
+/// Minimises from `starts` points in parallel, on the CPU threads of the current rayon pool. The starts are the point of the
+/// box nearest to `design`, and points of a low-discrepancy sequence over the box.
 ///
-/// `problem` makes a problem for each start. The result does not depend on the number of threads. The best fit is the one
+/// `problem` makes a problem for each start. The result does not depend on the number of CPU threads. The best fit is the one
 /// with the least misfit. Fits count as equal if their misfits are below [`Options::misfit_below`], or if they found the same
 /// minimum. Among equal fits, the one with the smallest move from the design wins, in fractions of the ranges. If two moves
 /// are equally small, the earlier start wins.
@@ -148,7 +148,7 @@ pub fn starting_point(
     })
 }
 
-/// Fits of all starts that did not fail, with the numbers of the starts.
+/// Fits of all starts that did not fail, each with the index of its start.
 pub(super) fn fits(starts: &[Start]) -> impl Iterator<Item = (usize, &Fit)> {
     let fits = starts.iter().enumerate();
     fits.filter_map(|(index, start)| Some((index, start.outcome.as_ref().ok()?)))

@@ -228,7 +228,7 @@ impl Tuner<'_> {
                 violation = kept;
                 (x, at.goal, at.rows)
             }
-            // The level limits the misfit of all targets together.
+            // The first level limits the misfit of all targets, so its residuals are the residuals of the targets.
             None => (found.x, found.at.levels.swap_remove(0), found.at.rows),
         };
         fit.active_bounds = self.bounds.active_bounds(&x);

@@ -8,7 +8,9 @@
 //! misfit^2 = sum_targets weight rms^2 / sum_targets weight,   rms over the stations of one target
 //! ```
 //!
-//! This holds for any number of stations. Each station needs one pose, one factorisation, and one adjoint for each value.
+//! This holds for any number of stations. If the targets are measurements (`fit = true`), s depends only on the weights of
+//! the targets, and each measured point of a target has the same weight. Each station needs one pose, one factorisation, and
+//! one adjoint for each value.
 //!
 //! Constraints also hold between the stations: see [`extremes`](super::extremes).
 
@@ -51,12 +53,13 @@ pub struct Objective<'a> {
     solver: Solver<'a>,
     toggles: Toggles,
     reader: Box<dyn ReadStations + 'a>,
-    /// Reader with one more derivative with respect to the drive. The search for extremes needs this reader.
+    /// Evaluator of poses ([`Reader`]) with one more derivative with respect to the drive value. The search for extremes
+    /// needs this derivative.
     sloped: Option<Reader<3>>,
     /// Design series from which the derivatives of member forces follow. `None` if no target or constraint uses a member
     /// force.
     moving: Option<AlongVariables>,
-    /// Rows of targets of an axle or of elastic parts. `None` if there are none.
+    /// Evaluator of the targets and constraints of an axle or of elastic parts. `None` if there are none.
     beside: Option<Box<dyn RowsBeside + 'a>>,
     values: PartValues,
     searches: Vec<Search>,
@@ -114,9 +117,9 @@ impl<'a> Objective<'a> {
         })
     }
 
-    /// Makes the problem of a robust tuning, whose residuals are those of builds. If `width` is given, builds of a rigid
-    /// wheel are solved in lanes; all other builds are solved one by one. `assembled` comes from [`Vehicle::assembled`]; the
-    /// wheels of `assembled` may have additional spindle points.
+    /// Makes the problem of a robust tuning. Its residuals are the residuals of the builds. If `width` is given, builds of a
+    /// rigid wheel are solved in lanes; all other builds are solved one by one. `assembled` comes from
+    /// [`Vehicle::assembled`]; the wheels of `assembled` may have additional spindle points.
     pub fn of_builds(
         assembled: &'a Vehicle,
         variables: &'a [Variable],

@@ -25,7 +25,7 @@ pub(super) struct Profile<'a> {
     /// Column of the variable after the rotations that give `triangle`, and the diagonal entry of this column.
     column: DVector<f64>,
     diagonal: f64,
-    /// Residuals after the rotations that give `triangle`, and the entry that belongs to `diagonal`.
+    /// Residuals after the rotations that give `triangle`, and the residual in the row of `diagonal`.
     offset: DVector<f64>,
     last: f64,
     /// Part of the sum of squares that does not depend on the moves.
@@ -112,8 +112,8 @@ impl<'a> Profile<'a> {
         (squares + (self.diagonal * own).powi(2)).sqrt()
     }
 
-    /// Finds the value between `from` and `bound` at which the smallest sum of squares reaches a level, and the point with
-    /// this sum. `None` if the sum does not reach the level at the bound, or already exceeds it at `from`. The search is the
+    /// Finds the value between `from` and `bound` at which the smallest sum of squares reaches `level`, and the point with
+    /// this sum. `None` if the sum does not reach `level` at the bound, or already exceeds it at `from`. The search is the
     /// Illinois method (M. Dowell, P. Jarratt, A modified regula falsi method, BIT 11, 1971), on the root of the rise of the
     /// sum above its value at `from`.
     pub(super) fn end(&self, from: f64, bound: f64, level: f64) -> Option<(f64, DVector<f64>)> {

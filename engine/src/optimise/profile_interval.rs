@@ -11,7 +11,8 @@
 //! T_j(c) = (S_j(c) - S) / (k_j s^2)                                                        (2)
 //! ```
 //!
-//! Without weights k_j is 1 ([`StandardErrors`](super::StandardErrors)). The interval contains all c with
+//! k_j corrects for the weights of the residuals (see [`StandardErrors`](super::StandardErrors)); without weights it is 1.
+//! The interval contains all c with
 //!
 //! ```text
 //! T_j(c) <= q_j(c)^2                                                                       (3)
@@ -110,7 +111,7 @@ pub(super) struct Solved<'a> {
 type Evaluate<'e> = dyn FnMut(&DVector<f64>, &mut Linearisation) -> bool + 'e;
 
 impl Solved<'_> {
-    /// Interval (3) of a variable. `deviation` is s, `ratio` is the root of k_j.
+    /// Interval (3) of a variable. `scale` contains s and the root of k_j.
     pub(super) fn interval(
         &self,
         variable: usize,

@@ -1,4 +1,4 @@
-//! Residuals of a robust tuning. A robust tuning minimises the residuals of its builds, not those of the nominal design.
+//! Residuals of a robust tuning. A robust tuning minimises the residuals of its builds, not the residuals of the nominal design.
 
 use super::builds::Builds;
 use super::lane_builds::LaneBuilds;

@@ -1,15 +1,15 @@
 //! Fits of a linear model to simulated errors, with the variables within their ranges.
 //!
 //! The errors e of the measurements are normal and independent, with the scatter s. With these errors, the residuals of the
-//! model about the true values x0 are r(x) = J (x - x0) + w e. Each simulated fit gives the same quantities as the real fit
-//! in (2) of [`profile_interval`](super::profile_interval):
+//! model about the true values x0 are r(x) = J (x - x0) + w e, with the weights w of the residuals. Each simulated fit gives
+//! the same quantities as the real fit in (2) of [`profile_interval`](super::profile_interval):
 //!
 //! ```text
 //! T = (min { |r(x)|^2 : in the box, x_j = x0_j } - min { |r(x)|^2 : in the box }) / s*^2      (1)
 //! ```
 //!
-//! Here s* is the scatter of the simulated fit, with the number of free variables of that fit. All simulations use the same
-//! seed, so that results are reproducible and quantiles change smoothly with x0.
+//! Here s* is the scatter of the simulated fit. It is computed with the number of variables that are free at the end of this
+//! fit. All simulations use the same seed, so that results are reproducible and quantiles change smoothly with x0.
 
 use super::{ActiveBound, BoundedLeastSquares, Bounds, Linearisation};
 use crate::sorting::sort_numbers;
@@ -69,7 +69,7 @@ impl<'a> SimulatedFits<'a> {
         probability: f64,
     ) -> f64 {
         let n = self.bounds.variables();
-        // A move is a fraction of its range, divided by the scatter.
+        // Moves are measured in fractions of the variables' ranges, divided by the scatter.
         let end = |bound: &DVector<f64>| -> Vec<f64> {
             let room = |j: usize| (bound[j] - x0[j]) / self.bounds.width()[j] / scatter;
             (0..n).map(room).collect()

@@ -1,18 +1,18 @@
 //! Standard errors and correlations of the variables of a fit to measured curves.
 //!
-//! With the residuals r_i in multiples of the tolerance, the weights w_i of the residuals, and k free variables, the variance
-//! of a measurement in squared tolerances is
+//! With the weighted residuals r_i in multiples of the tolerance, their weights w_i, the number N of residuals, and k free
+//! variables, the variance of a measurement in squared tolerances is
 //!
 //! ```text
 //! s^2 = sum_i (r_i / w_i)^2 / (N - k)                                                      (1)
 //! C   = A^-1 (sum_i w_i^2 g_i g_i^T) A^-1 s^2,     A = sum_i g_i g_i^T                       (2)
 //! ```
 //!
-//! with g_i the gradient of the weighted r_i with respect to the variables. The tolerances are assumed to be proportional to
-//! the scatter of the measurements. The weights are free choices of the engineer (G. A. F. Seber, C. J. Wild, Nonlinear
-//! regression, 1989, 2.1.2 and 2.8.8). A^-1 comes from the singular values of the weighted Jacobian, with columns scaled by
-//! the ranges, so that no normal equations are formed. Standard errors are the roots of C_jj. Correlations come from C with
-//! all variables free, so they depend only on the data, not on bounds.
+//! with g_i the gradient of r_i with respect to the variables. The tolerances are assumed to be proportional to the scatter
+//! of the measurements. The weights are free choices of the engineer (G. A. F. Seber, C. J. Wild, Nonlinear regression, 1989,
+//! 2.1.2 and 2.8.8). A^-1 comes from the singular values of the weighted Jacobian, with columns scaled by the ranges, so that
+//! no normal equations are formed. Standard errors are the roots of C_jj. Correlations come from C with all variables free,
+//! so they depend only on the data, not on bounds.
 //!
 //! A variable at its bound is not known: its true value may lie anywhere within its range. If (2) treated the variable as
 //! fixed at the bound, the errors of the other variables would be too small. So a fit with a variable at its bound has no
@@ -51,7 +51,7 @@ pub struct StandardErrors {
 }
 
 impl StandardErrors {
-    /// Standard errors and intervals of a fit that ended at `x`. `weights` are the square roots of w, one for each residual.
+    /// Standard errors and intervals of a fit that ended at `x`. `weights` are the weights w of (1), one for each residual.
     /// `evaluate` writes the residuals of a point, and returns false if the point has no residuals. `None` if there are no
     /// more residuals than free variables.
     pub fn of(
@@ -415,8 +415,8 @@ mod tests {
         (fit.errors(&DVector::zeros(1)).0, error)
     }
 
-    /// If no bound is within four standard errors of either end, the interval equals that of Student's distribution. Closer
-    /// to a bound the interval is narrower, since errors beyond the bound are cut off.
+    /// If no bound is within four standard errors of either end, the interval equals the interval of Student's distribution.
+    /// Closer to a bound the interval is narrower, since errors beyond the bound are cut off.
     #[test]
     fn bounds_count_within_four_standard_errors() {
         for rows in 8..30 {

@@ -13,8 +13,8 @@ use super::{
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-/// Designs count as equally good if their misfits are at most this multiple of the smallest misfit. Applies only if no design
-/// is good enough.
+/// Designs count as equally good if their misfits are at most this multiple of the smallest misfit. This rule applies only if
+/// no design is good enough.
 const AS_GOOD: f64 = 1.01;
 /// Largest number of repetitions of the search for the smallest change. The search is repeated if a descent from its result
 /// ends at a smaller misfit.
@@ -111,9 +111,9 @@ impl<'a> Tuner<'a> {
         Multistart { starts, best }
     }
 
-    /// Looks for a smaller misfit with a descent from the result. Does so only if no design is good enough. The search for
-    /// the smallest change may have left the valley of the smallest misfit found. If the descent ends below that misfit,
-    /// the function stores its result in `lowered` and returns true.
+    /// Looks for a smaller misfit: lowers the misfit from the result, if no design is good enough. The search for the
+    /// smallest change may have left the valley of the smallest misfit found. If the new run ends below that misfit, the
+    /// function stores the end of the run in `lowered` and returns true.
     fn descends_further(
         &self,
         lowered: &mut [Start],
@@ -162,8 +162,8 @@ impl<'a> Tuner<'a> {
         let misfit = if least <= good {
             good
         } else {
-            // The share above the smallest misfit applies to all targets. Where constant residuals are large, the other
-            // residuals need not be better than good enough.
+            // The share [`AS_GOOD`] applies to the misfit of all targets, including the constant residuals. If these are
+            // large, the other residuals need not be better than good enough.
             let whole = AS_GOOD * AS_GOOD * (least * least + constant) - constant;
             (AS_GOOD * least).max(good_enough.min(whole.max(0.0).sqrt()))
         };

@@ -39,7 +39,7 @@ pub(super) trait ReadStations: Send {
     fn visit(&mut self, visit: Visit<'_, '_>) -> Result<(), Infeasible>;
 }
 
-/// Makes a reader for the quantities that a layout reads, with their sensitivities to the points.
+/// Makes the evaluator ([`Reader`]) of the quantities that the layout lists, with their sensitivities to the points.
 pub(super) fn reader(
     suspension: &Suspension,
     layout: &TargetLayout,
@@ -154,7 +154,7 @@ pub(super) struct Slopes<const N: usize> {
     pub(super) by_variable: Vec<f64>,
 }
 
-/// A measure in a pose, and the rates of the design.
+/// Inputs for the derivatives of one measure in one pose, for example the rates at which the variables move the points.
 pub(super) struct Reading<'r, 'a, const N: usize> {
     pub(super) measure: &'r Measure,
     pub(super) view: &'r WheelReading<N>,

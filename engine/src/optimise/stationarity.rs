@@ -7,10 +7,10 @@
 //! g + sum_i m_i a_i = 0      g, a_i: gradients of f and of the binding constraints, in half ranges       (1)
 //! ```
 //!
-//! The residual is the largest component of the left side of (1), relative to the larger of two sizes. One is the largest
-//! term of (1). The other is the largest slope that the squared residuals could have: the largest pivot of their scaled
-//! Jacobian times their norm. The residual is 0 at a minimum and of order one elsewhere. A run has converged if its residual
-//! is below [`CONVERGED`].
+//! The imbalance is the largest component of the left side of (1), divided by the larger of two numbers. The first number is
+//! the largest term of (1). The second number is the largest slope that the squared residuals could have: the largest pivot
+//! of their scaled Jacobian times their norm. The imbalance is 0 at a minimum and of order one elsewhere. A run has converged
+//! if its imbalance is below [`CONVERGED`].
 //!
 //! A computed slope is a sum of products, so rounding keeps it from being exactly zero. Residuals have the rounding error
 //! [`Options::misfit_below`], or a larger rounding error if short steps have shown it. For example, the rounding error of
@@ -25,13 +25,13 @@
 use super::{BoundedLeastSquares, Bounds, Linearisation, Options};
 use nalgebra::{DMatrix, DVector};
 
-/// Residual of the optimality conditions below which a run counts as converged.
+/// Imbalance of the optimality conditions below which a run counts as converged.
 pub(super) const CONVERGED: f64 = 1e-6;
 /// Damping of the least squares for multipliers. The columns of the least squares have length 1. A gradient counts as
 /// dependent on the others if its part outside their span is smaller than the square root of this damping.
 const DEPENDENT: f64 = 1e-18;
 
-/// Sizes to which slopes are compared.
+/// Numbers with which slopes are compared.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scale {
     /// Largest slope that the squared residuals could have.
@@ -40,7 +40,7 @@ pub(super) struct Scale {
     rounding: f64,
 }
 
-/// Sizes of the squared residuals, in half ranges of the variables.
+/// Properties of the squared residuals that give the [`Scale`], in half ranges of the variables.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sizes {
     /// Number of residuals, and their norm.
@@ -68,7 +68,8 @@ impl Scale {
         }
     }
 
-    /// Residual of the optimality conditions, from the remaining imbalance `left` and the largest term `most` of (1).
+    /// Imbalance of the optimality conditions: the largest component `left` of the left side of (1), relative to the
+    /// [`Scale`] and to the largest term `most` of (1).
     pub(super) fn residual(self, left: f64, most: f64) -> f64 {
         let size = most.max(self.steepest).max(f64::MIN_POSITIVE);
         if left.is_nan() {
@@ -79,8 +80,9 @@ impl Scale {
     }
 }
 
-/// Residual of the optimality conditions with bounds only. `pivot` is the largest pivot of the scaled Jacobian, in half
-/// ranges. `seen_rounding` is the norm of the rounding errors of the residuals, as observed in short steps.
+/// Imbalance of the optimality conditions of a problem that has bounds, but no rows and levels. `pivot` is the largest pivot
+/// of the scaled Jacobian, in half ranges. `seen_rounding` is the norm of the rounding errors of the residuals, as observed
+/// in short steps.
 pub(super) fn between_bounds(
     at: &Linearisation,
     x: &DVector<f64>,

@@ -32,7 +32,8 @@ fn sum_of_squares(fit: &Fit) -> f64 {
     fit.evaluation.residuals.norm_squared()
 }
 
-/// Largest violation of the Kuhn-Tucker conditions, as the cosine of the angle between the residuals and a column.
+/// Largest violation of the Kuhn-Tucker conditions, as the cosine of the angle between the residuals and a column of the
+/// Jacobian.
 fn violation(fit: &Fit) -> f64 {
     let Linearisation {
         residuals,

@@ -8,7 +8,7 @@ use nalgebra::DVector;
 /// A quantity that is lowered, or limited by a level.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Criterion {
-    /// Indices of the residuals of the criterion; `None` for the move from the design.
+    /// Indices of the criterion's residuals. `None` if the criterion is the distance by which the variables move from the design.
     rows: Option<Vec<usize>>,
     /// Ratio between the norm of the criterion's residuals and the value of the criterion.
     pub unit: f64,
@@ -29,7 +29,7 @@ impl Criterion {
         }
     }
 
-    /// Indices of the residuals of the criterion; `None` for the move from the design.
+    /// Indices of the criterion's residuals. `None` if the criterion is the distance by which the variables move from the design.
     pub(super) fn rows(&self) -> Option<&[usize]> {
         self.rows.as_deref()
     }

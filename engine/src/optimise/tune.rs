@@ -27,7 +27,7 @@ use nalgebra::{DMatrix, DVector};
 /// Change of the misfit, in multiples of the tolerance, for a move across the whole range. A direction with a smaller effect
 /// counts as leaving the targets unchanged.
 const UNSEEN: f64 = 0.01;
-/// Violation of a constraint up to which a move counts as keeping the constraint, in visible units: 1 mm or 1 degree.
+/// Violation of a constraint, in visible units (1 mm or 1 degree), up to which a move counts as keeping the constraint.
 const MOVED_KEPT: f64 = 0.01;
 /// Largest number of directions without effect that the tuning tests by moving along them.
 const TRIED_OUT: usize = 8;
@@ -99,7 +99,7 @@ pub fn tune(
     optimise: &Optimise,
     control: Control<'_>,
 ) -> Result<Tuning, DesignFault> {
-    // Each start is one task. The tuning uses at most as many threads as the caller's pool has.
+    // Each start is one task. The tuning uses at most as many CPU threads as the rayon pool of the caller.
     let starts = optimise.starts.max(STARTS_BEFORE_REFUSAL);
     let threads = starts.min(rayon::current_num_threads());
     on_large_stacks(threads, || match &optimise.scatter {

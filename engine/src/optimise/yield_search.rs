@@ -22,11 +22,11 @@
 //! r = sqrt(H)                                                                                         (5)
 //! ```
 //!
-//! tau is a share of the standard deviation of the band's values over the builds, at most a quarter of the band. The search
-//! starts at the optimum without scatter, with a large tau, and reduces tau in steps ([`WIDTHS`]). The code then evaluates
-//! the end of each step with [`JUDGED`] further builds, which the search has not used. It keeps the end with the most builds
-//! within all bands. The optimum without scatter is one of the ends. So only sampling error can make the yield lower than
-//! that of this optimum.
+//! tau is a multiple of the standard deviation of the band's values over the builds, but at most a quarter of the band's
+//! width. The search starts at the optimum without scatter, with a large tau, and reduces tau in steps ([`WIDTHS`]). The code
+//! then evaluates the end of each step with [`JUDGED`] further builds, which the search has not used. It keeps the end with
+//! the most builds within all bands. The optimum without scatter is one of the ends. So only sampling error can make the
+//! yield lower than that of this optimum.
 
 use super::constrained::{Assessment, Constrained, Shape, constrained_fit};
 use super::station_reader::refused;
@@ -55,11 +55,12 @@ const JUDGED: usize = 1 << 16;
 /// Number of further builds with which a design with elastic parts is evaluated. This number is smaller, because equilibria
 /// take longer than poses.
 const JUDGED_ELASTIC: usize = 1 << 10;
-/// Number of further builds with which an axle is evaluated. They are solved one after another.
+/// Number of further builds with which an axle is evaluated. This number is smaller than [`JUDGED`], because these builds are
+/// solved without SIMD lanes.
 const JUDGED_AXLE: usize = 1 << 12;
-/// Number of parts into which an axle's further builds are divided for the threads.
+/// Number of parts into which an axle's further builds are divided, so that several CPU threads share the work.
 const AXLE_PARTS: usize = 8;
-/// Largest number of builds whose designs a thread has in memory at once.
+/// Largest number of builds whose designs one CPU thread has in memory at once.
 const AT_ONCE: usize = 1 << 12;
 
 /// Expected yield of a robust tuning.

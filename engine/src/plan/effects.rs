@@ -33,7 +33,8 @@ mod cost {
     pub(super) const DERIVATIVES: [f64; 3] = [0.5, 2.1, 3.0];
     /// Gradient of one output with respect to all hardpoints, for each coefficient of its series.
     pub(super) const GRADIENT: f64 = 2.2;
-    /// Gradient of one output, if the differentiation affects only one of six equations.
+    /// Gradient of one output with respect to hardpoints that occur in only one of the six equations. The cost rises from this
+    /// value to `GRADIENT` with the share of requested hardpoints.
     pub(super) const LEAST_GRADIENT: f64 = 1.2;
     /// Instantaneous steering axis.
     pub(super) const SCREW_AXIS: f64 = 0.6;
@@ -202,7 +203,7 @@ impl Plan {
         if !self.loads.is_empty() && mechanism.spring.is_some_and(holds) {
             names.push("loads");
         }
-        // The key that contains the first name.
+        // The stated reason is the key that requests the first of these quantities.
         let first = self
             .outputs
             .iter()
@@ -274,7 +275,7 @@ impl Plan {
         let passes: usize = self.outputs.iter().map(|o| self.adjoints(&o.of)).sum();
         let share = (points.len() as f64 / mechanism.points.len() as f64).min(1.0);
         let each = cost::LEAST_GRADIENT + (cost::GRADIENT - cost::LEAST_GRADIENT) * share;
-        // Newton's method has already computed the factors.
+        // Without a closed form, Newton's method has already computed the factors.
         let factors = if has_closed_form(mechanism) {
             cost::FACTORS
         } else {

@@ -129,7 +129,7 @@ fn slope_by_gain(gain: Quantity, of: Quantity, both: &AxleStudy) -> Option<f64> 
     };
     let of = match of {
         Quantity::Corner(own, of) if own == side => of,
-        // The sum of both wheels.
+        // Total toe is the sum of the toe angles of both wheels.
         Quantity::Axle(TotalToe) => Characteristic::Toe,
         Quantity::Axle(TotalToeAtRim) => Characteristic::ToeAtRim,
         _ => return None,

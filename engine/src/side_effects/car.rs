@@ -143,7 +143,8 @@ fn stations(cases: &[Case]) -> Vec<Station> {
     stations.map(station).collect()
 }
 
-/// Study of one axle, with the axle's design in the car. The goals are those of the car that concern only this axle.
+/// Study of one axle, with the axle's design in the car. Its targets and constraints are those of the car that concern
+/// only this axle.
 fn axle_by_itself(study: &CarStudy, end: AxleEnd, optimise: &CarOptimise) -> Study {
     let end = end as usize;
     let own = &study.axles[end];

@@ -214,7 +214,7 @@ fn compared(series: &Series, stations: &[Station]) -> Vec<usize> {
     (0..stations.len()).filter(|k| counts[*k]).collect()
 }
 
-/// Changes that targets request of one series.
+/// Changes of one series that targets request.
 struct Wanted {
     /// Requested changes, sorted by the first coordinate of their station. Each entry has this coordinate, the index of
     /// the station, and the change.

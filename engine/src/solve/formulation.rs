@@ -67,7 +67,7 @@ pub enum FormulationVisit {
 /// Equations that give the poses of a topology in unknowns other than the pose of the knuckle.
 pub trait Formulation: Sync {
     /// Visits the stations of a motion. At each displacement of the rack, the visit starts at the design position and
-    /// continues outward. Returns the work of the solver.
+    /// continues outward. Returns the counts of the solver's steps, such as Newton iterations.
     ///
     /// # Errors
     /// Returns an error if the equations cannot describe the design.

@@ -8,8 +8,8 @@ use crate::sorting::sort_by_key;
 use std::cell::{Cell, RefCell};
 use std::ops::ControlFlow;
 
-/// Number of parts into which the interval between two stations is divided if a rod may have reached a toggle. `DEPTH` is
-/// the number of times that an undecided part is divided again.
+/// Number of parts into which an interval is divided if a rod may have reached a toggle in it. `DEPTH` is the largest number of
+/// successive divisions: first of the interval between two stations, then of its undecided parts.
 const PARTS: usize = 16;
 const DEPTH: usize = 3;
 
@@ -147,9 +147,9 @@ impl Toggles {
         self.rods_at_start.replace(rods);
     }
 
-    /// Checks the next station of the visit. `value` is the change of the drive from the start. Finds the first checked rocker
-    /// that is at a toggle at this station or was at one at an earlier station. Returns the kind of this rocker's rod. `solver`
-    /// is the solver that visits the stations.
+    /// Checks the next station of the visit. `value` is the change of the drive from the start, and `solver` the solver that visits
+    /// the stations. Finds the first checked rocker that is at a toggle at this station, or was at a toggle at an earlier station.
+    /// Returns the kind of this rocker's rod. `None` if there is no such rocker.
     pub fn note<const N: usize>(
         &self,
         solver: Option<&Solver>,

@@ -55,7 +55,7 @@ pub(super) fn moves_axle(motion: &file::Motion) -> bool {
     !keys_of_axles(motion).is_empty()
 }
 
-/// Macro that lists the entries of a motion, a target or a band as written: one entry for each coordinate, in the order of
+/// Macro that lists the keys of a motion, a target or a band as written: one key for each coordinate, in the order of
 /// [`Coordinate::ALL`].
 macro_rules! coordinates {
     ($written:expr) => {
@@ -84,7 +84,7 @@ fn keys_of_axles(motion: &file::Motion) -> Vec<(&'static str, std::ops::Range<us
     places
 }
 
-/// Refuses entries for an axle in a study of one wheel.
+/// Refuses sections and keys for an axle in a study of one wheel.
 pub(super) fn refuse_without_axle(file: &File, problems: &mut Problems) {
     let motions = std::iter::once(&file.motion).chain(file.motions.values());
     let mut places: Vec<_> = motions.flat_map(|m| keys_of_axles(m.get_ref())).collect();
@@ -200,7 +200,7 @@ pub(super) fn axle(
     })
 }
 
-/// Refuses entries for one wheel, and entries that are not available for an axle. Returns true if there are no such entries.
+/// Refuses keys for one wheel, and keys that are not available for an axle. Returns true if there are no such keys.
 fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
     let mut sound = refuse_wheel_keys(file.motion.get_ref(), problems);
     let solver = [

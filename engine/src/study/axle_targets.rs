@@ -60,8 +60,8 @@ impl AxleSite {
         let mut held = motion.clone();
         let over = held.moving()[0];
         let along = held.along(over).cloned().unwrap_or_default();
-        // Several rows of a motion may have the same value. For each value, the site (the stations of a target) contains
-        // all these rows.
+        // Several stations of a motion may have the same value. For each value, the site (the stations of a target) contains
+        // all these stations.
         let mut values: Vec<f64> = Vec::new();
         for value in along {
             index_or_push(&mut values, over.written(value, axle));
@@ -113,7 +113,7 @@ pub(super) struct Where<'w> {
     side: &'w Option<Text>,
     /// Values of the fixed coordinates, in the order of [`Coordinate::ALL`].
     held: [&'w Option<Spanned<Numbers>>; 6],
-    /// True for a test result without stations. It applies to the design position.
+    /// True for a target of a test result without drive values. The target then applies to the design position.
     is_of_design: bool,
 }
 
@@ -151,12 +151,12 @@ impl<'w> Where<'w> {
         self.held().find(|(c, _)| *c == coordinate)?.1
     }
 
-    /// Returns true if the entry gives any coordinate of its stations.
+    /// Returns true if the target or band gives the varying coordinate or a fixed coordinate.
     fn is_given(&self) -> bool {
         self.over.is_some() || self.held.iter().any(|given| given.is_some())
     }
 
-    /// Refuses entries for an axle in a section for one wheel. The key `rack` of a target is allowed unless `rack_too` is
+    /// Refuses the keys of an axle's target or band in a study of one wheel. The key `rack` is refused only if `rack_too` is
     /// true.
     pub(super) fn refuse(&self, rack_too: bool, problems: &mut Problems) {
         let places = self
@@ -334,7 +334,8 @@ fn keys(of: &[Coordinate]) -> String {
     of.iter().map(|c| c.key()).collect::<Vec<_>>().join(", ")
 }
 
-/// Coordinate that varies: the coordinate that the entry names, or the only coordinate that moves.
+/// Coordinate that varies: the coordinate that the target or band names, or otherwise the only coordinate that moves. If no
+/// coordinate moves, it is the first available one.
 fn over(
     written: &Where,
     place: Span<usize>,
@@ -404,11 +405,12 @@ fn site(
     });
     let has_rows = held.has_rows();
     let over = match written.over {
-        // In a motion given as a table of rows, all coordinates may change from row to row.
+        // In a motion given as a table of rows, all coordinates may change from row to row. The first of the moving coordinates
+        // then counts as the varying one.
         None if has_rows => held.moving()[0],
         _ => over(written, place, motion, &available, problems)?,
     };
-    // The main coordinate of a motion given as rows may be the displacement of the rack.
+    // If the motion gives angles of the steering wheel, these angles vary instead of the rack displacement.
     let over = match over {
         Coordinate::Rack if by_wheel => Coordinate::SteeringWheel,
         over => over,

@@ -301,8 +301,8 @@ impl CarStudy {
         problems.finish(study)
     }
 
-    /// Results that sweeps and tolerance runs store for each design: those that the study names, or otherwise the key
-    /// results.
+    /// Results that sweeps and tolerance runs store for each design: the results that the study names, or a short default list
+    /// ([`CarQuantity::key_columns`]).
     pub fn kept_quantities(&self) -> Vec<CarQuantity> {
         if self.quantities == CarQuantity::default_columns(&self.car) {
             CarQuantity::key_columns(&self.car)

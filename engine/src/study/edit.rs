@@ -1,4 +1,4 @@
-//! Writes studies back as edits of their text, so that comments and layout do not change.
+//! Writes studies back as edits of their text, so that comments and line breaks do not change.
 
 mod inside;
 

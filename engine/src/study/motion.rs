@@ -123,7 +123,8 @@ pub(super) fn motion(
     Some(Motion {
         drive: drive?,
         values: drive_values,
-        // In a named motion, a list with one displacement is this displacement: targets and constraints apply there.
+        // In a named motion, a list with one displacement counts as a single displacement. Targets and constraints apply at
+        // this displacement.
         rack_moves: is_list && !(is_named && rack.len() == 1),
         rack,
         time,

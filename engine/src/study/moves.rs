@@ -16,19 +16,19 @@ use toml::Spanned;
 pub(super) struct Written<'a> {
     /// Position of the variable in the file.
     pub place: Span<usize>,
-    /// Name of the hardpoint. An entry gives either `hardpoint` or `hardpoints`.
+    /// Name of the hardpoint. A variable gives either `hardpoint` or `hardpoints`.
     pub hardpoint: &'a Option<Text>,
     /// Names of several hardpoints that move together.
     pub hardpoints: &'a Option<Spanned<Vec<Text>>>,
     /// Displacement of each hardpoint per unit of the variable.
     pub factors: &'a Option<Spanned<Vec<Number>>>,
-    /// Axis `x`, `y` or `z`. An entry gives either `axis` or `direction`.
+    /// Axis `x`, `y` or `z`. A variable gives either `axis` or `direction`.
     pub axis: Option<&'a Text>,
     /// Direction of the move.
     pub direction: Option<&'a Coordinates>,
 }
 
-/// Reads the coordinates. `None` if an entry has an error.
+/// Reads the coordinates. `None` if one of the keys has an error.
 pub(super) fn moves(
     written: &Written<'_>,
     suspension: &Suspension,

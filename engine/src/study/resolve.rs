@@ -47,7 +47,8 @@ impl Context<'_> {
     }
 }
 
-/// Reads each entry. An error in one entry does not stop the others, so that every problem is reported.
+/// Reads each element with `read`. Reads all elements even if one has an error, so that every error is reported. `None` if any
+/// element has an error.
 pub(super) fn each<W, T>(
     written: impl IntoIterator<Item = W>,
     read: impl FnMut(W) -> Option<T>,

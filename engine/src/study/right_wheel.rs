@@ -11,7 +11,7 @@ use crate::number::Each;
 use crate::solve::Solver;
 use toml::Spanned;
 
-/// Entries of the study for the right wheel. `None` if it is the mirror image.
+/// Section `[axle.right]` of the study. `None` if the right wheel is the mirror image of the left wheel.
 pub(super) fn own(file: &File) -> Option<&file::OwnRight> {
     match file.axle.as_ref()?.get_ref().right.as_ref()?.get_ref() {
         RightWheel::Own(own) => Some(own),
@@ -19,7 +19,7 @@ pub(super) fn own(file: &File) -> Option<&file::OwnRight> {
     }
 }
 
-/// Right wheel without springs. The inner `None` means that it is the mirror image of the left wheel.
+/// Right wheel without springs. `Some(None)` if it is the mirror image of the left wheel, `None` if it has an error.
 pub(super) fn right_wheel(
     file: &File,
     left: &Suspension,

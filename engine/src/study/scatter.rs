@@ -11,8 +11,8 @@ pub struct Setup {
     pub adjust: Vec<Adjustment>,
     /// Target static values.
     pub want: Vec<Want>,
-    /// Target change of the ride height, in study units. Positive if the car becomes higher. The wheel travel of the new
-    /// static position has the same size and the opposite sign.
+    /// Target change of the ride height, in study units. Positive if the car becomes higher. The wheel travel of the new static
+    /// position has the same magnitude and the opposite sign.
     pub ride_height_change: Option<f64>,
 }
 
@@ -29,7 +29,7 @@ pub struct Adjustment {
     /// For a solid axle: the same change, as a dimension in the mechanism of the other wheel. `None` if that mechanism does
     /// not have the part.
     pub seen_from_other: Option<(BuildParameter, f64)>,
-    /// Available sizes of the adjustment.
+    /// Steps in which the adjustment can be set.
     pub increment: Increment,
 }
 
@@ -68,7 +68,7 @@ impl Adjustment {
     }
 }
 
-/// Available sizes of an adjustment, in study units.
+/// Steps in which an adjustment can be set, in study units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Increment {
     /// A thread, set continuously or in fractions of a turn.

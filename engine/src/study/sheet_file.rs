@@ -1,4 +1,5 @@
-//! Targets from measured K&C sheets in the layout of `kc.csv`. Each test result at each station becomes a target.
+//! Targets from measured K&C sheets (CSV files) with the columns of `kc.csv`. Each test result at each station becomes a
+//! target.
 
 mod columns;
 mod of_axle;
@@ -33,8 +34,8 @@ pub(super) struct SheetTarget {
 /// A file, and the required columns that it lacks.
 type Sheet = (Arc<Source>, Vec<&'static str>);
 
-/// Reads the file of a target. `None` for an empty file, because the reader of curves reports empty files. The error says why
-/// the file cannot be read.
+/// Reads the file of a target. `None` for an empty file, which the program reports later, when it reads the file as a curve.
+/// The error says why the file cannot be read.
 fn sheet(path: &Text, context: &Context) -> Result<Option<Sheet>, String> {
     let full = context.directory.join(path.get_ref());
     let text = read_text(&full, LONGEST_TEXT)?;
@@ -81,7 +82,7 @@ pub(super) fn targets(
     let (source, missing) = match sheet(path, context) {
         Ok(Some(found)) => found,
         Ok(None) => return None,
-        // A curve needs further keys. Missing keys are not reported if the file cannot be read.
+        // If the file cannot be read, only this error is reported, not the missing keys of a curve.
         Err(reason) if must_be_a_sheet(written) => {
             curve_file::unreadable(path, context.directory, &reason, problems);
             return Some(None);

@@ -1,4 +1,4 @@
-//! Solid axles and twist beams: required and refused entries of a study, and differences of the right half.
+//! Solid axles and twist beams: required and refused keys of a study, and points of the right half that are not mirror images.
 
 use super::error::Problems;
 use super::file::{self, File};
@@ -39,10 +39,11 @@ pub(super) fn steer(
     Some(())
 }
 
-/// Entries that a solid axle or a twist beam does not support, each with the reason.
+/// Keys and sections that a solid axle or a twist beam does not support: the position of each in the file, and the reason. The
+/// position is `None` if the study does not contain the key.
 type Refused<'a> = Vec<(Option<Span<usize>>, &'a str)>;
 
-/// Entries of motions and `[steering]` that an axle with a drag link, or an axle without a drag link, does not support.
+/// Keys of motions and of `[steering]` that this axle does not support, because it has a drag link or because it has none.
 fn refused_steering(file: &File, mechanism: &Mechanism) -> Refused<'static> {
     let is_steered = mechanism.axle_steering().is_some();
     let motions = std::iter::once(&file.motion).chain(file.motions.values());
@@ -81,7 +82,8 @@ fn refused_steering(file: &File, mechanism: &Mechanism) -> Refused<'static> {
     refused
 }
 
-/// Refuses entries that a solid axle or a twist beam does not support. Returns true if there are no such entries.
+/// Refuses keys and sections that a solid axle or a twist beam does not support. Returns true if the study contains none of
+/// them.
 pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool {
     let is_steered = suspension.mechanism.axle_steering().is_some();
     let mut refused = refused_steering(file, &suspension.mechanism);

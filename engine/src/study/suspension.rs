@@ -173,7 +173,7 @@ fn hardpoints<'a>(
     if let Some(fault) = HardpointFault::missing(topology, is_found) {
         return problems.refuse(section.hardpoints.span(), fault.to_string());
     }
-    // A misspelt name is already reported.
+    // After an error in a hardpoint, the groups are not checked, because this error may be the reason for an incomplete group.
     if sound {
         let names: Vec<&'static str> = given.iter().map(|g| g.name).collect();
         for group in topology.groups {
@@ -186,7 +186,7 @@ fn hardpoints<'a>(
     sound.then_some(given)
 }
 
-/// Reports an error in a group of hardpoints, at the first part of the group.
+/// Reports an error in a group of hardpoints. The error points to a hardpoint of the group in the file.
 fn add_group_fault(
     group: &Group,
     fault: &HardpointFault,

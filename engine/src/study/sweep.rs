@@ -47,8 +47,8 @@ impl Sampled {
 }
 
 impl Sampled {
-    /// Returns a copy with only the data that determine the designs. The points of a sequence do not depend on the number of
-    /// samples, so the copy has the number 0.
+    /// Returns a copy with only the data that determine the designs. With some methods, the designs do not depend on the number
+    /// of samples. The copy then has 0 samples.
     pub(crate) fn meaning(&self) -> Sampled {
         let samples = match self.method {
             Sampling::Sobol | Sampling::Random | Sampling::Saltelli => 0,
@@ -70,7 +70,7 @@ impl SweepVariable {
         }
     }
 
-    /// Value number `level` in a grid.
+    /// Value with the index `level` in a grid.
     pub fn level(&self, level: u64) -> f64 {
         let [low, high] = self.range;
         evenly_spaced_at(low, high, self.steps.unwrap_or(1), level)

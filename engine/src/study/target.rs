@@ -179,8 +179,9 @@ impl Target {
         }
     }
 
-    /// Returns true if the stations of a sweep give the target. These are targets of an axle, and characteristics and test
-    /// results at the rack displacements of `motion`, the study's own motion.
+    /// Returns true if a sweep solves all stations of the target. This is the case for every target of an axle. A target of one
+    /// wheel must be a characteristic or a test result in `motion`, the study's own motion, at rack displacements that the
+    /// sweep solves.
     pub fn is_in_sweep(&self, motion: &Motion) -> bool {
         if self.site.axle.is_some() {
             return true;
@@ -276,12 +277,12 @@ pub struct Limited {
     pub lower: Option<f64>,
     /// Upper limit. `None` means no limit. If it equals `lower`, the constraint is an equality.
     pub upper: Option<f64>,
-    /// Change of the measure by which a tuning divides deviations from the limits. It is a visible change, such as 1 mm
-    /// or 1 degree.
+    /// Change of the measure by which a tuning divides deviations from the limits. It is a change that a user would notice,
+    /// such as 1 mm or 1 degree.
     pub scale: f64,
     /// The change `scale`, expressed in `unit`.
     pub visible: f64,
-    /// Unit of limits, margins and multipliers, as the study writes it. "1" for a plain number.
+    /// Unit of limits and margins, as the study writes it. Lagrange multipliers are per this unit. "1" for a plain number.
     pub unit: String,
 }
 

@@ -52,7 +52,7 @@ pub(super) fn targets(
     each_target(written, is_fit, context, problems)
 }
 
-/// Refuses keys that only entries in studies of cars have.
+/// Refuses keys of a target or a constraint that are only for studies of cars.
 pub(super) fn refuse_keys_of_cars(
     written: [&Option<Text>; 2],
     problems: &mut Problems,

@@ -112,8 +112,8 @@ fn whole(
     problems.refuse(written.span(), message)
 }
 
-/// Tolerance sources of both wheels, from an entry of `scatter`. The parts of each wheel scatter independently. Parts of the
-/// right wheel scatter as mirror images of the left parts. Parts with the same tolerance form one contributor.
+/// Tolerance sources of both wheels, from an element of `scatter`. The parts of each wheel scatter independently. Parts of the
+/// right wheel scatter as mirror images of the left parts. A part and its counterpart at the other wheel form one contributor.
 pub(super) fn contributors_of_axle(
     written: &Spanned<file::Scatter>,
     study: &AxleStudy,
@@ -126,7 +126,7 @@ pub(super) fn contributors_of_axle(
         None => None,
         Some(text) => {
             let Some(side) = choose(text, "side", &sides, problems) else {
-                // Reads the entry anyway, so that its other errors are reported.
+                // Reads the other keys of the element anyway, so that their errors are reported.
                 contributors(written, suspension, context, problems);
                 return None;
             };

@@ -8,13 +8,13 @@ use crate::ask::six_digits;
 use crate::model::{Suspension, TwistBeam};
 use crate::number::Each;
 
-/// Factor from the beam's torsional rate to the rate of the equivalent anti-roll bar. The angle of this bar is the angle
-/// between its two levers. The beam's twist psi is half the difference of the rotations of both halves. So k_t psi^2/2 =
-/// (k_t/4) (2 psi)^2/2.
+/// Factor from the beam's torsional rate k_t to the rate of the equivalent anti-roll bar. The beam's twist psi is the rotation
+/// of one half relative to the other. The two levers of the equivalent bar rotate by psi and -psi, so their angle is 2 psi.
+/// With equal energy, k_t psi^2/2 = (k_t/4) (2 psi)^2/2.
 const OF_BOTH_LEVERS: f64 = 0.25;
 
-/// Rate of the anti-roll bar that represents the twist beam in formulas. The inner `None` means that there is no
-/// `[twist_beam]`. Refuses this section in other topologies.
+/// Rate of the anti-roll bar that represents the twist beam in formulas. `Some(None)` if there is no `[twist_beam]`, `None` if
+/// the study has an error. Refuses this section in other topologies.
 pub(super) fn bar_rate(
     file: &File,
     left: &Suspension,

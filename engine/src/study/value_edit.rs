@@ -25,7 +25,7 @@ pub enum PathStep {
     Key(String),
 }
 
-/// Returns the text after all changes, made in order. Keeps the comments and layout around them.
+/// Returns the text after all changes, made in order. Keeps the comments and line breaks around them.
 pub fn edited_text(text: &str, edits: &[ValueEdit]) -> Result<String, String> {
     let mut document: DocumentMut = text.parse().map_err(|e| format!("not TOML: {e}"))?;
     for edit in edits {
@@ -132,7 +132,8 @@ pub(super) fn append(table: &mut dyn TableLike, key: &str, mut new: Value) {
     table.insert(key, Item::Value(new));
 }
 
-/// Replaces a value. If the old and the new value have the same structure, also keeps the layout inside the value.
+/// Replaces a value. If the old and the new value have the same structure, also keeps the spaces and line breaks inside the
+/// value.
 fn replace(old: &mut Value, new: &Json) -> Option<()> {
     match (&mut *old, new) {
         (Value::Array(list), Json::Array(values)) if list.len() == values.len() => {

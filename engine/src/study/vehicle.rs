@@ -104,7 +104,7 @@ impl Vehicle {
                 if let Some(elastic) = &mut both.axle.elastic {
                     elastic.parts.set_rate(of, value);
                 }
-                // The axle's set-up also contains the spring and the bar.
+                // The axle's set-up also contains the spring and the bar, so their rates change there, too.
                 let setup = &mut both.axle.setup;
                 match of.parameter {
                     Parameter::BarRate => setup.bar_rate = Some(value),

@@ -23,9 +23,9 @@ pub struct CarSweepPlan<'s> {
     targets: &'s [CarTarget],
     /// Index of the result of each target.
     places: Vec<usize>,
-    /// Constraints of cases, each with the index of its result. Empty if the sweep does not evaluate constraints.
+    /// Constraints of load cases, each with the index of its result. Empty if the sweep does not evaluate constraints.
     constraints: Vec<(&'s CarConstraint, usize)>,
-    /// Goals of single axles, each with the index of the axle.
+    /// Targets and constraints of single axles (an axle without the car), each with the index of the axle.
     rigs: Vec<(usize, &'s RigGoals)>,
 }
 
@@ -87,7 +87,7 @@ impl<'s> CarSweepPlan<'s> {
         Ok(plan)
     }
 
-    /// Makes a worker. Each thread has one.
+    /// Makes a worker. Each CPU thread has one worker.
     pub fn worker(&self) -> CarWorker<'_> {
         CarWorker {
             plan: self,
@@ -166,7 +166,7 @@ impl<'s> CarSweepPlan<'s> {
         format!("{}_{}", self.study.cases[case].name, quantity.name())
     }
 
-    /// Writes the row of a car. Returns the reason if some cases failed.
+    /// Writes the results of a car. The returned reason says why some load cases failed, if any failed.
     fn row_of(
         &self,
         car: &Car,
@@ -224,7 +224,7 @@ impl<'s> CarSweepPlan<'s> {
     }
 }
 
-/// Worker that solves blocks of designs of a car and writes their rows. Each thread has one.
+/// Worker that solves blocks of designs of a car and writes their rows. Each CPU thread has one worker.
 pub struct CarWorker<'p> {
     plan: &'p CarSweepPlan<'p>,
     rows: Rows,
@@ -269,7 +269,7 @@ impl CarWorker<'_> {
     }
 }
 
-/// Goals of single axles, each with the index of the axle.
+/// Targets and constraints of single axles, each with the index of the axle.
 fn rigs(study: &CarStudy) -> Vec<(usize, &RigGoals)> {
     let rigs = study
         .optimise

@@ -1,17 +1,19 @@
 //! Main effects: how much each variable influences each output.
 //!
-//! The computation uses only designs with a value for every output. It gives two measures. The *change* is the change of
-//! the least-squares plane through all designs from the low end of a variable's range to its high end. It has a sign and
-//! a unit. `r2` is the share of the variance that the plane explains. The *share* is the first-order Sobol index S =
-//! Var(E[y|x]) / Var(y): the part of the output's variance that vanishes when this variable is known. It includes curved
-//! responses. Shares need variables that are sampled independently, so designs from a file have no shares.
+//! The computation uses only designs with a value for every output. It gives two measures of influence. The *change* is the
+//! change of the output from the low end of a variable's range to its high end, in the least-squares plane through all
+//! designs. It has a sign and a unit. `r2` is the share of the variance that the plane explains. The *share* is the
+//! first-order Sobol index S = Var(E[y|x]) / Var(y): the part of the output's variance that vanishes when this variable is
+//! known. It includes curved responses. Shares need variables that are sampled independently, so designs from a file have no
+//! shares.
 //!
-//! For a grid, a share is the exact ratio of sums of squares over the grid (levels beyond 32 are combined). For other
-//! samples, the part of the share that the plane explains is exact. The other part comes from r, the difference between
-//! output and plane. Only this other part must be distinguished from random variation:
+//! For a grid, a share is the exact ratio of sums of squares over the grid. If a variable has more than 32 values (levels),
+//! neighbouring levels are combined. For other samples, the part of the share that the plane explains is exact. The other
+//! part comes from r, the difference between output and plane. Only this other part must be distinguished from random
+//! variation. With n designs, the scaled variables u_i, and the slopes b_i of the plane:
 //!
 //! ```text
-//! n Var(E[y|x_j]) = n b_j^2 Var(u_j) + (between levels of x_j, of r),   y = mean + sum b_i u_i + r
+//! n Var(E[y|x_j]) = n b_j^2 Var(u_j) + (sum of squares of r between the levels of x_j),   y = mean + sum b_i u_i + r
 //! ```
 //!
 //! The code subtracts from each of the two terms the value that random variation alone would give. The second term is the
@@ -129,8 +131,8 @@ impl Effects {
     }
 }
 
-/// Returns the sum of squares of an output between the levels of a variable, and the number of levels that contain
-/// designs. A given plane is first subtracted from the output.
+/// Returns the sum of squares of an output between the levels of a variable, and the number of levels that contain designs.
+/// If `plane` is given, the function first subtracts the plane from the output.
 fn between_levels(
     statistics: &SweepStatistics,
     variable: usize,
@@ -180,7 +182,7 @@ fn exchanged(
     let mean = sums.sum[k] / (2.0 * n);
     let variance = sums.squares[k] / (2.0 * n) - mean * mean;
     let at = variable * sums.sum.len() + k;
-    // Uses y_B minus the mean. The result converges to the same value with less noise.
+    // Subtracts the mean from y_B. The result converges to the same value as without this subtraction, but with less noise.
     let first = (sums.first[at] - mean * sums.steps[at]) / n;
     let total = 0.5 * sums.total[at] / n;
     let part = |of: f64| Some((of / variance).clamp(0.0, 1.0));

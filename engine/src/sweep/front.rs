@@ -4,7 +4,7 @@ use super::Failing;
 use crate::sorting::sort_by_key;
 use serde::{Deserialize, Serialize};
 
-/// A design that is kept, with its row of results.
+/// A design that the statistics keep, with its row of results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Candidate {
     /// Number of the design.

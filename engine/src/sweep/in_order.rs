@@ -1,4 +1,4 @@
-//! Runs work on all threads and passes the results on in order, while the work continues.
+//! Runs work on all CPU threads and passes the results on in order, while the work continues.
 
 use std::collections::VecDeque;
 use std::ops::Range;

@@ -25,7 +25,7 @@ pub(super) fn margin_column(name: &str, unit: &str, visible: Option<f64>) -> Out
     let column = column_name(&format!("margin {name}"));
     let unit = &column_name(unit);
     OutputColumn {
-        // The limits at the end of a name may already have the unit.
+        // The limits at the end of a name may already have the unit. Then the unit is not appended again.
         column: if column.ends_with(&format!("_{unit}")) {
             column
         } else {

@@ -1,9 +1,9 @@
 //! Sweeps: evaluation of many designs, in blocks, on all cores.
 //!
 //! [`Samples`] returns the design that has a given number. An [`Evaluator`](crate::evaluate::Evaluator) solves a block of
-//! designs. A [`Worker`] makes a row for each design, and [`in_order()`] runs workers on all threads. Each block has separate
-//! sums, which are added in the order of the blocks ([`SweepStatistics`]). So results have the same bits for any number of
-//! threads, whether the sweep runs at once, in shards, or is resumed.
+//! designs. A [`Worker`] makes a row for each design, and [`in_order()`] runs workers on all CPU threads. Each block has
+//! separate sums, which are added in the order of the blocks ([`SweepStatistics`]). So results have the same bits for any
+//! number of CPU threads, whether the sweep runs at once, in shards, or is resumed.
 
 mod car;
 pub mod csv;

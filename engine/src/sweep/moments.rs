@@ -15,10 +15,10 @@ pub(super) struct Span {
 }
 
 impl Span {
-    /// Returns the spans of a sweep's variables. Each range is divided into levels. For a grid, the levels are those of
-    /// the grid. If there are more than [`MOST_LEVELS`], neighbouring levels form groups. For other samples the number of
-    /// levels is the cube root of the number of designs. Then, with more designs, the error from the width of a level
-    /// decreases as fast as the random error.
+    /// Returns the spans of a sweep's variables. Each range is divided into levels. For a grid, the levels are those of the
+    /// grid. If there are more than [`MOST_LEVELS`], neighbouring levels form groups. For other samples the number of levels
+    /// is the cube root of the number of designs. With this choice, the error from the width of a level and the random error
+    /// decrease equally fast if the number of designs grows.
     pub(super) fn all(record: &SweepRecord) -> Vec<Span> {
         let levels = (record.designs as f64).cbrt().floor() as u64;
         let span = |v: &super::VariableRecord| Span {
@@ -102,7 +102,7 @@ impl Moments {
         }
     }
 
-    /// Returns true if both sets of sums have the same shape.
+    /// Returns true if these sums and `other` have the same dimensions.
     pub(super) fn fits(&self, other: &Self) -> bool {
         let lengths = |m: &Self| [&m.u, &m.uu, &m.y, &m.yy, &m.uy].each(Vec::len);
         lengths(self) == lengths(other)
@@ -160,7 +160,7 @@ impl BinnedSums {
         }
     }
 
-    /// Returns true if both sets of sums have the same shape.
+    /// Returns true if these sums and `other` have the same dimensions.
     pub(super) fn fits(&self, other: &Self) -> bool {
         let lengths = |l: &LevelSums| [l.counts.len(), l.sums.len(), l.places.len()];
         let (own, others) = (self.of.iter(), other.of.iter());
@@ -252,7 +252,7 @@ impl SaltelliSums {
         }
     }
 
-    /// Returns true if both sets of sums have the same shape.
+    /// Returns true if these sums and `other` have the same dimensions.
     pub(super) fn fits(&self, other: &Self) -> bool {
         let lengths = |s: &Self| [&s.sum, &s.squares, &s.steps, &s.first, &s.total].each(Vec::len);
         lengths(self) == lengths(other)

@@ -44,13 +44,13 @@ pub struct SweepPlan<'s> {
     pub record: SweepRecord,
     /// Quantities to read in each pose, including quantities of targets, and the stations of each design.
     request: Request<'s>,
-    /// Derivatives of each quantity with respect to the drive. Empty if the quantity is itself a derivative. For an axle,
-    /// the derivatives that the study requests.
+    /// For each quantity, its derivatives with respect to the drive value. The list of a quantity is empty for a test result,
+    /// and for a quantity that already is a derivative. For an axle, it contains the derivatives that the study requests.
     gains: Vec<Vec<Gain>>,
     /// Number of quantities that are read over the whole motion. The other quantities apply only to the design position.
     over_motion: usize,
     targets: Vec<SweptTarget>,
-    /// Targets and constraints that need stations of their own. `None` if there are none.
+    /// Targets and constraints whose stations are not stations of the sweep. `None` if there are none.
     goals: Option<Goals>,
     samples: Samples,
     study: &'s Study,
@@ -148,7 +148,7 @@ impl<'s> SweepPlan<'s> {
         Ok(plan)
     }
 
-    /// Makes a worker. Each thread has one.
+    /// Makes a worker. Each CPU thread has one worker.
     pub fn worker(&self) -> Result<Worker<'_>, DesignFault> {
         self.worker_of_width(Width::widest())
     }

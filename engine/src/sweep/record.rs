@@ -1,14 +1,14 @@
 //! Description of a sweep without its results: `sweep.json`.
 //!
-//! It lists the columns, the samples, and the division into parts. `--resume`, `hardpoint merge` and the page need only this
-//! file and the rows and statistics of the parts.
+//! It lists the columns, the samples, and the division into parts. `--resume`, `hardpoint merge` and the results page need
+//! only this file and the rows and statistics of the parts.
 
 use crate::axle::Coordinate;
 use crate::evaluate::BLOCK;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// Version of the file's format. A reader accepts only this version.
+/// Version of the file's format. The program reads only files of this version.
 pub const FORM: u32 = 2;
 
 /// Number of blocks in a part of a sweep of wheels or axles. With 128 designs per block, one core needs some tenths of a
@@ -19,8 +19,8 @@ pub const BLOCKS_OF_PART: u64 = 1024;
 /// Number of blocks in a part of a sweep of cars. With 16 designs per block and some milliseconds per design, one core needs a
 /// few seconds for a part.
 pub(super) const CAR_BLOCKS_OF_PART: u64 = 64;
-/// Number of blocks in a part of a sweep of elastic designs with targets or constraints that need stations of their own. Such
-/// a design takes up to 10 milliseconds, so one core needs some seconds for a part.
+/// Number of blocks in a part of a sweep of elastic designs, if the stations of targets or constraints are not stations of
+/// the sweep. Such a design takes up to 10 milliseconds, so one core needs some seconds for a part.
 pub(super) const ELASTIC_BLOCKS_OF_PART: u64 = 8;
 
 /// Number of designs in a block of cars, which have no SIMD lanes.
@@ -33,8 +33,8 @@ pub struct SweepRecord {
     pub form: u32,
     /// Version of the program.
     pub version: String,
-    /// SHA-256 digest of everything that determines the results. A longer sequence begins with the points of a shorter
-    /// one. So for points of a sequence, the digest does not cover the number of designs.
+    /// SHA-256 digest of everything that determines the results. For a sequence of samples, the digest does not cover the
+    /// number of designs, because a longer sequence begins with the points of a shorter sequence.
     pub digest: String,
     /// Name of the study.
     pub study: String,
@@ -135,8 +135,9 @@ pub struct OutputColumn {
     pub unit: String,
     /// Value of the study's own design. `None` if this value does not exist.
     pub at_design: Option<f64>,
-    /// Smallest margin of a design that satisfies the constraint: 0 less rounding. `None` for other outputs, and for a
-    /// constraint that fixes a value. No sample satisfies such a constraint, so it does not decide which designs are ranked.
+    /// Smallest margin with which a design still satisfies the constraint: 0 minus the rounding error. `None` for other
+    /// outputs, and for a constraint that fixes a value. No sample satisfies such a constraint exactly, so the ranking
+    /// ignores it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub least: Option<f64>,
 }
@@ -256,7 +257,7 @@ impl SweepRecord {
         columns
     }
 
-    /// Name of the file with the rows of a part. If the sweep has only one part, the name is `designs.csv`.
+    /// Name of the file with the rows of a part. If the sweep has only one part, the name is `designs.csv` or `designs.parquet`.
     pub fn rows_name(&self, part: u64) -> String {
         self.part_name("designs", "part", part, &self.format)
     }

@@ -27,8 +27,8 @@ pub struct Failing {
     pub reason: String,
     /// Number of stations without a pose.
     pub stations: u64,
-    /// Drive value, in printed units, of the failed station nearest to the design position. `None` if the design cannot be
-    /// solved at all.
+    /// Drive value, in printed units, of the failed station nearest to the design position. For a car, the index of the first
+    /// failed load case. `None` if the design cannot be solved at all, or if only targets or constraints have no value.
     pub at: Option<f64>,
 }
 
@@ -93,8 +93,8 @@ impl Failing {
         }
     }
 
-    /// Describes a design whose stations are all solved, but not all stations of its targets and constraints in the motion
-    /// with this name. The reason has no numbers, so that equal reasons can be counted.
+    /// Describes a design whose stations of the sweep are all solved, but whose targets or constraints have no value in the
+    /// motion with this name. The reason has no numbers, so that equal reasons can be counted.
     pub(super) fn of_goals(motion: &str) -> Self {
         Failing {
             status: "unreachable".to_owned(),
@@ -106,7 +106,7 @@ impl Failing {
         }
     }
 
-    /// Describes a car design whose targets or constraints of a single axle have no values. Its load cases are all solved.
+    /// Describes a car design whose load cases are all solved, but whose targets or constraints of a single axle have no values.
     pub(super) fn axle_alone(axle: &str) -> Self {
         Failing::of_goals(&format!("{axle} axle alone"))
     }

@@ -90,8 +90,8 @@ mod tests {
         }
     }
 
-    /// Means, variances, and correlations between neighbours and between dimensions agree with those of uniform numbers,
-    /// within four standard deviations.
+    /// Means, variances, and correlations between neighbours and between dimensions agree with the values for uniform
+    /// numbers, within four standard deviations.
     #[test]
     fn uniform_numbers_are_uniform_and_independent() {
         let count = 40_000;

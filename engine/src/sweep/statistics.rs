@@ -1,7 +1,7 @@
 //! Statistics of a block, of a part, of a run or of all shards. Statistics can be added.
 //!
 //! Each block has statistics of its rows. A part adds the statistics of its blocks in order, and the sweep adds the
-//! statistics of its parts in order. So the order of additions is the same for any number of threads, shards and
+//! statistics of its parts in order. So the order of additions is the same for any number of CPU threads, shards and
 //! machines. Statistics are bit-identical after they are written as JSON and read again.
 
 use super::front::{Candidate, Front};
@@ -9,10 +9,10 @@ use super::moments::{BinnedSums, Moments, SaltelliSums, Span};
 use super::{Rows, SweepRecord};
 use serde::{Deserialize, Serialize};
 
-/// Number of best designs in the statistics. Designs that fail at a station are not ranked. The statistics keep the same
-/// number of the smallest misfits of these designs.
+/// Number of best designs in the statistics. Designs that fail at a station are not ranked. Of these failed designs, the
+/// statistics keep the smallest misfits, up to the same number.
 pub const KEPT: usize = 10;
-/// Largest number of examples for each failure.
+/// Largest number of example designs that are stored for each reason of failure.
 const EXAMPLES: usize = 5;
 
 /// Statistics of some designs.
@@ -24,7 +24,7 @@ pub struct SweepStatistics {
     pub solved: u64,
     /// Number of designs that were not solved in SIMD lanes.
     pub one_by_one: u64,
-    /// Reasons why the other designs failed, in order of first appearance.
+    /// Reasons why designs were not solved at every station, in order of first appearance.
     pub failures: Vec<FailureCount>,
     /// Range of each output.
     pub ranges: Vec<Option<OutputRange>>,
@@ -63,7 +63,8 @@ pub struct FailureCount {
     pub designs: u64,
     /// Number of stations without a pose in these designs.
     pub stations: u64,
-    /// Drive value of the failed station that is nearest to the design position.
+    /// Drive value of the failed station that is nearest to the design position. For a car, the index of a failed load case.
+    /// `None` if no such value is known.
     pub nearest: Option<f64>,
     /// Numbers of the first few designs that failed for this reason.
     pub examples: Vec<u64>,
@@ -113,7 +114,7 @@ impl SweepStatistics {
             .iter()
             .map(|o| o.at_design.unwrap_or(0.0))
             .collect();
-        // Outputs minus those of the study's own design. The difference is small, so sums of squares do not lose digits.
+        // Outputs minus the outputs of the study's own design. The differences are small, so sums of squares do not lose digits.
         let mut shifted = vec![0.0; reference.len()];
         let spans = Span::all(record);
         let mut scaled = vec![0.0; spans.len()];
@@ -169,7 +170,8 @@ impl SweepStatistics {
             for ((shifted, value), reference) in shifted.iter_mut().zip(outputs).zip(&reference) {
                 *shifted = value - reference;
             }
-            // The designs C of Saltelli's groups are not independent samples, because they combine the variables of A and B.
+            // The designs C of Saltelli's groups combine the variables of A and B. So they are not independent samples, and
+            // `moments` and `binned` do not include them.
             let independent = group.is_none_or(|group| number % group < 2);
             if complete && independent {
                 for ((scaled, span), value) in scaled.iter_mut().zip(&spans).zip(variables) {

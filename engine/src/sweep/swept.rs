@@ -22,7 +22,7 @@ impl<'s> Swept<'s> {
         }
     }
 
-    /// Makes a worker. Each thread has one.
+    /// Makes a worker. Each CPU thread has one worker.
     pub fn worker(self) -> SweptWorker<'s> {
         match self {
             Swept::Suspension(plan) => {
@@ -34,7 +34,7 @@ impl<'s> Swept<'s> {
         }
     }
 
-    /// Solves blocks of the sweep on the threads of the current rayon pool. Passes their rows to `take`, in order, while
+    /// Solves blocks of the sweep on the CPU threads of the current rayon pool. Passes their rows to `take`, in order, while
     /// the sweep runs. Ends early if `go_on` or `take` requests a stop. All earlier rows have then been passed to `take`.
     pub fn run(
         self,

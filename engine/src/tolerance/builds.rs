@@ -97,8 +97,8 @@ impl Problem<'_> {
     ) -> Result<(Vec<Suspension>, Tensions), (Option<Side>, AssemblyError)> {
         let mut draws = vec![0.0; self.tolerance.sources()];
         self.tolerance.draw(number, &mut draws);
-        // The tensions are the same for the axle as seen from the left wheel and as seen from the right wheel. The names of
-        // the links are those of the view from the left wheel.
+        // The tensions are the same for the axle as seen from the left wheel and as seen from the right wheel. The code uses
+        // the names of the links in the view from the left wheel.
         let mut tensions = None;
         let wheels = self.wheel_assemblers.iter().map(|wheel_assembler| {
             let mut built = wheel_assembler.assembler.suspension().clone();
@@ -126,10 +126,10 @@ pub(super) struct Outcome {
     pub(super) incomplete: (u64, Option<u64>),
 }
 
-/// Solves blocks of builds. Each thread has a separate builder.
+/// Solves blocks of builds. Each CPU thread has a separate builder.
 ///
-/// Builds are assembled in SIMD lanes. Builds that do not converge in lanes, and builds with rockers near a toggle, are
-/// assembled one by one. The choice of method depends only on the build.
+/// Builds are assembled in SIMD lanes. Builds that do not converge in lanes, and builds with rockers near a toggle position,
+/// are assembled one by one. The choice of method depends only on the build.
 pub(super) struct Builder<'a> {
     problem: &'a Problem<'a>,
     /// One wheel, or left and right wheel.

@@ -259,8 +259,8 @@ impl<'a> CarProblem<'a> {
         Ok(expansions.collect())
     }
 
-    /// Solves the builds on the threads of the current rayon pool. `note` gets the number of finished builds, in order, and
-    /// may stop the work early. Results do not depend on the number of threads.
+    /// Solves the builds on the CPU threads of the current rayon pool. `note` gets the number of finished builds, in order,
+    /// and may stop the work early. Results do not depend on the number of CPU threads.
     pub fn monte_carlo(
         &self,
         nominal: &[f64],

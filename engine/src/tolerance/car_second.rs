@@ -157,7 +157,7 @@ impl<'p> State<'p> {
         })
     }
 
-    /// Second derivatives of results along one tolerance source or the sum of two. `designs` are the designs that both
+    /// Second derivatives of results along one tolerance source or the sum of two. `designs` has the wheels that both of two
     /// sources move.
     fn second_derivatives(
         &self,

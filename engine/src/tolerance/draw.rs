@@ -220,8 +220,8 @@ mod tests {
     use super::*;
     use crate::study::Contributor;
 
-    /// The random numbers of a block equal those of its single builds bit for bit. The test covers both distributions, and
-    /// tolerance sources of one wheel and of both wheels.
+    /// The random numbers of a block equal the numbers of its single builds bit for bit. The test covers both distributions,
+    /// and tolerance sources of one wheel and of both wheels.
     #[test]
     fn draws_by_the_block_are_those_by_the_build() {
         let source = |law: Law, side: Option<Side>| Source {

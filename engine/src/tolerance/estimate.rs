@@ -35,7 +35,7 @@ pub struct Estimate {
 pub struct Remainder {
     /// Remainder divided by the builds' variance. This share and the shares of the contributors add up to 1.
     pub part: f64,
-    /// Standard error.
+    /// Standard error of `part`.
     pub error: f64,
     /// Part of the variance that the second-order terms predict. NaN if unknown.
     pub second: f64,
@@ -60,7 +60,7 @@ impl Estimate {
     }
 
     /// Returns true if the linear result of a value that scatters is valid. The second-order term and the builds must confirm
-    /// it. `None` if the second-order term is unknown or there are no builds.
+    /// it. `None` if there are no builds, or if the builds confirm it but the second-order term is unknown.
     pub fn holds(&self, spread: &Spread) -> Option<bool> {
         // Without builds, the estimate cannot be confirmed.
         if spread.count == 0 {

@@ -32,8 +32,8 @@ pub struct Expansion {
     pub gradient: Vec<f64>,
     /// First-order variance of each cell (an output at a station).
     pub variance: Vec<f64>,
-    /// First-order mean minus the nominal value, for each cell (an output at a station). The difference is not 0 only if
-    /// distributions are not centred on 0.
+    /// First-order mean minus the nominal value, for each cell (an output at a station). The difference is 0 if all
+    /// distributions are centred on 0.
     pub shift: Vec<f64>,
     /// Second-order terms of the mean and of the variance, for each cell (an output at a station). NaN if unknown.
     pub second: Vec<[f64; 2]>,

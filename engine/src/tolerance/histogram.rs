@@ -41,7 +41,7 @@ mod tests {
 
     #[test]
     fn every_value_is_in_its_bin() {
-        // The test values are the middles of the bins from 0 to 32, and both ends.
+        // The test values are the middles of the bins between 0 and 32, and the ends 0 and 32.
         let mut values: Vec<f64> = (0..BINS).map(|bin| bin as f64 + 0.5).collect();
         values.insert(0, 0.0);
         values.push(BINS as f64);

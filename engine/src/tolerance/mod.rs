@@ -5,14 +5,15 @@
 //!
 //! ```text
 //! y = y0 + g.z + z.H z/2 + ...
-//! sigma^2 = sum of g_k^2 s_k^2        first order, each term a share
+//! sigma^2 = sum of g_k^2 s_k^2        first order, each term is the part of one deviation
 //! mean y - y0 = tr(H S)/2             second order, m = 0
 //! sigma^2 grows by tr((H S)^2)/2      for normal z; a uniform z_k adds H_kk^2 s_k^4 (1.8 - 3)/4
 //! ```
 //!
-//! g and H are exact ([`crate::assembly`]), for one wheel and for an axle, without finite differences. In addition, a Monte
-//! Carlo analysis assembles builds and solves them over the motion. The linear result is valid if the square of the mean
-//! shift and the growth of the variance are below 2 % of sigma^2.
+//! Here y0 is the nominal value, g the gradient, H the Hessian, and S the diagonal matrix of the variances s_k^2. g and H are
+//! exact ([`crate::assembly`]), for one wheel and for an axle, without finite differences. In addition, a Monte Carlo
+//! analysis assembles builds and solves them over the motion. The linear result is valid if the square of the mean shift and
+//! the growth of the variance are below 2 % of sigma^2.
 
 mod axle_expansion;
 mod axle_second;
@@ -64,8 +65,7 @@ pub struct Problem<'a> {
     /// Quantities and stations. They come from the study's outputs and motion, then the design position, then the bands. For
     /// an axle, each wheel has separate hardpoints.
     request: Request<'static>,
-    /// Values that a band limits, each given by its output and its station, and the limits of the band. One entry for
-    /// each band.
+    /// For each band: the values that the band limits, each given by its output and its station, and the limits of the band.
     bands: Vec<Banded>,
     /// Assemblers of the wheels: left, then right.
     wheel_assemblers: Vec<WheelAssembler>,

@@ -185,7 +185,7 @@ fn powers<'v>(pieces: impl Iterator<Item = &'v [f64]>, about: f64) -> ([f64; 5],
     (sums.map(|side_by_side| side_by_side.iter().sum()), range)
 }
 
-/// Draws, assembles and solves the builds of a problem on the threads of the current rayon pool. `drawn` are the nominal
+/// Draws, assembles and solves the builds of a problem on the CPU threads of the current rayon pool. `drawn` are the nominal
 /// values. `note` gets the number of finished builds, and may stop the work.
 pub fn monte_carlo(
     problem: &Problem,

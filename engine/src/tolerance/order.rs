@@ -1,10 +1,10 @@
-//! Exact percentiles in bounded memory. The p-percentile of n values is the smallest value such that at least p percent of
+//! Exact percentiles in bounded memory. The p-th percentile of n values is the smallest value such that at least p percent of
 //! the values are not larger.
 //!
 //! For every output the code keeps a few *windows*: ranges of values in which percentiles can still lie. It stores values
 //! within the windows, and only counts values outside of them. Whenever the number of builds has doubled (n is the new
-//! number), the windows become narrower. The p-quantile of any larger number of builds lies between two order statistics of
-//! the n values. Their ranks are
+//! number), the windows become narrower. With p as a fraction, the p-quantile of any larger number of builds lies between two
+//! of the n sorted values. The ranks of these two values are
 //!
 //! ```text
 //! n p +- (7 sqrt(n p (1 - p)) + 24)
@@ -12,8 +12,8 @@
 //!
 //! Fewer than one in 10^10 binomial random numbers differ more than this from their mean. The number of stored values grows
 //! as the square root of n. Equal values are stored once. If a percentile lies outside the windows, the code detects this,
-//! and the percentile has no value. Results do not depend on the windows that a thread uses, so they are bit-identical for
-//! any number of threads.
+//! and the percentile has no value. Results do not depend on the windows that a CPU thread uses, so they are bit-identical
+//! for any number of CPU threads.
 
 use super::PERCENTILES;
 use super::histogram::Histogram;
@@ -40,7 +40,7 @@ pub(super) struct Sifted {
     between: Vec<[u32; MOST + 1]>,
     /// Values within the windows, for one cell (a value at a station) after another.
     kept: Vec<f64>,
-    /// For each cell, the end of the cell's values in `kept`.
+    /// For each cell, the index in `kept` after the last value of the cell.
     ends: Vec<usize>,
 }
 
@@ -283,7 +283,7 @@ fn moved(gap: usize, then: &[[f64; 2]; MOST], now: &[[f64; 2]; MOST]) -> usize {
 struct Ranks<'c> {
     cell: &'c Cell,
     windows: &'c [[f64; 2]; MOST],
-    /// For each kept value, the number of kept values before it. The last entry is their total.
+    /// For each kept value, the number of builds with a smaller kept value. The last number counts the builds of all kept values.
     before: Vec<u64>,
     count: u64,
 }

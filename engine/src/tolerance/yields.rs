@@ -8,7 +8,7 @@
 use super::{Expansion, MonteCarlo, Problem};
 use crate::sorting::sort_by;
 
-/// Number of random draws in the sample.
+/// Largest number of random draws in the sample.
 const SAMPLE: u64 = 20_000;
 /// Largest loss of yield, if a tolerance is doubled, for which the tolerance can be relaxed.
 const LITTLE: f64 = 0.001;
@@ -53,8 +53,8 @@ pub struct Ranking {
 
 /// Random sample that gives the yield of all bands when tolerances of contributors are multiplied by factors.
 struct Sample {
-    /// Each contributor's part of the value of a row, `[draw][row][contributor]`. A row is one value with a band: a result at
-    /// one station.
+    /// Rows of the sample: each row is one value with a band, a result at one station. `parts` holds the contribution of each
+    /// contributor to each value, `[draw][row][contributor]`.
     parts: Vec<f64>,
     /// Nominal value of each row.
     drawn: Vec<f64>,
@@ -103,7 +103,8 @@ impl Sample {
         }
     }
 
-    /// Share of the sample in each band, and in all bands, with the tolerance of one contributor multiplied by a factor.
+    /// Share of the sample in each band, and in all bands. `changed` gives a contributor and the factor for its tolerance;
+    /// `None` leaves all tolerances unchanged.
     fn yields(&self, changed: Option<(usize, f64)>) -> (Vec<f64>, f64) {
         let mut in_bands = vec![0_u64; self.bands];
         let (mut in_all, mut draws) = (0_u64, 0_u64);
@@ -140,7 +141,7 @@ pub struct Forecast {
     contributors: Vec<Worth>,
 }
 
-/// First-order effect of a contributor on the yield.
+/// Effect of a contributor's tolerance on the yield, by the first-order result.
 struct Worth {
     share: f64,
     /// Change of the yield with half the tolerance, and with twice the tolerance.

@@ -19,7 +19,7 @@ pub(in crate::cli) fn are_cars(arguments: &CompareArguments) -> Result<bool, Sto
         _ => {
             let mut files = sources.iter().filter(|path| *path != Path::new("-"));
             if let Some(missing) = files.find(|path| !path.exists()) {
-                // The error says that the file cannot be read.
+                // Reading this missing file returns an error, which says that the file cannot be read.
                 source::read(missing, &[])?;
             }
             Err(Stop::wrong_input(

@@ -64,7 +64,7 @@ fn check_call(arguments: &ExportArguments, study: &CarStudy) -> Result<(), Stop>
     Ok(())
 }
 
-/// Results of the cases, in the unit and axes of the file.
+/// Results of all load cases, in the unit and axes of the file.
 fn cases(study: &CarStudy, file: &Path, arguments: &ExportArguments) -> Result<Page, Stop> {
     let results = CarResults::solve(study, &mut solver(study, file)?, study.cases.len());
     let page = page_of_csv("cases", &results.cases_csv());

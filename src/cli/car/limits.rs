@@ -1,4 +1,4 @@
-//! `hardpoint limits` of a car: lift limits and the end of equilibrium.
+//! `hardpoint limits` of a car: accelerations at which a wheel lifts, and at which the equilibrium ends.
 
 use super::super::LimitsArguments;
 use super::super::exit::{Exit, Stop};

@@ -39,7 +39,7 @@ const SOLID_AXLE_TARGETS: &str = r#"  { characteristic = "roll_steer", over = "r
   { characteristic = "anti_squat", over = "heave", roll = 0.0, at = 0.0, value = 100.0, tolerance = 2.0 },
 "#;
 
-/// Targets of a steered solid axle: no steer in heave, and little in roll.
+/// Targets of a steered solid axle: no steer in heave, and little steer in roll.
 const STEERED_AXLE_TARGETS: &str = r#"  { characteristic = "mean_steer", over = "heave", roll = 0.0, points = [[-30.0, 0.0], [0.0, 0.0], [30.0, 0.0]], tolerance = 0.02 },
   { characteristic = "roll_steer", over = "roll", between = [-0.02, 0.02], tolerance = 0.005 },
 "#;

@@ -174,7 +174,8 @@ pub(super) fn with_springs(text: &str, has_bar: bool) -> String {
     written
 }
 
-/// Adds the points of a part after the hardpoints of a text, and one more output. Points of the same name are replaced.
+/// Adds the points of a part after the hardpoints of a study text. Also adds `output` to the requested characteristics. Points
+/// of the same name are replaced.
 pub(super) fn with_points(
     text: &str,
     points: Points,

@@ -54,7 +54,7 @@ impl Unused<'_> {
                 other.name
             ));
         }
-        // Points of an omitted group already have a reason.
+        // `left_out` already has a reason for points of an omitted spring, rocker or anti-roll bar.
         let is_explained = |name: &str| {
             let at = table.points.iter().position(|point| point.name == name);
             at.is_some_and(|at| meanings[at].is_some())

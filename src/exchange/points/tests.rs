@@ -42,8 +42,8 @@ fn sides_stand_in_columns_titles_and_headers() {
     }
 }
 
-/// A title may describe the axes and contain commas that split it into cells. Its "right" is a direction, not a wheel. A
-/// comment can also be such a title.
+/// A title may describe the axes. Its commas then split it into cells, and its word "right" is a direction, not a wheel. This
+/// also applies to a title in comments.
 #[test]
 fn directions_in_a_title_name_no_wheel() {
     let title = "front suspension, LEFT side\nSAE axes: x fwd, y right, z down. All dims inches\n";

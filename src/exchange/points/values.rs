@@ -4,8 +4,8 @@ use super::unit_line::without_brackets;
 use super::{Cell, Columns, Figure, Marks, Rows, figure, is_unit, plain_number, text};
 
 impl Rows<'_> {
-    /// Adds the value of a row without coordinates whose first cells are a name and the only number: `Loaded radius, 310, mm`.
-    /// Returns false for any other row, and for a name that is not of a value.
+    /// Adds the value of a row without coordinates, if its first cell is a name and its second cell is the only number, as in
+    /// `Loaded radius, 310, mm`. Returns false for any other row, and for a name that `is_of_value` rejects.
     pub(super) fn value_beside(&mut self, row: u32, is_of_value: impl Fn(&str) -> bool) -> bool {
         let sheet = self.sheet;
         let mut cells = sheet.row(row).map(|(_, cell)| cell);

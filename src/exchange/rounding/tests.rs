@@ -155,8 +155,8 @@ fn rounding_keeps_constraints_and_ranges() {
     assert_eq!(millimetres(1.0, 60.0, 300.0), (347.0, vec![]));
     assert_eq!(millimetres(1.0, 60.0, 347.6), (348.0, vec![]));
     assert_eq!(millimetres(1.0, 32.5, 300.0), (348.0, vec![]));
-    // 345 is 1 mm below the lower limit, and 350 is 1 mm above the upper limit. With a lower limit of 344 there is a
-    // multiple inside.
+    // 345 is 1.5 mm below the lower limit, and 350 is 1 mm above the upper limit. With a lower limit of 344, the multiple 345
+    // is within the limits.
     let (at, broken) = millimetres(5.0, 60.0, 346.5);
     assert_eq!(at, 350.0);
     assert!((broken[0] - 1.0).abs() < 1e-9, "{broken:?}");
@@ -183,8 +183,8 @@ fn a_range_without_a_multiple_is_named() {
     assert!((broken.missed - 1.0).abs() < 1e-9, "{}", broken.missed);
 }
 
-/// No change of one or two coordinates to their other neighbours improves the chosen rounding. This also holds if bands
-/// are inactive at the design, where the method nearest plane sees no derivative.
+/// No change of one or two coordinates to their other neighbours improves the chosen rounding. This also holds if the design is
+/// within a target band. There the misfit has no derivative that the method nearest plane could use.
 #[test]
 fn no_flip_of_one_or_two_coordinates_is_better() {
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");

@@ -1,7 +1,8 @@
 //! Reads and writes workbooks of spreadsheet programs (.xlsx).
 //!
-//! Reader and writer are our own code. They use the decompressor that pictures need anyway. Existing crates would take a quarter
-//! of the whole build. They also read a whole sheet, or a decompression bomb, into memory before its size can be checked.
+//! Reader and writer are our own code. They use the compression crate that PNG pictures need anyway. Existing crates for workbooks
+//! would be a quarter of the build. They also read a complete sheet into memory before its size can be checked, even a
+//! decompression bomb.
 
 mod archive;
 mod markup;
@@ -65,7 +66,8 @@ mod tests {
         for at in 0..bytes.len() {
             let mut damaged = bytes.clone();
             damaged[at] ^= 0x55;
-            // Numbers have a checksum, but names of sheets and parts have no checksum.
+            // A checksum protects the content of each file in the archive, but not the names of these files. So damage to a
+            // name may give an empty sheet.
             if let Ok(read) = std::panic::catch_unwind(|| sheet(damaged)).expect("no panic") {
                 assert!(
                     read.cells == whole.cells || read.cells.is_empty(),

@@ -157,7 +157,7 @@ fn sign_in_first(moves: &Moves, first: &Car, car: &Car) -> f64 {
         Moves::Body(BodyParameter::CgZ) => Axis::Z,
         _ => return 1.0,
     };
-    // The car has the axes of the study of its front axle.
+    // A car has the axes of the study of its front axle.
     let [to, from] = [first, car].map(|car| car.axles[0].left.frame.sign(axis));
     to * from
 }

@@ -139,9 +139,9 @@ impl<'s> CarResults<'s> {
         csv(&header, rows)
     }
 
-    /// States of a g-g map, on the threads of the current rayon pool. Each row has one ax and its own copy of the solver, and
-    /// each state of a row starts from the previous one. So the results do not depend on the number of threads. If the flag is
-    /// raised, rows that are not finished are left out.
+    /// States of a g-g map, on the threads of the current rayon pool. Each row has one ax and its own copy of the solver, and each
+    /// state of a row starts from the previous one. So the results do not depend on the number of threads. If `flag` is set, rows
+    /// that are not finished are left out.
     pub fn gg(&self, solver: CarSolver<'s>, map: &GgMap, flag: &Arc<AtomicBool>) -> GgResults {
         let rack = format!("rack_{}", self.unit());
         let fixed = [

@@ -10,7 +10,7 @@ const LIFT_PLACES: i32 = 9;
 /// Decimal places to which the end of equilibrium is known.
 const END_PLACES: i32 = 5;
 
-/// Limits along a direction or for a load case.
+/// Lift limits of a car along a direction, or for a load case.
 pub struct CarLimits {
     /// Name of the load case. Empty for a direction.
     pub case: String,

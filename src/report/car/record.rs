@@ -11,7 +11,7 @@ use crate::report::scene::Scene;
 use crate::report::tuning_summary::{ConstraintStatus, StartSummary};
 use serde::{Deserialize, Serialize};
 
-/// Version of the record's format. A reader accepts no other version.
+/// Version of the record's format. The program reads no records of other versions.
 pub(in crate::report) const FORM: u32 = 1;
 
 /// Data for the page of a car.
@@ -50,7 +50,7 @@ pub struct CarRecord {
     /// Changes by a tuning that no target requests.
     #[serde(default)]
     pub side_effects: Vec<SideEffect>,
-    /// Parts of the front and of the rear axle in the drawing.
+    /// Fixed parts of the drawing of the front axle and of the rear axle.
     pub scenes: [Scene; 2],
     /// Names of the files of the run.
     pub files: Vec<String>,
@@ -162,10 +162,10 @@ pub struct CarTuningRecord {
     /// Constraints with their margins.
     #[serde(default)]
     pub constraints: Vec<CarConstraintRecord>,
-    /// Starts with their ends.
+    /// Starts (points at which the search begins), each with its result.
     #[serde(default)]
     pub starts: Vec<StartSummary>,
-    /// Number of the start that is kept.
+    /// Index of the start whose result the tuning keeps.
     #[serde(default)]
     pub best_start: Option<usize>,
 }
@@ -208,7 +208,7 @@ pub struct CarConstraintRecord {
     pub unit: String,
     /// Margins to the nearer limit before and after. Negative if the constraint is violated.
     pub margins: [Option<f64>; 2],
-    /// True for a constraint of an axle alone. Its name has the limits.
+    /// True for a constraint of an axle alone. Then `name` includes the limits.
     #[serde(default)]
     pub is_of_axle: bool,
     /// Status after the tuning. `None` if there is no margin.
@@ -217,7 +217,7 @@ pub struct CarConstraintRecord {
     /// Decrease of the misfit if the limit moves outward by one unit. The misfit is a multiple of the tolerances.
     #[serde(default)]
     pub price: Option<f64>,
-    /// True if the price is not determined, because binding limits depend on each other.
+    /// True if the decrease in `price` is not determined, because binding limits depend on each other.
     #[serde(default)]
     pub price_not_determined: bool,
 }

@@ -82,8 +82,8 @@ impl<'s> CarResults<'s> {
         let (car, end) = (&self.study.car, AXLE_NAMES[number]);
         let axle = &car.axles[number].left;
         for (k, by) in gradient.hardpoints[number].iter().enumerate() {
-            // Only the near half of a solid axle has rows. Its derivatives include the motion of the far half,
-            // which follows the near half.
+            // Points that follow other points have no rows, such as the points in the right half of a solid axle. The derivatives
+            // for the left half include the motion of the right half.
             if axle.mechanism.is_far(PointId(k)) {
                 continue;
             }

@@ -36,8 +36,8 @@ fn value_in_words(limits: [Option<f64>; 2], unit: &str) -> String {
     }
 }
 
-/// Names of constraints, each with its limits. If a constraint applies to one axle alone, the name has the axle instead.
-/// `numbers` are indices of `records`.
+/// Names of constraints with their limits in brackets. The name of a constraint of one axle alone already has the limits, so the
+/// axle is in brackets instead. `numbers` are indices of `records`.
 pub fn car_constraint_names(records: &[CarConstraintRecord], numbers: &[usize]) -> Vec<String> {
     let name = |number: &usize| {
         let own = &records[*number];
@@ -81,7 +81,7 @@ pub fn car_targets_json(records: &[CarTargetRecord]) -> Value {
             "case": target.case,
             "wanted": match target.wanted {
                 [Some(low), Some(high)] if low == high => json!(low),
-                // A side without a limit becomes null.
+                // A missing limit becomes null.
                 limits => json!(limits),
             },
             "curve": target.curve,
@@ -186,8 +186,8 @@ impl CarResults<'_> {
         records
     }
 
-    /// Constraints of a tuning with their `prices`. The other arguments are the same as in
-    /// [`CarResults::target_records`].
+    /// Constraints of a tuning. `prices` has the price of each constraint: the decrease of the misfit per unit of its limit. The
+    /// other arguments are the same as in [`CarResults::target_records`].
     pub fn constraint_records(
         &self,
         wanted: &CarOptimise,
@@ -278,12 +278,12 @@ pub fn car_variables_table(records: &[CarVariableRecord]) -> Table {
     table
 }
 
-/// Status of a constraint with this margin. `visible` is the size of a visible violation, in the unit of the margin.
+/// Status of a constraint with this margin. `visible` is the violation that counts as 1, in the unit of the margin.
 fn status(margin: Option<f64>, visible: f64) -> Option<ConstraintStatus> {
     margin.map(|margin| ConstraintStatus::of(margin / visible))
 }
 
-/// Limits of a constraint of an axle. `None` if its parts have different limits.
+/// Limits of a constraint of an axle. Both limits are `None` if the parts of the constraint have different limits.
 fn common_limits(constraint: &Constraint) -> [Option<f64>; 2] {
     let mut limits = constraint.parts.iter().map(|part| part.limits());
     let first = limits.next().unwrap_or_default();
@@ -297,7 +297,7 @@ fn common_limits(constraint: &Constraint) -> [Option<f64>; 2] {
 /// Goals of one axle alone: index and name of the axle, its goals, and their outcome before and after a tuning.
 type Rig<'s> = (usize, &'static str, &'s RigGoals, [Option<RigOutcome>; 2]);
 
-/// Axles with their own goals, in the design of the study and with the variables at `x`.
+/// Axles that have goals of their own, with two outcomes: in the design of the study, and with the variables at `x`.
 fn rigs<'s>(study: &CarStudy, wanted: &'s CarOptimise, x: &[f64]) -> Vec<Rig<'s>> {
     let mut found = Vec::new();
     let start = vec![0.0; x.len()];

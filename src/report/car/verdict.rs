@@ -74,8 +74,8 @@ impl CarVerdict<'_> {
         remarks
     }
 
-    /// Explains a missed ride height if the spring of the axle has the same force in the design position of every design,
-    /// although variables move points of this axle.
+    /// Explains a missed ride height in one case. The variables move points of this axle, but its spring has the same force in the
+    /// design position of every design.
     fn fixed_spring_force(&self, end: AxleEnd) -> Option<String> {
         let wanted = self.study.optimise.as_ref()?;
         let axle = AxleEnd::ALL.iter().position(|own| *own == end)?;
@@ -96,7 +96,7 @@ impl CarVerdict<'_> {
         })
     }
 
-    /// Reason why a start is kept although it violates constraints that a variable affects.
+    /// Reason why the tuning keeps a result that violates constraints, although a variable affects these constraints.
     fn least_violation(&self) -> Option<String> {
         let violated = self.constraints.iter().enumerate().filter(|(number, own)| {
             own.status == Some(ConstraintStatus::Violated)

@@ -415,7 +415,7 @@ mod tests {
         assert!(outlines > 400, "{outlines}");
     }
 
-    /// A letter with an accent consists of the letter and the moved accent. A character without a glyph is the box.
+    /// A letter with an accent consists of the letter and the moved accent. A character without a glyph becomes a box.
     #[test]
     fn letters_are_made_of_others_and_missing_ones_are_boxes() {
         let font = font();

@@ -77,7 +77,7 @@ fn without_shared_words(names: &mut [String]) {
     }
 }
 
-/// Labels beside the ends of curves, without overlaps. If there is not enough space, only the first, the last and the strong
+/// Labels beside the ends of curves, without overlaps. If there is not enough space, only the first, the last and the emphasised
 /// curves have labels.
 pub(super) fn end_labels(
     lines: &[Line],

@@ -43,7 +43,7 @@ pub(in crate::report) struct Layout {
     pub lines: Vec<LineLayout>,
     /// Labels at the ends of curves.
     pub labels: Vec<EndLabel>,
-    /// Target values: position on the horizontal axis, lower limit and upper limit.
+    /// Points of each target: position on the horizontal axis, lower limit and upper limit.
     pub wanted: Vec<Vec<Limit>>,
     #[serde(skip)]
     chart: Chart,
@@ -77,7 +77,7 @@ struct Deviations {
 struct Remark {
     class: &'static str,
     text: String,
-    /// Left end.
+    /// Left end of the text.
     at: f64,
 }
 
@@ -108,7 +108,7 @@ pub(in crate::report) struct AxisLayout {
 pub(in crate::report) struct LineLayout {
     /// Name in the list of values at the crosshair.
     pub told: String,
-    /// Classes for colour and stroke.
+    /// CSS classes for colour and stroke.
     pub class: String,
     /// True for the main curve. Its value comes first.
     pub is_main: bool,
@@ -127,7 +127,7 @@ pub(in crate::report) struct LineLayout {
 pub(in crate::report) struct EndLabel {
     /// Text of the label.
     pub text: String,
-    /// Classes of the labelled curve.
+    /// CSS classes of the labelled curve.
     pub class: String,
     /// Position of the label: left end, at half of its height.
     pub at: [f64; 2],

@@ -1,4 +1,4 @@
-//! Words on a picture: as text, for which an SVG uses the reader's fonts, or as outlines.
+//! Words on a picture: as text, which the program that shows the SVG draws in its fonts, or as outlines.
 //!
 //! A PNG must not depend on the fonts of a machine, because a machine may have no fonts. Its letters come from DejaVu Sans. The
 //! licence of this font (Bitstream Vera's) is permissive, and its crate contains nothing else. Most other fonts in crates have
@@ -59,7 +59,7 @@ impl<'a> Words<'a> {
         self
     }
 
-    /// Adds classes to the words.
+    /// Adds CSS classes to the words.
     pub(in crate::report) fn class(mut self, class: &'a str) -> Self {
         self.class = class;
         self
@@ -72,10 +72,10 @@ impl<'a> Words<'a> {
     }
 }
 
-/// Ratio of letter sizes. The letters of DejaVu Sans are large for their nominal size; this ratio makes them look like the usual
-/// fonts for SVG.
+/// Size of outlines divided by the size of text. The letters of DejaVu Sans are large for their nominal size. This ratio makes them
+/// look like the usual fonts for SVG.
 const OUTLINE_SHARE: f64 = 0.92;
-/// Letter sizes of the style.
+/// Letter sizes of the style: small words and labels.
 const SIZE: f64 = 12.0;
 const LABEL_SIZE: f64 = 13.0;
 

@@ -116,7 +116,7 @@ pub(super) struct Line {
     pub label: Option<String>,
     /// Name in the list of values at the crosshair.
     pub told: String,
-    /// Classes for colour and stroke.
+    /// CSS classes for colour and stroke.
     pub class: String,
     /// True for the main curve. Its value comes first at the crosshair.
     pub is_main: bool,
@@ -131,7 +131,7 @@ pub(super) struct Line {
 /// Area between two curves with the same rows.
 #[derive(Clone, Debug)]
 pub(super) struct Fan {
-    /// Class for the colour.
+    /// CSS class for the colour.
     pub class: &'static str,
     /// Lower and upper curve.
     pub edges: [Source; 2],
@@ -146,7 +146,7 @@ pub(super) struct Chart {
     pub x: Quantity,
     /// Quantity of the vertical axis.
     pub y: Quantity,
-    /// Remarks below the name: class and text of each remark.
+    /// Remarks below the name: CSS class and text of each remark.
     pub notes: Vec<(&'static str, String)>,
     /// Areas behind the curves.
     pub fans: Vec<Fan>,

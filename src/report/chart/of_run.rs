@@ -155,7 +155,7 @@ pub(in crate::report) struct Family {
     pub is_present: bool,
 }
 
-/// Curves of one design and one output in a chart. Their common properties determine the classes and the labels.
+/// Curves of one design and one output in a chart. Their common properties determine the CSS classes and the labels.
 struct DesignCurves<'a> {
     /// Label of the design.
     design: &'a str,
@@ -178,7 +178,7 @@ impl DesignCurves<'_> {
         self.count > 1
     }
 
-    /// Classes of a curve's colour and stroke.
+    /// CSS classes of a curve's colour and stroke.
     fn class(&self, family: &Family) -> String {
         let colour = match (self.is_last, self.side, self.has_several()) {
             (true, Some(side), _) => side.to_owned(),
@@ -227,8 +227,8 @@ impl DesignCurves<'_> {
     }
 }
 
-/// Remark on the second moving coordinate. It gives the number of curves if they are fewer than `all` values, or else the name
-/// of the coordinate if the labels do not contain it.
+/// Remark on the second moving coordinate. If the curves are fewer than its `all` values, the remark gives both numbers. Otherwise
+/// the remark names the coordinate, unless the labels contain this name.
 fn family_note(curves: &DesignCurves<'_>, all: usize) -> Option<(&'static str, String)> {
     if all > curves.count {
         let name = curves.beside.map_or("", |name| split(name).0);
@@ -278,7 +278,7 @@ impl Chart {
                     rows: family.rows,
                 };
                 if curves.is_scatter && number < 2 && designs.len() == 5 {
-                    // Percentiles come in pairs around the nominal design.
+                    // The percentile curves form two pairs around the nominal design: 1 % with 99 %, and 5 % with 95 %.
                     let other = Source {
                         table: record.first_table + 3 - number,
                         ..source.clone()
@@ -450,8 +450,8 @@ fn is_solved(status: &str) -> bool {
     solved.iter().any(|s| s.word() == status)
 }
 
-/// Points at which the last design of a tuning violates limits by more than the tolerance: drive value and column value. The rack
-/// is at 0 or at the study's position. Each limit has a drive value, a minimum and a maximum.
+/// Points (drive value and column value) at which the last design of a tuning violates limits by more than the tolerance. If the
+/// rack moves, only rows with the rack at 0 are compared. Each limit has a drive value, a minimum and a maximum.
 fn outside(
     record: Charted<'_>,
     tables: &[CurveTable],

@@ -102,7 +102,7 @@ impl Scale {
         let largest = self.low.abs().max(self.high.abs());
         let order = |value: f64| value.log10().floor() as i32;
         match (order(largest), order(self.step)) {
-            // Decimals are easier to read than a factor beside a value near one: 0.7075, not 707.5.
+            // For values near one, decimals are easier to read than a power of ten: 0.7075 is better than 707.5 with 10⁻³.
             (..6, -3..) | (-1..6, -5..) => 0,
             (largest, _) => 3 * largest.div_euclid(3),
         }

@@ -11,7 +11,7 @@ const SHAPES: &str = ".axis-text,.note,.end,.name{font:12px system-ui,-apple-sys
 .line.dot{stroke-width:6;stroke-dasharray:none}.band{stroke:currentColor;stroke-width:.75;fill:currentColor;fill-opacity:.22}.fan{stroke:none;fill:currentColor;fill-opacity:.16}\
 .axis-text,.note,.end,.name{stroke:none;fill:currentColor}";
 
-/// Classes with their colours on light and on dark background. Text has a contrast of at least 4.5 on both.
+/// CSS classes with their colours on light and on dark background. Text has a contrast of at least 4.5 on both backgrounds.
 const COLOURS: [(&str, &str, &str); 29] = [
     (".name", "#1b1f24", "#e6e9ed"),
     (".axis-text,.note", "#4a535d", "#aab4bf"),

@@ -15,7 +15,7 @@ pub struct ComparedKc {
     pub label: String,
     /// Content of its `kc.csv`.
     pub csv: Vec<u8>,
-    /// Axes of the results. `None` for a run that keeps no study.
+    /// Axes of the results. `None` for a run without a stored study.
     pub axes: Option<FrameConvention>,
 }
 
@@ -44,8 +44,8 @@ impl KcComparison {
     /// Compares runs. Results keep the order of the first run in which they occur.
     ///
     /// # Errors
-    /// The reason in words, with the label: a text is not a `kc.csv`, runs have different columns, or unknown axes determine the
-    /// sign of a value.
+    /// Returns the reason in words, with the label of the run. Possible reasons: a text is not a `kc.csv`, runs have different
+    /// columns, or unknown axes determine the sign of a value.
     pub fn of(runs: &[ComparedKc]) -> Result<Self, String> {
         let mut comparison = KcComparison {
             labels: runs.iter().map(|run| run.label.clone()).collect(),

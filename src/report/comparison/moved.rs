@@ -7,7 +7,7 @@ use crate::model::{Axis, Side};
 /// A point whose position differs from that in the first design.
 #[derive(Clone, Debug)]
 pub(super) struct Moved {
-    /// Side, if the wheels of an axle differ.
+    /// Side of the wheel. `None` unless the wheels of an axle differ.
     side: Option<Side>,
     point: String,
     label: String,

@@ -78,7 +78,7 @@ fn what_cannot_be_compared_says_why() {
     assert!(refused.unwrap_err().contains("have no common output"));
 }
 
-/// With y to the right, a rack at -1 mm is at the same position as a rack at 1 mm with y to the left.
+/// A rack at -1 mm in axes with y to the right is at the same position as a rack at 1 mm with y to the left.
 #[test]
 fn stations_and_components_are_shown_in_the_axes_of_the_first() {
     let left = "travel_mm,rack_mm,hub_y_mm,camber_deg,status\n0,-1,5,1,ok\n0,1,7,2,ok\n";

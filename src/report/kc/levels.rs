@@ -163,7 +163,7 @@ impl KcResults<'_> {
             cells.extend(force.to_array().map(Some));
             cells.extend(torque.to_array().map(|torque| Some(torque / per_metre)));
         }
-        // The right wheel of a solid axle does not have the last bushings and links, which exist only once.
+        // The last bushings and links of a solid axle exist only once. The cells of the right wheel for these parts stay empty.
         let before_links = WHEEL_CELLS + BUSHING_CELLS * self.bushings.len();
         cells.resize(before_links, None);
         cells.extend(state.tensions.iter().copied().map(Some));

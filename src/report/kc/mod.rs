@@ -29,9 +29,9 @@ pub struct KcResults<'a> {
     pub bushings: Vec<String>,
     /// Names of the links, in the order of the link tensions in the results.
     pub links: Vec<String>,
-    /// Vertical force at each contact point in the design position, if that is an equilibrium.
+    /// Vertical force at each contact point in the design position. Empty if the design position is not an equilibrium.
     pub design_loads: Vec<f64>,
-    /// True for an axle with both wheels.
+    /// True for an axle with both wheels, false for a single wheel.
     pub is_axle: bool,
     /// Stations of the tests.
     pub stations: Vec<KcStation>,
@@ -102,7 +102,8 @@ fn steering(test: &KcTest) -> &'static str {
     }
 }
 
-/// Mode of a load test: the quantity that stays constant.
+/// Wheels on which the load of a test acts, in one word: `parallel`, `opposed` or `single`. Empty for a test with a motion, and for
+/// a study of one wheel.
 fn mode(test: &KcTest) -> &'static str {
     if test.load.is_motion() {
         ""
@@ -215,7 +216,7 @@ impl KcResults<'_> {
         csv(&header, rows)
     }
 
-    /// Cells of a row from the station to the wheel.
+    /// Cells of a row, from the columns of the station to the column `wheel`.
     fn test_cells(
         &self,
         station: &KcStation,

@@ -1,10 +1,11 @@
 //! Results of `kc` tests with the names and definitions of other programs.
 //!
-//! Both programs define their results by the compliance matrix C of the two wheel centres, with free springs. C(i,j) is
-//! displacement i by force or moment j. Both indices count from 1: x, y, z and rotations about them at the left wheel, then the
-//! same at the right wheel. Here the axes are x rearward, y to the right, z up. Terms of the other wheel vanish for a single
-//! wheel. `slr` is the loaded radius: a vertical lever, which neglects camber. So the values differ from ours for the same test.
-//! Our tests hold the height by default, and apply the force at the lowest point of the tilted disc.
+//! Adams Car and Altair MotionView define their results by the compliance matrix C of the two wheel centres, with free springs.
+//! C(i,j) is displacement i by force or moment j. Both indices count from 1: x, y, z and rotations about them at the left wheel,
+//! then the same at the right wheel. Here the axes are x rearward, y to the right, z up. For a single wheel, the terms of the other
+//! wheel are 0. `slr` is the loaded radius, used as a vertical lever, which neglects camber. So the values differ from those of
+//! hardpoint for the same test. By default, the tests of hardpoint hold the wheel height and apply the force at the lowest point of
+//! the tilted disc.
 //!
 //! Let s = 1 for parallel and s = -1 for converging loads. Let r = i for the left and r = i + 6 for the right wheel. The results
 //! contain the sum B(i,j) = C(r,j) + s C(r,j+6), in mm and N:

@@ -10,7 +10,7 @@ use crate::compliance::{
 use crate::model::{Axis, PointId};
 use crate::study::RATE_AXES;
 
-/// An input as it is printed: name, axis and unit, and the factor from the program's unit.
+/// An input with its printed name, axis and unit.
 struct Input {
     parameter: Parameter,
     name: String,
@@ -21,8 +21,7 @@ struct Input {
 }
 
 impl KcResults<'_> {
-    /// Inputs of a suspension: coordinates of these points, values of the elastic parts, and values of these mounts of a
-    /// subframe.
+    /// Inputs of a suspension: coordinates of `points`, values of the elastic parts, and values of the subframe's `mounts`.
     fn inputs(
         &self,
         parts: &Compliance,

@@ -56,8 +56,8 @@ impl KcResults<'_> {
         table
     }
 
-    /// Tables for people. Each station with results has an entry: the position of the station, and a table of the tests with
-    /// their results.
+    /// Tables for people. Each station with results has a table of the tests with their results, and the position of the station in
+    /// words.
     pub fn tables_for_readers(&self) -> Vec<(String, Table)> {
         let mut tables = Vec::new();
         for station in &self.stations {

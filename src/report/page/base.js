@@ -4,7 +4,7 @@ const run = JSON.parse(byId('run').textContent);
 // Designs of a sweep with drawings and curves. Null if the page has none of these designs.
 const record = run.record ?? null;
 
-// Writes an error to the page, so that a reader or a test can find it.
+// Writes an error into attributes of the page's root element, so that a test or a developer can find it.
 const noteError = (message) => {
   root.dataset.errors = Number(root.dataset.errors || 0) + 1;
   root.dataset.lastError = message;
@@ -21,7 +21,7 @@ const axisName = (name) => {
 };
 const withUnit = (title, unit) => (unit ? `${title} [${unit}]` : title);
 
-// Position on the motion at the pointer, by column. Charts and the mechanism show the same position.
+// Position on the motion at which the user points, by column. Charts and the mechanism show the same position.
 const pointed = new Map();
 const followers = new Set();
 const point = (name, value, from) => {

@@ -272,7 +272,7 @@ fn constraints(record: &CarRecord) -> String {
     section("constraints", "Constraints", note, &content)
 }
 
-/// Starts of a tuning, if there are several.
+/// Section about the starts of a tuning (points at which the search begins). Empty if there is only one start.
 fn starts(record: &CarRecord) -> String {
     match &record.tuning {
         Some(tuning) if tuning.starts.len() > 1 => section(

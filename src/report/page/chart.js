@@ -1,5 +1,5 @@
-// Moving parts of a chart: the crosshair that all charts share, the zoom by brush, and the buttons. The page contains the
-// chart itself.
+// Interactive parts of a chart: the crosshair that all charts share, the zoom to a rectangle (brush) that the user draws, and the
+// buttons. The page contains the chart itself.
 const ZOOMED_TICKS = [62, 34];
 let clips = 0;
 
@@ -93,7 +93,7 @@ class LiveChart {
       start = null;
       const sides = [0, 1].map((k) => Math.abs(a[k] - b[k]));
       if (sides[0] < 0.02 && sides[1] < 0.02) return;
-      // A brush along one axis does not change the range of the other axis.
+      // A brush that is narrow along one axis does not change the range of this axis.
       this.zoom([0, 1].map((k) => (sides[k] < 0.04 ? this.view[k] : [Math.min(a[k], b[k]), Math.max(a[k], b[k])].map((s) => this.valueAt(k, s)))));
     });
     this.svg.addEventListener('pointercancel', () => { start = null; set(this.brush, { display: 'none' }); });
@@ -200,7 +200,7 @@ class LiveChart {
       return [b - a, a];
     });
     const [[sx, ox], [sy, oy]] = scale;
-    // A point at fraction s of the whole chart is at fraction o + s k of the visible part.
+    // With scale s and offset o, fraction f of the whole chart becomes fraction o + s f of the visible part.
     const tx = left + ox * width - sx * left;
     const ty = top + height * (1 - oy) - sy * (top + height);
     set(this.inner, { transform: is ? `matrix(${sx} 0 0 ${sy} ${tx} ${ty})` : null });

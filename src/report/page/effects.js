@@ -7,7 +7,7 @@ const measures = {
 const MOST_VARIABLES = 24;
 const variableTitles = columns.slice(0, first.variables).map(({ title }) => title);
 const effectOf = (k, variable, measure) => run.effects[k].effects[variable]?.[measure] ?? null;
-// The effects on an output that no variable changes are only rounding errors.
+// Outputs that no variable changes are left out, because the effects on them are only rounding errors.
 const moved = run.effects.map((_, k) => k).filter((k) => !run.unmoved.includes(k))
   .filter((k) => variableTitles.some((_, v) => effectOf(k, v, 'change') !== null));
 const offered = Object.keys(measures).filter((m) => moved.some((k) => variableTitles.some((_, v) => effectOf(k, v, m) !== null)));

@@ -3,7 +3,7 @@
 const scene = record ? record.scene : null;
 const allFrames = record ? record.designs.flatMap((d) => d.frames) : [];
 const racks = [...new Set(allFrames.map((f) => f.rack))];
-// The last design always has frames. A design with the same mechanism has no frames.
+// The last design always has frames (poses for the drawing). A design with the same mechanism as the last one has no frames.
 const stations = record?.designs.length ? record.designs.at(-1).frames.length / racks.length : 0;
 const frameAt = (design, place) => record.designs[design].frames[place.rack * stations + place.station];
 const [forward, outboard, up] = scene ? scene.signs : [1, 1, 1];

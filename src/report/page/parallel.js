@@ -29,7 +29,7 @@ const linesOf = (words, most) => {
   return [words.slice(0, at), rest.length > most ? `${rest.slice(0, most - 1)}…` : rest];
 };
 
-// Designs that are within every brush.
+// Designs that are inside the selected part of every axis (brush).
 const brushed = () => (brushes.size ? new Set(allRows.filter((row) => [...brushes].every(([k, [low, high]]) => value(k, row) !== null && value(k, row) >= low && value(k, row) <= high))) : null);
 
 const drawParallel = (state) => {

@@ -80,7 +80,7 @@ pub fn set_up_page(wheels: &[SetUpSummary]) -> String {
     sheet(study, "set-up", verdict, &sections)
 }
 
-/// One strip for each target static value.
+/// One strip for each static value that has a target.
 fn wanted_strips(summary: &SetUpSummary) -> Vec<Strip> {
     let wanted = summary.statics.iter().filter_map(|s| Some((s, s.wanted?)));
     wanted

@@ -29,7 +29,7 @@ pub(super) struct Strip {
     /// Band behind the line. Its ends have numbers only if the strip also has a range. Otherwise the title names the target
     /// value.
     pub band: Option<[f64; 2]>,
-    /// Class and value of each dot.
+    /// CSS class and value of each dot.
     pub dots: Vec<(&'static str, f64)>,
 }
 

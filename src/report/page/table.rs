@@ -5,7 +5,7 @@ use super::escape::html;
 use crate::report::table::{Cell, Table};
 use crate::report::with_minus_signs;
 
-/// Table as HTML. Each row gets the class that `class` returns for it.
+/// Table as HTML. Each row gets the CSS class that `class` returns for it.
 pub(super) fn table(table: &Table, class: impl Fn(usize) -> Option<&'static str>) -> String {
     written(table, class, "table")
 }

@@ -23,7 +23,7 @@ fn line(table: usize, columns: [&str; 2], rows: Vec<usize>, class: &str) -> Line
     }
 }
 
-/// Chart of the misfit of each start by iteration.
+/// Chart of the misfit over the iterations, with one line for each start of the tuning.
 pub(super) fn history_chart(
     history: CurveTable,
     kept: Option<usize>,

@@ -27,9 +27,10 @@ type Area = [f64; 4];
 /// Both ends of a line.
 type Segment = [[f64; 2]; 2];
 
-/// Places names one after the other. Each name takes the position of lowest cost. Overlaps cost most: with other names, then
-/// with points, then with lines. A position nearer to another point costs less. The distance from the name's own point costs
-/// least. A line leads to a name that is far from its point, or nearer to another point.
+/// Places names one after the other. Each name takes the position of lowest cost. A position outside the picture costs most. Then
+/// follow overlaps with points and other names, a leader through another point, nearness to another point, and crossed lines. The
+/// distance from the name's own point costs least. A leader (line from the point to its name) is drawn if the name is far from its
+/// point or close to another point.
 pub(super) fn place_labels<'a>(
     names: &[(&'a str, [f64; 2])],
     dots: &[[f64; 2]],
@@ -94,7 +95,7 @@ fn leader(area: &Area, dot: [f64; 2], dots: &[[f64; 2]]) -> Option<Segment> {
     (is_far || is_nearer_to_another(area, dot, dots)).then_some([dot, nearest])
 }
 
-/// True if another point is as near to the name as the name's own point.
+/// True if another point is nearer to the name than the name's own point, or farther away by less than [`CLEARLY`].
 fn is_nearer_to_another(area: &Area, dot: [f64; 2], dots: &[[f64; 2]]) -> bool {
     let own = distance(area, dot);
     let mut others = dots.iter().filter(|d| apart(**d, dot));

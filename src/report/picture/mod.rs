@@ -61,7 +61,7 @@ pub fn picture_names(record: &Record) -> Vec<String> {
     files.chain([LAYOUTS.to_owned()]).collect()
 }
 
-/// A part of a sheet.
+/// Content of a cell of a picture.
 enum Cell<'r> {
     Chart(Box<Layout>),
     View(View<'r>),

@@ -8,7 +8,9 @@ const SCALE: f32 = 2.0;
 
 /// Draws a picture without text as PNG.
 ///
-/// # Panics If the text is not an SVG, or the SVG has no size. The pictures of this program are SVGs with a size.
+/// # Panics
+///
+/// If the text is not an SVG, or the SVG has no size. The pictures of this program are SVGs with a size.
 pub(super) fn png(svg: &str) -> Vec<u8> {
     let tree = Tree::from_str(svg, &Options::default()).expect("SVG of this program is valid");
     let size = tree.size().to_int_size().scale_by(SCALE);

@@ -307,7 +307,7 @@ fn arrows(svg: &mut String, from: &Placement, to: &Placement, projection: &Proje
     }
 }
 
-/// Draws an arrow whose head has at most six units.
+/// Draws an arrow with a head of at most six picture units.
 fn arrow(svg: &mut String, class: &str, from: [f64; 2], to: [f64; 2]) {
     let along = [to[0] - from[0], to[1] - from[1]];
     let length = along[0].hypot(along[1]).max(1e-9);

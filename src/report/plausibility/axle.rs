@@ -13,8 +13,8 @@ use crate::report::figure::brief;
 use crate::report::shortest;
 use crate::report::station_label::place_in_words;
 
-/// Largest plausible difference between the load that the springs carry in the design position and the weight of the sprung
-/// mass, as a fraction of the weight.
+/// Largest plausible difference between two forces in the design position: the load that the springs carry, and the weight of the
+/// sprung mass. It is a fraction of this weight.
 const OFF_BALANCE: f64 = 0.05;
 
 /// Warnings about an axle, one per line: about its curves, and about both wheels in the design position. For a right wheel with
@@ -71,9 +71,9 @@ fn off_balance(axle: &Axle, plan: &AxlePlan) -> Result<Option<String>, (Side, De
     )))
 }
 
-/// Warning about a soft spring of an axle in inches. Its rate may be in pounds-force per inch.
+/// Warning about a soft spring, for an axle with lengths in inches. The rate of the spring may be in pounds-force per inch.
 fn soft_spring(axle: &Axle) -> Option<String> {
-    // 7 N/mm is softer than the springs of cars.
+    // 40 lbf/in, converted to N/in (7 N/mm). Springs of cars are stiffer.
     const LEAST: f64 = 40.0 * 4.448_221_615_260_5;
     let Law::Linear { rate, .. } = &axle.setup.springs.as_ref()?[0].spring else {
         return None;
@@ -124,7 +124,7 @@ fn turned_against(axle: &Axle) -> String {
     )
 }
 
-/// Warning about the station at which a spring pulls most, if one does.
+/// Warning about the station with the largest tension of a spring. `None` if no spring is in tension.
 fn pulling(axle: &Axle, found: &AxleCurves) -> Option<String> {
     let pull = axle.pulling_spring(found)?;
     let length = axle.left.length_unit;
@@ -182,8 +182,8 @@ fn beyond_curve(axle: &Axle, beyond: &BeyondCurve) -> String {
     )
 }
 
-/// Warning about hardpoints of a right wheel on the side of the left wheel, well away from the centre plane. Probably their y has
-/// the wrong sign. Each design is in the kernel's frame, with the wheel on its own side.
+/// Warning about hardpoints of a right wheel that are on the side of the left wheel, well away from the centre plane. Probably
+/// their y has the wrong sign. In the kernel's frame, y is positive on the side of the wheel to which a design belongs.
 fn across(left: &Suspension, right: &Suspension) -> Option<String> {
     let centre = |of: &Suspension| of.design[of.mechanism.wheel_centre.0].y.abs();
     let off = 0.1 * centre(left);

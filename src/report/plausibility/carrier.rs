@@ -19,9 +19,9 @@ const PIVOTS_APART: f64 = 3.0;
 const BEYOND_CENTRE: f64 = 0.1;
 
 impl PlausibilityRemarks<'_> {
-    /// Warnings about joints of arms and links of which one coordinate may have a wrong sign or decimal place. They report outer
-    /// joints far from the wheel centre, inner joints on the other side of the car, and pivots of one arm that are far apart.
-    /// Solid axles are left out.
+    /// Warnings about joints of arms and links of which one coordinate may have a wrong sign or decimal place. There are three
+    /// cases. An outer joint is far from the wheel centre, an inner joint is on the other side of the car, or the pivots of one arm
+    /// are far apart. Solid axles are left out.
     pub(super) fn joints(&mut self) {
         let Suspension {
             mechanism,

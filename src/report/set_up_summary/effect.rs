@@ -5,7 +5,7 @@ use crate::assembly::{SetUp, Static};
 use crate::model::LengthUnit;
 use crate::report::{brief, has_digits, to_digits, with_decimals, with_plus};
 
-/// Change of each static value in the step number `place`, with the rounded amounts. All changes are 0 if no set-up was found.
+/// Change of each static value in the step with index `place`, with the rounded amounts. All changes are 0 if no set-up was found.
 pub(super) fn effect_of_step(found: &SetUp, place: usize) -> Vec<Option<f64>> {
     let Some(after) = found.rounded_steps.get(place) else {
         return vec![Some(0.0); found.statics.len()];
@@ -37,7 +37,7 @@ pub(super) fn effect_in_words(
             Unit::Length if is_invisible(change, length) => return None,
             Unit::Length => with_decimals(change, length_decimals(length)),
             _ if change.abs() < 1e-9 => return None,
-            // Three digits of a rate.
+            // A rate has three significant digits.
             _ => brief(to_digits(change, 3)),
         };
         let is_visible = has_digits(&text);

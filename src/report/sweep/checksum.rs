@@ -4,7 +4,7 @@ use crc32fast::Hasher;
 use std::fs::File;
 use std::io::{self, Read, Write};
 
-/// Checksum (CRC-32) of all bytes of a reader, in hexadecimal digits.
+/// Checksum (CRC-32) of all bytes that can be read from `bytes`, in hexadecimal digits.
 pub(super) fn checksum(mut bytes: impl Read) -> io::Result<String> {
     let mut sum = Summing {
         to: io::sink(),

@@ -6,8 +6,8 @@ use crate::study::{AxleStudy, Study};
 use crate::sweep::SweepPlan;
 use crate::sweep::csv::CurvesCsv;
 
-/// Two parts: the names of the columns that give the position of a station, and an entry for each station of the motion. An
-/// entry has the index of the station in a block, and the values of these columns.
+/// Names of the columns that give the position of a station, and a list of the stations of the motion. Each station has its index
+/// among all evaluated stations, and its values of these columns.
 type Places = (Vec<String>, Vec<(usize, Vec<f64>)>);
 
 fn of_wheel(plan: &SweepPlan, study: &Study) -> Places {

@@ -85,7 +85,7 @@ impl SweepDirectory {
                 }
             }
             _ => {
-                // Without `sweep.json`, no part counts as a part of a sweep.
+                // This file is removed first, because no part counts as a part of a sweep without `sweep.json`.
                 directory.remove("sweep.json")?;
                 directory.remove_all(&PART_FILES)?;
             }

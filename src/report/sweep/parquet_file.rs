@@ -1,6 +1,5 @@
-//! Tables of results as Apache Parquet: the columns and values of the CSV file, in row groups, compressed with Zstandard.
-//! Numbers survive the conversion to text and back exactly. So the workers pass rows as CSV text, and the reader returns CSV
-//! text.
+//! Tables of results as Apache Parquet: the columns and values of the CSV file, in row groups, compressed with Zstandard. Numbers
+//! survive the conversion to text and back exactly. So the workers pass rows as CSV text, and [`CsvOfParquet`] returns CSV text.
 
 use super::checksum::SummedFile;
 use crate::sweep::csv::{append_number, append_text, append_whole};

@@ -18,7 +18,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use tempfile::NamedTempFile;
 
-/// Version of the format of the statistics file. A reader accepts no other version.
+/// Version of the format of the statistics file. The program reads no files of other versions.
 pub(super) const FORM: u32 = 2;
 
 /// Content of the statistics file of a part.

@@ -16,7 +16,7 @@ pub struct Choice {
     always: BTreeSet<u64>,
     /// Numbers of the shown designs that belong to the Pareto front.
     pub front: Vec<u64>,
-    /// Stride: designs whose number is a multiple of it are shown, too.
+    /// Designs whose number is a multiple of this stride are shown, too.
     pub every: u64,
 }
 
@@ -124,7 +124,7 @@ impl ShownDesigns {
 mod tests {
     use super::*;
 
-    /// For any grid, the chosen designs include every level of every variable.
+    /// For any grid, the chosen designs include every grid value of every variable.
     #[test]
     fn thinning_keeps_every_level_of_a_grid() {
         let variable = |steps| {

@@ -30,8 +30,8 @@ pub struct SweepSummary {
     /// Number of designs that were solved one by one, because they could not be solved in SIMD lanes.
     #[serde(default)]
     one_by_one: u64,
-    /// Number of designs used for mean, standard deviation, r2 and change. Only designs with every output count. With Saltelli's
-    /// method, only designs of the two independent samples count.
+    /// Number of designs used for mean, standard deviation, r2 and change. These are the designs that have a value of every output.
+    /// With Saltelli's method, they come only from the two independent samples.
     statistics_designs: u64,
     pub(in crate::report) failures: Vec<FailureCount>,
     variables: Vec<String>,

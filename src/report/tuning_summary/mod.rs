@@ -108,7 +108,8 @@ struct VariableSummary {
     /// Name of the hardpoint. If several move together, their names are joined by `+`.
     hardpoint: String,
     axis: String,
-    /// Coordinate in the nominal design; of the first hardpoint if several move together. `None` for a turn.
+    /// Coordinate in the nominal design. If several hardpoints move together, it is the coordinate of the first one. `None` for a
+    /// turn.
     design: Option<f64>,
     tuned: Option<f64>,
     offset: Option<f64>,
@@ -161,7 +162,7 @@ impl VariableSummary {
 struct TargetSummary {
     output: String,
     tolerance: f64,
-    /// Smallest and largest target value, in the unit of the tolerance. `None` if a band has no limit.
+    /// Smallest and largest target value, in the unit of the tolerance. `None` on a side on which a band has no limit.
     #[serde(default)]
     wanted: [Option<f64>; 2],
     /// True for a band with a curve as a limit. Then `wanted` has the smallest value of the lower limit and the largest value of
@@ -257,15 +258,15 @@ impl TuningSummary {
         [self.misfit_before, self.misfit_after].map(|m| m.map(misfit_in_words))
     }
 
-    /// Number of builds to which deviations and misfits belong, in words, after the text `before`: ` over 64 builds`. Empty if
-    /// they belong to the nominal design.
+    /// Text `before` with the number of builds to which deviations and misfits belong, as in ` over 64 builds`. Empty if they
+    /// belong to the nominal design.
     pub fn over_builds(&self, before: &str) -> String {
         self.scatter_builds.map_or(String::new(), |builds| {
             format!("{before} {}", counted(builds, "build"))
         })
     }
 
-    /// True if some start reached a design.
+    /// True if the tuning reached a design from at least one start.
     pub fn has_design(&self) -> bool {
         self.misfit_after.is_some()
     }
@@ -284,7 +285,7 @@ impl TuningSummary {
         front.points.iter().position(is_same)
     }
 
-    /// Index of the start whose end is the tuned design.
+    /// Index of the start whose result is the tuned design.
     pub fn kept_start(&self) -> Option<usize> {
         self.best_start
     }
@@ -300,8 +301,8 @@ impl TuningSummary {
         self.targets.len()
     }
 
-    /// Targets that are missed by more than their tolerance somewhere: their numbers and columns, and the size and position of
-    /// the deviation.
+    /// Targets that are missed by more than their tolerance somewhere: their indices and columns, and the size and position of the
+    /// largest deviation.
     pub fn missed(&self) -> Vec<(usize, &str, String)> {
         let targets = self.targets.iter().enumerate();
         let missed = targets.filter_map(|(number, t)| {

@@ -1,4 +1,4 @@
-//! Starts of a tuning and their ends, for the tuning of a study or a car.
+//! Starts of a tuning (points at which the search begins) and their results, for the tuning of a study or a car.
 
 use super::misfit_in_words;
 use crate::optimise::{Fit, Multistart, Start, Termination};
@@ -11,7 +11,7 @@ const FEW_STARTS: usize = 8;
 /// Words before the reason why a start was not begun.
 const NOT_BEGUN: &str = "not begun: ";
 
-/// A start of a tuning and its end.
+/// A start of a tuning (point at which the search begins) and its result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StartSummary {
     pub(super) start: usize,
@@ -21,7 +21,7 @@ pub struct StartSummary {
     iterations: Option<u64>,
     evaluations: Option<u64>,
     misfit: Option<f64>,
-    /// KKT residual at the end of this start, defined as in the summary.
+    /// KKT residual of the result of this start, defined as in the summary of the tuning.
     #[serde(default)]
     kkt_residual: Option<f64>,
 }
@@ -60,7 +60,7 @@ impl StartSummary {
     }
 }
 
-/// Short summary of the starts, if there are many. `best` is the start whose end is kept, with the misfit `least`.
+/// Short summary of the starts, if there are many. `best` is the start whose result the tuning keeps, with the misfit `least`.
 pub fn starts_in_words(starts: &[StartSummary], best: Option<usize>, least: f64) -> Option<String> {
     let all = starts.len();
     if all <= FEW_STARTS {
@@ -75,7 +75,7 @@ pub fn starts_in_words(starts: &[StartSummary], best: Option<usize>, least: f64)
         "{all} starts: {near} ended within 1 % of the smallest misfit{kept}; largest misfit: {}",
         misfit_in_words(worst)
     );
-    // Each start counts once.
+    // No start belongs to two of these kinds.
     for (is_interrupted, has_begun, words) in [
         (false, false, "could not be started"),
         (true, true, "interrupted"),
@@ -92,7 +92,7 @@ pub fn starts_in_words(starts: &[StartSummary], best: Option<usize>, least: f64)
     Some(text)
 }
 
-/// Table of the starts. `best` is the start whose end is kept.
+/// Table of the starts. `best` is the start whose result the tuning keeps.
 pub fn starts_table(starts: &[StartSummary], best: Option<usize>) -> Table {
     let columns = [
         Column::for_readers("start"),

@@ -53,7 +53,7 @@ impl TuningSummary {
                 text => text,
             });
             let [low, high] = v.range;
-            // The logarithms of factors have no short form.
+            // Limits of a factor are logarithms with many digits, so they are shortened.
             let limit = |value: f64| match v.unit.as_str() {
                 "factor" => brief(value),
                 _ => as_written(value),

@@ -73,8 +73,8 @@ impl TuningSummary {
         least_violation_in_words(self.best_start, &violated)
     }
 
-    /// Reason why binding constraints have no price (decrease of the misfit per unit of the limit). `None` if the tuning ended
-    /// at the smallest misfit, or if no binding constraint lacks a price for this reason.
+    /// Explains that binding constraints have no price (decrease of the misfit per unit of the limit). The reason is that the
+    /// tuning ended at `good_enough` instead of the smallest misfit. `None` in all other cases.
     fn without_price_in_words(&self) -> Option<String> {
         let is_good_enough = self.misfit_after? <= self.good_enough * (1.0 + 1e-6);
         let has_none = |c: &ConstraintSummary| {

@@ -116,7 +116,7 @@ fn shown_case(study: &CarStudy, at: &[f64]) -> Result<usize, String> {
     found.ok_or_else(|| format!("expected the number of one of {} cases", study.cases.len()))
 }
 
-/// A result over all cases.
+/// Column of a result, with one value for each load case.
 fn column(quantity: CarQuantity, results: &CarResults<'_>) -> ColumnValues {
     let length = results.study().car.length_unit;
     let cases = results.study().cases.iter().zip(&results.states);
@@ -165,7 +165,7 @@ fn drawn<'s>(
     }
 }
 
-/// Left side of the opened design in a load case.
+/// Left side of the car in a load case, with the design in the opened files. `None` if there is no equilibrium.
 fn as_opened(opened: &OpenedCar, shown: usize) -> Option<Drawn> {
     let study = &opened.study;
     let drawn = opened.drawn[shown].get_or_init(|| {

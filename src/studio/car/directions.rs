@@ -27,7 +27,7 @@ pub(super) fn directions(opened: &OpenedCar, of: &Designed) -> Result<Directions
         return Ok(DirectionsAnswer::none());
     };
     let all = &optimise.variables;
-    // A rate moves no point.
+    // Variables that move no point, such as a spring rate, are left out.
     let straight: Vec<usize> = (0..all.len())
         .filter(|k| !all[*k].moves.points().is_empty())
         .collect();
@@ -118,7 +118,7 @@ fn of_axle(
     };
     let of_rows = layout.targets_of_rows();
     let row = |(number, target): (usize, &usize)| {
-        // A residual is the deviation times the share of its target.
+        // `layout` gives each residual as the deviation times `share`. So the factor contains a division by `share`.
         let count = of_rows.iter().filter(|other| *other == target).count() as f64;
         let weight = goals.optimise.targets[*target].weight;
         let factor = (weight / count).sqrt() / layout.share(*target);

@@ -202,7 +202,7 @@ impl CarFiles {
         Ok(names.join(", "))
     }
 
-    /// Resolves texts before they are saved. An error prevents files that no command could read.
+    /// Resolves texts before they are saved. Returns an error for texts that no command could read.
     fn understood(&self, texts: &[String; 3]) -> Result<OpenedCar, NotSaved> {
         OpenedCar::of_texts(self, texts).map_err(|errors| not_understood(&errors))
     }

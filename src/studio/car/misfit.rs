@@ -182,8 +182,8 @@ fn of_target(target: &CarTarget, study: &CarStudy, gradient: &CarGradient) -> We
     }
 }
 
-/// Derivatives of a result with respect to every coordinate of the page, in the program's units. If the study gives the
-/// wheelbase, the rear axle moves so that the wheelbase stays constant when wheel centres move.
+/// Derivatives of a result with respect to every coordinate of the page, in internal units instead of printed units. If the
+/// study gives the wheelbase, the rear axle moves so that the wheelbase stays constant when wheel centres move.
 pub(super) fn by_coordinates(study: &CarStudy, gradient: &CarGradient) -> Coordinates {
     let frame = study.frame();
     let offset = Parameter::Axle(1, AxleParameter::OffsetX).place();

@@ -12,7 +12,7 @@ const choose = (k, event) => {
   emit('place', event);
 };
 
-// The targets of a cell.
+// Targets of a result in a load case.
 const targetsOf = (column, k) => state.overview.targets.filter(({ columns, points }) => columns.includes(column) && points[0]?.[0] === k);
 const wanted = ({ points: [[, low, high]], tolerance, is_band: isBand }) => {
   if (!isBand) return `${brief(low, 4)} ± ${brief(tolerance, 3)}`;

@@ -6,7 +6,8 @@ import { post } from './server.js';
 // Number of unchanged lines that are shown around a change.
 const AROUND = 2;
 
-// Longest common subsequence of two lists of lines, as pairs of kind and line.
+// Differences between two lists of lines, as pairs of kind and line. The kind is a blank for a common line, - for a removed line,
+// and + for an added line. The common lines are a longest common subsequence.
 export const difference = (before, after) => {
   const [n, m] = [before.length, after.length];
   const longest = Array.from({ length: n + 1 }, () => new Uint32Array(m + 1));
@@ -33,7 +34,8 @@ export const difference = (before, after) => {
   return lines;
 };
 
-// After a save and an undo, the page shows edits of an earlier text, not of the present file.
+// Lines that a save would change, compared with the present text of the file. After a save and an undo, the edits of the page refer
+// to an earlier text, so this text is not used.
 export const writtenDiff = async () => {
   const [files, present] = await Promise.all([post('texts', of()), post('texts', of(state.opened, state.file.digest))]);
   const shown = files.map((one, k) => ({ ...one, before: present[k].before })).flatMap((one) => {

@@ -136,8 +136,8 @@ class Chart {
       emit('place', event);
       announce(() => this.svg.getAttribute('aria-label'), 500);
     });
-    // The size is measured when it changes. Reading the size during drawing would cause one layout of the page for each chart.
-    // An invisible chart is drawn after the drag ends.
+    // The size is measured when it changes. If each chart read its size during drawing, the browser would have to lay out the page
+    // once per chart. An invisible chart is drawn after the drag ends.
     this.isSeen = true;
     new IntersectionObserver(([{ isIntersecting }]) => {
       this.isSeen = isIntersecting;
@@ -174,7 +174,7 @@ class Chart {
     // The line for the influence of a coordinate shows the curve after a move of the coordinate by ten steps.
     const far = influence ? 10 * state.step : 0;
     const lines = found.map(({ column, values }, k) => {
-      // The slopes belong to all stations. They cannot be used with an answer that has only some of the stations.
+      // There is one slope for each station. The slopes cannot be used with an answer that has only some of the stations.
       const known = influence?.columns.get(column);
       const slopes = known?.length === values.length ? known : undefined;
       const bent = slopes ? runs(answer, values.map((v, i) => (v === null || slopes[i] === null ? null : v + slopes[i] * far)), group) : NONE;

@@ -22,7 +22,7 @@ export const state = {
   coupled: true,
   curvesAtRack: false,
   chosen: [],
-  // Answers for the design, for the design of the file, and for a proposal.
+  // Answer for the design. `ghost` is the answer for the design of the file, `proposed` the answer for a proposal.
   answer: null,
   // The last answer with all stations. While a point moves, an answer has only the stations of the shown curves.
   whole: null,
@@ -35,7 +35,7 @@ export const state = {
   // Designs that are kept beside the present one, by letter.
   pins: {},
   selected: null,
-  // Number of the target whose arrows are shown; null for the misfit.
+  // Index of the target whose arrows are shown; null for the misfit.
   arrows: null,
   influence: null,
 };
@@ -48,7 +48,7 @@ export const emit = (event, detail) => {
 
 export const copy = (design) => design.map((point) => [...point]);
 export const isSame = (a, b) => a.length === b.length && a.every((p, i) => p.every((c, k) => c === b[i][k]));
-// A coordinate after an offset. Offsets in a study are relative to the design in the file.
+// Coordinate after an offset. Offsets in a study are relative to the coordinates in the file.
 export const placeAfter = (point, axis, by) => state.opened[point][axis] + by;
 export const isMoved = () => !isSame(state.design, state.opened);
 

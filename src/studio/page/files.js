@@ -188,14 +188,14 @@ const tabNumber = () => {
   return number;
 };
 const key = () => stem() + tabNumber();
-const drop = (name) => { try { localStorage.removeItem(name()); } catch { /* no storage, no draft */ } };
+const drop = (name) => { try { localStorage.removeItem(name()); } catch { /* no storage, so no draft */ } };
 const dropDraft = () => drop(key);
 let timer = null;
 const keepDraft = () => {
   clearTimeout(timer);
   timer = setTimeout(() => {
     if (!isMoved() && !isEdited()) return dropDraft();
-    try { localStorage.setItem(key(), JSON.stringify({ when: Date.now(), ...unsaved() })); } catch { /* as above */ }
+    try { localStorage.setItem(key(), JSON.stringify({ when: Date.now(), ...unsaved() })); } catch { /* no storage */ }
   }, 200);
 };
 // The latest draft of the study, with the name under which the browser keeps it.
@@ -216,7 +216,7 @@ const offerDraft = () => {
   const [name, draft] = latestDraft();
   if (draft === null) return;
   const edits = Array.isArray(draft.edits) ? draft.edits : [];
-  // Edits refer to entries of the text by number, so they only fit this text.
+  // Edits name a target or variable by its index, so they only fit the text of the study for which they were made.
   const hasEdits = edits.length > 0 && draft.from === state.overview.from;
   const { design } = withMoves(state.overview, draft.moves);
   if (isSame(design, state.design) && !hasEdits) return;
@@ -259,7 +259,7 @@ const viewsKey = () => {
   return [COMPARED('3 3'), ...others(), ...(document.querySelector('.arrows .arrow') && state.arrows !== 'none' && state.answer?.misfit ? [[`direction that lowers ${aim}`, '--arrow', { 'stroke-width': 2 }]] : []),
     [state.overview.is_car ? 'cross: centre of gravity of the sprung mass' : 'cross: roll centre', '--proposal', { 'stroke-width': 1.75 }]];
 };
-// Places of the entries of a legend, in rows of this width.
+// Sizes of a legend in pixels. `rowsOf` places the entries of the legend in rows of this width.
 const KEY = { size: 12, line: 26, gap: 20, row: 18 };
 const rowsOf = (entries, width) => {
   let [x, row] = [0, 0];

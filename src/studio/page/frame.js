@@ -36,7 +36,7 @@ export const framed = (chart, still, moving, isInGesture) => {
     chart.wideSince = null;
     return wanted;
   }
-  // An axis that contains all values does not change.
+  // An axis that already contains all values does not grow.
   const fits = low >= chart.ys[0] && high <= chart.ys[1];
   const grown = fits ? chart.ys : [Math.min(chart.ys[0], wanted[0]), Math.max(chart.ys[1], wanted[1])];
   if (span(grown) <= TOO_WIDE * span(wanted)) {

@@ -1,5 +1,5 @@
-// Labels at the right ends of lines, as in reports. Labels name the lines of both wheels, the lines of a family (one line for
-// each other value of a slider), and the lines of pinned designs.
+// Labels at the right ends of lines, as in reports. Labels name the lines of both wheels, the lines of pinned designs, and the
+// lines of a family. A family has one line for each other value of a slider.
 import { brief, measured } from './draw.js';
 import { state } from './design.js';
 
@@ -31,8 +31,8 @@ export const labelsOf = (lines) => {
 };
 export const widest = (labels) => Math.ceil(Math.max(...labels.map(({ text }) => measured(text, SIZE, 700))));
 
-// Heights of labels between two ends, without overlaps. If there is not enough space, only labels of emphasised lines are
-// shown.
+// Vertical positions of labels between two ends, without overlaps. If there is not enough space, only labels of emphasised lines
+// are shown.
 export const spread = (labels, [top, bottom], y) => {
   const most = Math.max(1, Math.floor((bottom - top) / APART));
   const some = labels.length > most ? labels.filter(({ kind }) => kind.startsWith('strong')).slice(0, most) : labels;

@@ -10,9 +10,9 @@ export const hueOf = (bodies) => {
   return bodies.map(({ kind }) => own[kind] ?? `hue${number++ % HUES}`);
 };
 
-// Positions of names: each name is at the first free position around its point. A distant name has a line to its point. Each
-// name is given as { text, at, kind }. The result has the left end and the baseline of each name's box, and the ends of the
-// line.
+// Positions of names: each name takes the position of lowest cost around its point. Overlaps cost more than distance. A distant
+// name has a line to its point. Each name is given as { text, at, kind }. The result has the left end and the baseline of each
+// name's box, and the ends of the line.
 const LETTER = 6.4;
 const LINE = 12;
 const DISTANCES = [9, 18, 30, 46, 66];

@@ -31,7 +31,7 @@ const buildChips = () => {
   widen('misfit', { note: ' from 00.0' });
   byId('figures').replaceChildren(...[...chips.values()].map(({ chip }) => chip));
 };
-// Opens the tab of a chip, and selects a point of the member that the chip describes.
+// Opens the tab of a chip. For the constraints, it also selects a point that the first violated constraint names.
 const lead = (place) => {
   openTab(place, true);
   const broken = place === 'constraints' && state.answer?.misfit?.constraints.find((c) => c.is_violated);

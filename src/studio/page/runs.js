@@ -2,8 +2,8 @@
 // stations.
 import { state } from './design.js';
 
-// Data that all charts of an answer share, computed once: stations of each group in increasing order, range of their positions,
-// and curves of each column.
+// Data that all charts of an answer share, computed once: stations of each group in increasing order, range of their positions, and
+// curves of each column. The stations of a group differ only in the value on the horizontal axis.
 const known = new WeakMap();
 export const knownOf = (answer) => {
   if (known.has(answer)) return known.get(answer);

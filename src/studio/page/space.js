@@ -44,5 +44,5 @@ export const circle = (centre, normal, radius) => {
 };
 // The wheel's rim: a circle about its centre, normal to the spin axis.
 export const rim = (at, { wheel_centre: centre, wheel_radius: radius }) => (radius && at ? circle(at.points[centre], at.spin_axis, radius) : []);
-// The rims of all wheels of a side: one, or those of both axles of a car.
+// Rims of the wheels on one side: one rim, or for a car the rims of both axles.
 export const rims = (at, scene) => (at?.spin_axes ? scene.wheels.map(({ centre, radius }, k) => circle(at.points[centre], at.spin_axes[k], radius)) : [rim(at, scene)]);

@@ -64,7 +64,8 @@ export const remover = (label, path, name) => html('button', { class: 'small', t
 export const headed = (title, head, rows, ...more) => html('div', { class: head.length > 5 ? 'panel form wide' : 'panel form' }, html('h2', { text: title }), scroller(title,
   html('table', {}, html('thead', {}, html('tr', {}, ...head.map((text) => html(text ? 'th' : 'td', { text })))), html('tbody', {}, ...rows))), ...more);
 
-// Fields for the numbers in a table of the study that are limits or target values.
+// Keys of limits and target values, with labels. `limitFields` makes a field for each number under these keys in a table of the
+// study.
 const LIMITS = { between: ['from', 'to'], at_least: 'at least', at_most: 'at most', clearance: 'clearance', value: 'value', at: 'at' };
 export const limitFields = (entry, path, name) => Object.entries(LIMITS).flatMap(([key, label]) => {
   const value = entry[key];

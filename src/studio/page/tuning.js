@@ -53,8 +53,8 @@ const mixed = (from, to, share) => {
   if (Array.isArray(to)) return to.map((value, k) => mixed(from?.[k], value, share));
   return Number.isFinite(from) && Number.isFinite(to) ? Number((from + share * (to - from)).toPrecision(12)) : to;
 };
-// Asks for the study with the selected percentage of the tuned values. It sends one request at a time, and the latest percentage
-// last.
+// Asks for the study with the selected percentage of the tuned values. It sends one request at a time. If the percentage has
+// changed in the meantime, it sends another request.
 let retuning = null;
 const retune = () => {
   clearTimeout(pause);
@@ -150,7 +150,7 @@ const preview = () => {
   askExact();
 };
 
-// Asks for the misfit of the selected part without rounding. The difference is the cost of rounding.
+// Asks for the misfit of the selected part without rounding. The misfit with rounding minus this misfit is the cost of rounding.
 let asked = 0;
 const askExact = async () => {
   const number = asked += 1;

@@ -1,4 +1,5 @@
-// Front, side, top and a view in space: the mechanism at the positions of the sliders, with points that can be dragged.
+// Front view, side view, top view and a view in space. They show the mechanism at the positions of the sliders, with points that
+// the user can drag.
 import { along, AXES, brief, byId, centred, cross, dot, heldByFinger, html, minus, norm, placed, set, show, signed, svg, tenth, write } from './draw.js';
 import { MechanismView } from './mechanism_view.js';
 import { flat, rims } from './space.js';
@@ -230,7 +231,8 @@ class View extends MechanismView {
     this.drawWords(frame);
   }
 
-  // Draws each name at the first free one of four positions.
+  // Draws each name at one of four positions: the first one with the fewest overlaps. A position that leaves the picture counts as
+  // two overlaps.
   drawWords(frame) {
     const taken = [];
     const near = !this.places[this.hovered] ? [] : this.stack(this.places[this.hovered], this.places);

@@ -83,7 +83,7 @@ pub struct Optimise {
     pub robust: Option<Text>,
     /// Names of the targets whose trade-off is traced.
     pub front: Option<Spanned<Vec<Text>>>,
-    /// False if changes that no target requests are not reported.
+    /// False if the results leave out the changes that no target requests.
     pub side_effects: Option<Spanned<bool>>,
     /// Design variables.
     pub variables: Spanned<Vec<Spanned<Variable>>>,

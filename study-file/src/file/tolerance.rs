@@ -75,9 +75,9 @@ pub struct Scatter {
     pub rate: Option<Text>,
     /// True if the scatter of a rate is relative to the rate.
     pub relative: Option<Spanned<bool>>,
-    /// For an axle, the only wheel whose parts scatter.
+    /// For an axle, the wheel whose parts scatter. If omitted, the parts of both wheels scatter.
     pub side: Option<Text>,
-    /// The only coordinate that scatters.
+    /// The one coordinate that scatters. If omitted, all three coordinates scatter.
     pub axis: Option<Text>,
     /// Standard deviation of a normal scatter.
     pub sigma: Option<Number>,

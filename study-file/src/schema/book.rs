@@ -1,4 +1,4 @@
-//! Writes the schema from the recorded requests of the reader and from the manual.
+//! Writes the schema from the recorded requests of the study parser and from the manual.
 
 use super::source::{Kind, Place, key_path};
 use super::{Allowed, Root};
@@ -35,8 +35,8 @@ pub(super) fn manual(root: Root) -> BTreeMap<(String, String), String> {
     descriptions
 }
 
-/// Note in the manual for keys of car studies. The reader of a study of one wheel or an axle reads these keys only to refuse
-/// them with an explanation.
+/// Note in the manual for keys of car studies. A study of one wheel or an axle must not contain these keys. Its parser knows
+/// them only to refuse them with an explanation.
 const OF_CARS: &str = "only in the [study of a car](car.md)";
 
 /// All information about the keys that is needed to write the schema.

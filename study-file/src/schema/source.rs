@@ -1,5 +1,4 @@
-//! Artificial source of values for the reader of studies. It records the kind of value and the keys that each type
-//! requests.
+//! Artificial source of values for the study parser. It records the kind of value and the keys that each type requests.
 
 use serde::de::value::StrDeserializer;
 use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
@@ -17,7 +16,7 @@ pub(super) enum Kind {
     List,
     /// A table whose keys are names.
     Names,
-    /// A table with these keys.
+    /// A table with a fixed set of keys.
     Table,
 }
 
@@ -39,11 +38,11 @@ pub(super) struct Place {
     pub(super) takes_any: bool,
 }
 
-/// Offers for one run of the reader, and the records of this run.
+/// Offers for one run of the study parser, and the records of this run.
 #[derive(Debug, Default)]
 pub(super) struct Notes {
     pub(super) places: BTreeMap<String, Place>,
-    /// Kind offered at each path that accepts any kind. Without an entry, a number is offered.
+    /// Kind offered at each path that accepts any kind. At a path without a kind here, the source offers a number.
     pub(super) offers: BTreeMap<String, Kind>,
     /// Keys of tables whose type does not list its keys in advance. The keys come from the type's error about an unknown key.
     keys: BTreeMap<String, Vec<&'static str>>,
@@ -55,7 +54,7 @@ pub(super) struct Notes {
     pub(super) has_learnt: bool,
 }
 
-/// Reason why a run of the reader ended.
+/// Reason why a run of the study parser ended.
 #[derive(Debug)]
 pub(super) enum Refusal {
     /// A key is unknown. The known keys are given.
@@ -188,7 +187,7 @@ impl<'de> Deserializer<'de> for Key {
 /// Name by which the crate `serde_spanned` requests a value together with its position.
 const SPANNED: &str = "$__serde_spanned_private";
 
-/// A value with the positions of its first and its last byte, in the form of the TOML reader.
+/// A value with the positions of its first and its last byte, as the TOML parser delivers it.
 struct Spanned<T> {
     fields: &'static [&'static str],
     next: usize,

@@ -23,7 +23,7 @@ const ASKED: &str = "outputs={characteristics=[\"camber\", \"toe\", \"track\", \
     \"drop_link_inner\"], knuckle=true, order=\"acceleration\"}";
 
 /// The second derivatives with respect to roll, heave, rack and travel equal the slopes of the first derivatives. The
-/// slopes come from differences of eighth order.
+/// slopes come from finite differences of eighth order.
 #[test]
 fn second_derivatives_are_the_slopes_of_the_first() {
     let step = 0.125;

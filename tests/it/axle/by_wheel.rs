@@ -185,8 +185,8 @@ fn absurd_adjustments_of_a_wheel_are_refused() {
     );
 }
 
-/// Both wheels of a build scatter independently. The program names the build with the nearest limit. That limit
-/// applies to all builds.
+/// Both wheels of a build scatter independently. The program gives the limits that every build reaches, and names the build with
+/// the nearest limit. This build, written as a study, has the same limit.
 #[test]
 fn builds_of_an_axle_have_limits_of_both_wheels() {
     let path = study("five_link_axle_tolerance.toml");
@@ -220,8 +220,8 @@ fn builds_of_an_axle_have_limits_of_both_wheels() {
     assert!((own - number(&rows[0], "nearest")).abs() < 1e-6, "{own}");
 }
 
-/// The benchmark measures the evaluation in SIMD lanes if sweeps of the axle can use it. It refuses entries that apply
-/// only to one wheel.
+/// The benchmark measures the evaluation in SIMD lanes if sweeps of the axle can use it. The benchmarks `accuracy` and `effects`
+/// refuse an axle, because they support only one wheel.
 #[test]
 fn an_axle_is_timed_by_its_positions() {
     if !crate::support::has_lanes() {

@@ -230,7 +230,7 @@ fn poses_over_an_interval_of_travel_are_enclosed() {
     for k in -4..=4 {
         let travel = middle + 0.25 * reach * f64::from(k);
         let (pose, _) = at(travel);
-        // This test computes slopes from differences of fourth order.
+        // This test computes slopes from finite differences of fourth order.
         let step = 0.05;
         let around = [-2.0, -1.0, 1.0, 2.0].map(|n| at(travel + n * step).0);
         let rate = |number: &dyn Fn(&hardpoint::mechanism::Pose<f64>) -> f64| {

@@ -91,7 +91,7 @@ fn sample_axles_are_solved_and_written() {
     run(&["solve", path, "--out", directory], 0);
     let csv = fs::read_to_string(sensitivities.join("sensitivities.csv")).unwrap();
     assert!(csv.contains(",roll_steer,left,toe_link_inner,z,"), "{csv}");
-    // The file names outputs and units in the same way as the sensitivities of one wheel.
+    // Outputs and units have the same names in this file as in the sensitivity file of one wheel.
     let path = study("double_wishbone_solve.toml");
     let (corner, axle) = (folder("corner"), csv);
     let outputs = "outputs={ characteristics = [\"camber\", \"motion_ratio\"], sensitivities = [\"wheel_centre\"] }";
@@ -192,8 +192,8 @@ fn what_is_not_there_for_an_axle_is_refused_by_name() {
     assert!(said.contains("roll needs [axle]"), "{said}");
 }
 
-/// A track may be that of the wheel centres or that of the contact points. Any other track gives a warning with both values, for
-/// an axle as for one wheel.
+/// The given track may be the distance of the wheel centres or the distance of the contact points. Any other track gives a
+/// warning with both distances. This holds for an axle and for one wheel.
 #[test]
 fn a_track_agrees_with_wheel_centres_or_contact_points() {
     let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -541,7 +541,7 @@ fn no_tuned_design_is_better_than_its_front() {
     assert!(points.iter().any(is_as_good), "{kept:?} {points:?}");
 }
 
-/// A sweep of axles writes identical files with one thread and with two threads. It also writes a page.
+/// A sweep of axles writes identical files with one CPU thread and with two CPU threads. It also writes a page.
 #[test]
 fn axles_are_swept() {
     if !crate::support::has_lanes() {

@@ -1,5 +1,5 @@
 //! Tests of every quantity of an axle with different sides. One reference is the mirrored axle. The other reference is
-//! an independent evaluation from wheel positions, ground geometry and differences between positions.
+//! an independent evaluation from wheel positions, ground geometry and finite differences between positions.
 
 use super::one_state::axles;
 use super::reference::condition;
@@ -238,7 +238,7 @@ impl Plane {
     }
 }
 
-/// Derivative at 0 from differences of sixth order.
+/// Derivative at 0 from finite differences of sixth order.
 fn derivative<const N: usize>(step: f64, mut at: impl FnMut(f64) -> [f64; N]) -> [f64; N] {
     let values = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0].map(|k| at(k * step));
     let weights = [-1.0, 9.0, -45.0, 45.0, -9.0, 1.0];
@@ -248,7 +248,7 @@ fn derivative<const N: usize>(step: f64, mut at: impl FnMut(f64) -> [f64; N]) ->
     })
 }
 
-/// Steps of the differences: first for travels and rack, then for roll angles.
+/// Steps of the finite differences: first for travels and rack, then for roll angles.
 const STEP: f64 = 0.4;
 const STEP_OF_ROLL: f64 = 1e-3;
 
@@ -668,7 +668,7 @@ fn values_of_motions(
 }
 
 /// On axles with different sides, every quantity of the catalogue equals its independent evaluation. That evaluation
-/// uses only wheel positions, the outputs of each wheel, and differences between positions.
+/// uses only wheel positions, the outputs of each wheel, and finite differences between positions.
 #[test]
 fn quantities_are_those_of_an_independent_evaluation() {
     let mut compared = BTreeMap::new();

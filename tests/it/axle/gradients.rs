@@ -1,4 +1,4 @@
-//! Tests of gradients with respect to hardpoints against differences of fourth order.
+//! Tests of gradients with respect to hardpoints against finite differences of fourth order.
 
 use super::{axle, reference::read};
 use hardpoint::axle::{AxleQuantity as A, AxleSolver, Placement, Quantity, WheelQuantity as W};

@@ -126,8 +126,8 @@ fn mirrored_loads_are_carried_alike() {
     assert!(seen > 8, "{seen}");
 }
 
-/// A load along the ground normal that equals the wheel load needs exactly the spring force of this wheel load, also in
-/// roll. For any load, the spring force does the same work as the load.
+/// If a load along the ground normal equals the wheel load, it needs exactly the spring force that the program reports.
+/// This also holds in roll. For any load, the spring force does the same work as the load.
 #[test]
 fn the_spring_takes_the_work() {
     let quantities = "outputs.characteristics=[\"wheel_load\", \"spring_force\", \"motion_ratio\"]";

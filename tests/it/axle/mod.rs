@@ -34,7 +34,7 @@ use hardpoint::study::Study;
 use serde_json::Value;
 use std::path::Path;
 
-/// Left wheel of a case of `tests/data/reference/axle`, as a study would define it.
+/// Left wheel of a reference case in `tests/data/reference/axle`, as a study would define it.
 fn suspension(case: &Value) -> Suspension {
     let mut text = format!("[suspension]\ntopology = {}\n", case["topology"]);
     text += "[suspension.hardpoints]\n";
@@ -52,7 +52,7 @@ fn suspension(case: &Value) -> Suspension {
     study.unwrap_or_else(|e| panic!("{e:?}")).into_wheel()
 }
 
-/// The axle of a case.
+/// The axle of a reference case.
 fn axle(case: &Value) -> Axle {
     let left = suspension(case);
     let spring = SpringLaw {

@@ -86,7 +86,7 @@ pub(super) fn axles() -> [Named; 5] {
     all
 }
 
-/// Quantities that have a value in a state.
+/// Quantities of the catalogue that are available for the axle in a state on plane ground.
 fn quantities(axle: &Axle) -> Vec<Quantity> {
     let all = Quantity::names().into_iter().flat_map(Quantity::named);
     let has = |quantity: &Quantity| match quantity {

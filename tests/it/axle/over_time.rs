@@ -29,8 +29,8 @@ fn value(curves: &Curves, station: usize, name: &str) -> f64 {
 const ASKED: &str = "outputs={characteristics=[\"camber\", \"toe\", \"track\", \"wheel_load\"], \
     points=[\"wheel_centre\", \"tie_rod_outer\"], knuckle=true, order=\"acceleration\"}";
 
-/// Velocities equal the slopes of the values, and accelerations equal the slopes of the velocities, from differences of
-/// eighth order.
+/// Velocities equal the slopes of the values, and accelerations equal the slopes of the velocities, by finite
+/// differences of eighth order.
 #[test]
 fn derivatives_by_time_are_slopes() {
     let step = 1.0 / 64.0;

@@ -1,4 +1,5 @@
-//! Tests of axles with different sides against `tests/data/own/generate_axles.py`.
+//! Tests of axles with different sides against the results of an independent script
+//! (`tests/data/own/generate_axles.py`).
 
 use hardpoint::axle::{AxleQuantity as A, AxleSolver, Placement, Quantity, WheelQuantity as W};
 use hardpoint::characteristics::Characteristic;

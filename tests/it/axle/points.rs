@@ -186,7 +186,7 @@ fn points_have_sensitivities() {
         let step = 0.1;
         let at = |k: usize, side: &str| {
             let moved = 250.0 + step * (k as f64 - 4.0);
-            // The right wheel has its own position of the point.
+            // Each wheel has its own coordinates of the point.
             let set = match side {
                 "left" => format!(
                     "suspension.hardpoints.lower_rear_link_outer=[-55.0, {:?}, 190.0]",

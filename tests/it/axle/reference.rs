@@ -119,7 +119,7 @@ pub(super) fn condition(name: &str, state: &AxleState<f64>) -> f64 {
     }
 }
 
-/// Names of the numbers in an array of the states, in order.
+/// Names of the numbers in the array `of` of each state, in the order of the array.
 pub(super) fn names<'c>(case: &'c Value, of: &str) -> Vec<&'c str> {
     let names = case["names"][of].as_array().unwrap().iter();
     names.map(|name| name.as_str().unwrap()).collect()
@@ -232,7 +232,8 @@ fn derivatives_along_motions_are_the_reference_s() {
                         continue;
                     };
                     let found = quantity.evaluate(&moving)[1];
-                    // A radian of roll is a large motion: angles and lengths per radian have their natural magnitude.
+                    // A radian of roll is a large motion, so derivatives per radian have the size of the values
+                    // themselves. Derivatives per unit of heave or rack are about a hundredth of this size.
                     let per = if key == "by_roll" { 1.0 } else { 1e-2 };
                     let size = expected.abs().max(scale * per);
                     let size = size * condition(name, &read.state);
@@ -254,7 +255,8 @@ fn gradients_by_hardpoints_are_the_reference_s() {
         let axle = axle(&case);
         let quantities = quantities();
         let names = names(&case, "sens");
-        // The file has roll stiffnesses to four (rig) or seven (road) digits only. `gradients` tests them.
+        // In the file, derivatives of roll stiffnesses have only four (on the pads of a rig) or seven (on the road)
+        // correct digits. `gradients` tests these derivatives.
         let is_exact = |name: &str| !name.starts_with("roll_stiffness");
         let known = |name: &str| {
             quantities

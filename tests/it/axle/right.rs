@@ -68,7 +68,7 @@ fn each_side_is_that_of_the_mirrored_axle_with_its_figures() {
     let points = "wheel_centre = [0.0, -770.0, 305.0]\n";
     let mirrored = HEAD.replace("[   0.0, 760.0, 310.0]", "[0.0, 770.0, 305.0]");
     for (own, of_right) in [
-        // Omitted entries are those of the left wheel.
+        // If the section omits a value, the right wheel has the left wheel's value.
         (
             "[axle.right.wheel]\nstatic_camber = -0.5\n".to_owned(),
             text(FLAT, "[axle]\n", SOFT),
@@ -112,8 +112,8 @@ fn without_right_the_axle_is_mirrored() {
     assert_eq!(axle, named);
 }
 
-/// Every command accepts an axle with its own right wheel: it can be rolled, certified, swept and tuned. Results name
-/// the entries of the right wheel.
+/// Every command accepts an axle whose right wheel differs from the left one: it can be rolled, certified, swept and
+/// tuned. Results name the entries of the right wheel.
 #[test]
 fn an_axle_with_a_right_wheel_of_its_own_goes_through_every_command() {
     let own = "[axle.right.wheel]\nstatic_toe = -0.3\n[axle.right.spring]\nforce = 3700.0\n";

@@ -163,7 +163,7 @@ fn a_t_bar_adds_to_the_load_of_the_springs() {
     assert!(torque > 0.0 && left > 0.0 && right < 0.0, "{left} {right}");
 }
 
-/// Gradients with respect to hardpoints equal differences between moved designs.
+/// Gradients with respect to hardpoints equal finite differences between moved designs.
 #[test]
 fn gradients_are_those_of_moved_designs() {
     let axle = sample();

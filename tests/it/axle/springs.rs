@@ -80,8 +80,8 @@ fn columns(path: &str, sets: &[&str], names: &[&str]) -> Vec<Vec<f64>> {
 }
 
 /// The test moves the pads of a rig by the travels plus the tyre deflections. The roll stiffness with tyres is the
-/// slope of the moment over the angle of the line through both pads. The slope comes from differences of eighth order
-/// over opposite travels. Without tyres, this slope is `roll_stiffness`.
+/// slope of the moment over the angle of the line through both pads. The slope comes from finite differences of eighth
+/// order over opposite travels. Without tyres, this slope is `roll_stiffness`.
 #[test]
 fn tyres_are_in_series_with_the_roll_stiffness() {
     const WEIGHTS: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];

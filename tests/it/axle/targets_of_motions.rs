@@ -73,7 +73,8 @@ fn most(study: &Study, column: &str) -> f64 {
     values.fold(0.0, f64::max)
 }
 
-/// One tuning meets a camber in roll and a bump steer in heave. The curves of both motions show it.
+/// One tuning meets two targets: a camber in roll and a bump steer in heave. The curves of both motions show the target
+/// values.
 #[test]
 fn one_tuning_meets_targets_in_two_motions() {
     let given = study("macpherson_axle_front", &[]);

@@ -91,8 +91,8 @@ fn each_wheel_is_a_build_of_its_own() {
     }
 }
 
-/// When a printed build is solved, it has the values of the Monte Carlo analysis. With two builds, these are the
-/// smallest and the largest value.
+/// When a printed build is solved, it has the values of the Monte Carlo analysis. With two builds, one has the smallest and the
+/// other the largest value of the analysis.
 #[test]
 fn a_printed_build_is_the_build() {
     let study = axle("builds=2", &[]);
@@ -225,8 +225,8 @@ impl<'s> Moved<'s> {
     }
 }
 
-/// Derivatives with respect to all contributors of either side equal the slopes of the built axle's values, from differences of
-/// fourth order.
+/// Derivatives with respect to all contributors of either side equal the slopes of the built axle's values, by finite
+/// differences of fourth order.
 #[test]
 fn gradients_are_slopes_of_built_axles() {
     let study = axle("builds=2", &[]);
@@ -256,8 +256,8 @@ fn gradients_are_slopes_of_built_axles() {
     assert!(looked_at > 2 * moved.sources.len(), "{looked_at}");
 }
 
-/// The second-order contribution is half the second derivative times the variance, including products of sources of
-/// both wheels. The result agrees with differences of fourth order in roll, at given travels on a plane, and on pads.
+/// The second-order contribution is half the second derivative times the variance, including products of tolerance sources of
+/// both wheels. The result agrees with finite differences of fourth order in roll, at given travels on a plane, and on pads.
 /// The program does not compute this contribution for quantities made of velocities.
 #[test]
 fn second_order_is_that_of_built_axles() {
@@ -277,7 +277,7 @@ fn second_order_is_that_of_built_axles() {
         let problem = problem(&study);
         let expansion = Expansion::of(&problem).unwrap();
         let moved = Moved::of(&study, problem.placements()[0]);
-        // Steps of a fifth of a standard deviation along one source, or along two.
+        // Steps of a fifth of a standard deviation along one tolerance source, or along two.
         let bend = |sources: &[usize]| -> Vec<f64> {
             let h = 0.2;
             let at = |step: f64| {
@@ -303,7 +303,7 @@ fn second_order_is_that_of_built_axles() {
             let mean = 0.5 * (one + two);
             let growth = 0.5 * (one * one + two * two) + mixed * mixed;
             let value = moved.values(&[])[output].abs().max(1e-3);
-            // Error of the differences.
+            // Rounding error of the finite differences.
             let rounding = 1e-12 * value;
             let size = one.abs() + two.abs() + mixed.abs() + rounding;
             let name = quantity.name();
@@ -410,8 +410,8 @@ fn each_wheel_is_aligned() {
     }
 }
 
-/// Builds have the same values in SIMD lanes and one by one. Their results have the same bits with any number of
-/// threads. Each band applies to the expected number of values.
+/// Builds have the same values in SIMD lanes and one by one. Their results have the same bits with any number of CPU threads.
+/// Each band applies to the expected number of values.
 #[test]
 fn results_are_the_same_however_they_are_found() {
     if !crate::support::has_lanes() {

@@ -97,7 +97,7 @@ const TRAVELS: [f64; 3] = [0.0, 25.0, -20.0];
 const RACKS: [f64; 2] = [0.0, 6.0];
 /// Largest deviation of a coordinate or a length.
 const OFF: f64 = 2.0;
-/// Step of differences.
+/// Step of the finite differences.
 const STEP: f64 = 1.0 / 131_072.0;
 
 /// Suspension, as both solvers read it.
@@ -345,7 +345,7 @@ fn displaced(
     parts
 }
 
-/// Compares this number of builds. The builds come from all cases in turn.
+/// Compares this number of builds. The builds come from all studies of `CASES` in turn.
 fn random_builds(count: u64) {
     let cases: Vec<Case> = CASES.into_iter().map(Case::of).collect();
     let of_case = |k: usize| {
@@ -422,7 +422,7 @@ fn what_cannot_be_put_together_cannot_by_other_equations() {
     }
 }
 
-/// The other equations agree with the 60-digit reference values to all 25 digits that are stored.
+/// The solver `other_equations` agrees with the 60-digit reference values to all 25 digits that are stored.
 #[test]
 fn the_other_equations_give_the_reference_answers() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/own/builds.json");

@@ -68,8 +68,9 @@ fn values(spread: &Spread) -> impl Iterator<Item = f64> {
     spread.range.into_iter().chain(spread.percentiles)
 }
 
-/// Builds that are sampled, assembled and solved in SIMD lanes have the values of builds one by one. The test covers
-/// every topology, with and without alignment. The results have the same bits at any lane width.
+/// Builds that are sampled, assembled and solved in SIMD lanes have the same values as builds that are evaluated one
+/// by one. The test covers every topology, with and without alignment. The results have the same bits at any lane
+/// width.
 #[test]
 fn builds_in_lanes_are_those_one_by_one() {
     if !crate::support::has_lanes() {
@@ -100,7 +101,8 @@ fn builds_in_lanes_are_those_one_by_one() {
     }
 }
 
-/// A build does not depend on its neighbours in the SIMD lanes: the values of two builds are among those of three.
+/// A build does not depend on its neighbours in the SIMD lanes. So the results of a run with two builds also occur in
+/// a run with a third build.
 #[test]
 fn builds_in_lanes_do_not_depend_on_their_neighbours() {
     for (name, adjust) in STUDIES {

@@ -15,7 +15,7 @@
 //! place(p) is the moved position of a point. On the carrier it is o + q p q*. A point of an arm moves with the frame of the
 //! arm's axis and outer joint, and a point of a rocker turns about the rocker's axis. The parts change in steps from the
 //! nominal parts to the built parts. In each step, Newton's method in doubles solves the equations, with a Jacobian from
-//! differences. Then residuals of twice the precision refine the solution to about 28 digits.
+//! finite differences. Then residuals of twice the precision refine the solution to about 28 digits.
 //!
 //! This module reads hardpoints and topology from the study. From `hardpoint` it uses only numbers and vectors.
 
@@ -409,8 +409,8 @@ impl Drawing {
         false
     }
 
-    /// Increases parts and motion from start to end in steps. In each step, the Jacobian's determinant keeps its sign
-    /// and changes by less than a factor of 1.7. Returns `None` if a step would be too short.
+    /// Changes the parts and the motion in steps from their start values to their end values. In each step, the Jacobian's
+    /// determinant keeps its sign and changes by less than a factor of 1.7. Returns `None` if a step would be too short.
     fn follow(
         &self,
         mut x: Vec<f64>,

@@ -87,8 +87,8 @@ fn with_everything_recut_the_build_is_the_moved_drawing() {
         let built = assembler.build(&parts, Rest::Height(0.0)).unwrap();
         let plan = Plan::of(study.one_wheel().unwrap());
         let found = built_curves(&assembler, &built, &plan, &[]).unwrap().curves;
-        // If an arm's axis moves, a nominal point on the arm keeps its coordinates, but a built point moves with the
-        // arm. The test takes the built points.
+        // If an arm's axis moves in the study, a nominal point on the arm keeps the coordinates of the study. A built point
+        // moves with the arm. The test takes the built points.
         let mut expected = moved.clone();
         for (i, point) in moved.mechanism.points.iter().enumerate() {
             if !matches!(

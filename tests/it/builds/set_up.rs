@@ -58,7 +58,7 @@ fn effects_are_slopes_of_the_static_values() {
     let (assembler, setup) = (assembler(&study), study.setup.as_ref().unwrap());
     let found = SetUp::solve(&study, setup, &assembler).unwrap();
     for (k, adjustment) in setup.adjust.iter().enumerate() {
-        // Differences of fourth order.
+        // Finite differences of fourth order.
         let h = 0.05;
         let heights = [-2.0, -1.0, 1.0, 2.0].map(|step| {
             let mut parts = assembler.drawn().clone();
@@ -80,8 +80,8 @@ fn effects_are_slopes_of_the_static_values() {
     }
 }
 
-/// A set-up uses whole shims. Its threads compensate the rounding of the shims. The set-up names a target that no
-/// adjustment changes.
+/// A set-up uses whole shims. Its threaded adjusters compensate the rounding of the shims. The set-up names a target that
+/// no adjustment changes.
 #[test]
 fn shims_come_whole_and_what_cannot_be_met_is_named() {
     let stepped = solved("double_wishbone_tolerance", &[]);
@@ -109,8 +109,8 @@ fn shims_come_whole_and_what_cannot_be_met_is_named() {
     assert!((ratio - by[0][1] / by[1][1]).abs() < 0.01, "{ratio}");
 }
 
-/// Whole shims may leave a camber error of at most half a shim step. The threads still meet toe and ride height to
-/// rounding. The set-up adjusts toe last.
+/// Whole shims may leave a camber error of at most half a shim step. The threaded adjusters still meet toe and ride height
+/// to rounding. The set-up adjusts toe last.
 #[test]
 fn shims_never_spoil_what_threads_can_meet() {
     let adjust = "setup.adjust=[{length=\"tie_rod\",per_turn=2.0},{length=\"pushrod\",per_turn=2.5},\
@@ -150,8 +150,8 @@ fn what_is_not_wanted_is_kept_by_its_own_thread() {
     assert!(found.is_met());
 }
 
-/// A set-up counts as met if the error is within half a shim step. It is not met if the adjustments cannot reach a
-/// target, however coarse the shims are.
+/// A set-up counts as successful if each error is within half a shim step. If the adjustments cannot reach a target at
+/// all, the set-up is not successful, however coarse the shims are.
 #[test]
 fn half_steps_of_shims_do_not_fail_a_set_up() {
     let adjust = "setup.adjust=[{length=\"pushrod\",per_turn=2.5},{shim=\"upper_ball_joint\",axis=\"y\",step=1.0}]";

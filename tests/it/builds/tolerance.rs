@@ -68,8 +68,8 @@ fn first_order_is_the_monte_carlo_where_it_says_so() {
     }
 }
 
-/// The second-order contribution is half the second derivative times the variance, from differences of fourth order.
-/// This contribution shows where the first-order result is not valid.
+/// The second-order contribution is half the second derivative times the variance, from finite differences of fourth
+/// order. This contribution shows where the first-order result is not valid.
 #[test]
 fn second_order_tells_where_the_linear_answer_does_not_hold() {
     let study = study(
@@ -110,7 +110,8 @@ fn second_order_tells_where_the_linear_answer_does_not_hold() {
                 (shift - expected).abs() < 1e-3 * expected.abs(),
                 "{shift} {expected}"
             );
-            // For a single normal source, the variance grows by twice the square of the shift of the mean.
+            // For a single, normally distributed tolerance, the variance grows by twice the square of the shift of the
+            // mean.
             assert!((growth - 2.0 * shift * shift).abs() < 1e-12 * growth);
         }
     }
@@ -209,7 +210,7 @@ fn the_tolerances_that_cost_the_yield_are_named_first() {
     let yields = run(0.3, 0.8);
     let before = yields.all.monte_carlo;
     let first: Vec<usize> = yields.ranking[..2].iter().map(|r| r.contributor).collect();
-    // Indices of the tie rod and the front leg, after three hardpoints.
+    // Contributor 3 is the tie rod and contributor 5 the front leg. Contributors 0 to 2 are the three hardpoints.
     assert!(
         first.contains(&3) && first.contains(&5),
         "{:?}",
@@ -232,7 +233,7 @@ fn the_tolerances_that_cost_the_yield_are_named_first() {
     assert!(loose >= 1, "{:?}", yields.ranking);
 }
 
-/// Results have the same bits with any number of threads, also if some builds cannot be assembled.
+/// Results have the same bits with any number of CPU threads, also if some builds cannot be assembled.
 #[test]
 fn results_are_the_same_on_any_number_of_threads() {
     let study = study(

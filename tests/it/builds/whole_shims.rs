@@ -11,8 +11,8 @@ fn solved(overrides: &[&str]) -> Result<SetUp, SetUpError> {
     SetUp::solve(&study, study.setup.as_ref().unwrap(), &assembler(&study))
 }
 
-/// The allowed error for half a shim step is half the effect of a step, plus 1 %. A thread increases it by the effect
-/// of half a sixteenth of a turn.
+/// The allowed error for half a shim step is half the effect of a step, plus 1 %. A threaded adjuster increases this
+/// error by the effect of half a sixteenth of a turn.
 #[test]
 fn half_steps_allow_half_effects() {
     let shim =
@@ -22,7 +22,7 @@ fn half_steps_allow_half_effects() {
     for (setup, has_thread) in [(shim, false), (both, true)] {
         let found = solved(&[setup]).unwrap();
         let by = &found.last().by;
-        // The thread corrects toe and changes camber slightly.
+        // The threaded adjuster corrects toe and changes camber slightly.
         let effect = if has_thread {
             by[0][0] - by[1][0] * by[0][1] / by[1][1]
         } else {

@@ -172,8 +172,8 @@ fn scatter_keeps_to_accepted_values() {
     read(&["tolerance.scatter=[{ car = \"brake_share_front\", sigma = 0.07 }]"]).unwrap();
 }
 
-/// Two sources change the same rate. Each source reduces the rate by up to two thirds, with uniform distribution. In
-/// one eighth of the builds, the rate falls below zero, and the program rejects these builds.
+/// Two tolerances change the same rate. Each tolerance reduces the rate by up to two thirds, with uniform
+/// distribution. In one eighth of the builds, the rate falls below zero, and the program rejects these builds.
 #[test]
 fn impossible_builds_are_rejected() {
     let rate = 30.0;

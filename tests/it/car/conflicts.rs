@@ -23,7 +23,7 @@ fn a_smallest_set_is_named() {
     let tuned = study
         .tuned(study.optimise.as_ref().unwrap(), Default::default())
         .unwrap();
-    // The program names constraints of cases before constraints of axles.
+    // The program names constraints of load cases before constraints of axles.
     assert_eq!(tuned.tuning.contradiction, [1, 2]);
     let directory = tempfile::tempdir().unwrap();
     let path = studies().join("car.toml");

@@ -288,7 +288,8 @@ fn worst(car: &Car, solver: &mut CarSolver<'_>, case: &Case, found: &Equilibrium
             Force(mirrored(at, wheel.sign) + origin, mirrored(by, wheel.sign))
         };
         on_body.extend(body.into_iter().map(on_car));
-        // The body reacts the torque of the shafts, which is an axial vector.
+        // The body carries the opposite torque of the shafts. A torque is an axial vector, so its mirror image has the
+        // opposite sign.
         torque = torque - mirrored(wheel.shaft, wheel.sign) * wheel.sign;
     }
     // The study gives the mass of the whole car. In the design position, the centre of gravity in the study is that of

@@ -99,8 +99,9 @@ fn limits_of_a_mirror_image_are_mirrored() {
     assert_eq!(limits[2].lift.unwrap().wheel.0 % 2, 0);
 }
 
-/// Static moments about the contact line of the outer wheels bound every lift limit: ay <= t/(2 h) for a level car.
-/// Roll moves the centre of gravity outward and lowers the limit, by less than a quarter.
+/// In a steady turn, the car tips about the contact line of its outer wheels. Without roll it tips at ay = t/(2 h) in
+/// g, with the track t and the height h of the centre of gravity. Roll moves the centre of gravity outward, so the
+/// equilibrium ends earlier, by less than a quarter.
 #[test]
 fn the_lateral_limit_is_below_that_of_a_rigid_car() {
     let path = super::commands::studies().join("formula_student_car.toml");
@@ -126,7 +127,7 @@ fn the_command_prints_a_table() {
     let arguments = ["limits", study, "--format", "csv"];
     let said = super::commands::hardpoint(directory.path(), &arguments).success();
     let csv = super::commands::text(&said.get_output().stdout);
-    // The table contains only known digits.
+    // The table prints only digits that the program knows: at most five decimals.
     let ends = rows_by_column(&said.get_output().stdout);
     let ends = ends.iter().filter_map(|row| row.get("end_g"));
     let places = |number: &String| number.split_once('.').map_or(0, |(_, places)| places.len());

@@ -1,5 +1,5 @@
-//! Tests of maps. The program solves states of a map from neighbouring states. These states equal those of separate
-//! cases. One test also measures the time.
+//! Tests of maps. The program solves states of a map from neighbouring states. These states equal those of load cases that are
+//! solved separately. One test also measures the time.
 
 use super::commands::hardpoint;
 use super::{car, reference};
@@ -10,7 +10,7 @@ use hardpoint::number::Width;
 use hardpoint::study::CarStudy;
 use std::time::Instant;
 
-/// Cases of a grid over ax and ay, row by row.
+/// Load cases of a grid over ax and ay, row by row.
 fn map(car: &Car, count: usize) -> Vec<Vec<Case>> {
     let at = |k: usize, from: f64, to: f64| from + (to - from) * k as f64 / (count - 1) as f64;
     let case = |i: usize, j: usize| {
@@ -89,10 +89,10 @@ fn neighbours_are_the_states_of_their_cases() {
     }
 }
 
-/// Rows of a map that are solved in SIMD lanes have the same states as their cases solved alone. Both agree to 1e-11 of the
-/// weight, of the length unit in metres, or of a radian. Both searches end at steps of 2e-15 of these sizes, and the tangent
-/// amplifies the rounding of the residuals. Most states come from SIMD lanes. If wheels lift or a case has other settings, the
-/// solver for single cases finds the state.
+/// Rows of a map that are solved in SIMD lanes have the same states as their cases solved alone. The two results agree to 1e-11
+/// of the weight, of the length unit in metres, or of a radian. Both searches end at steps of 2e-15 of these sizes, and the
+/// tangent amplifies the rounding of the residuals. Most states come from SIMD lanes. If wheels lift or a case has other
+/// settings, the solver for single cases finds the state.
 #[test]
 fn rows_in_lanes_are_the_states_of_their_cases() {
     for (car, lifting) in [(car(&reference()), 1.4), (formula_student_car(), 2.2)] {
@@ -160,7 +160,7 @@ fn rows_in_lanes_are_the_states_of_their_cases() {
     }
 }
 
-/// Each block of rows has its own copy of the solver, so `gg.csv` has the same bytes for any number of threads.
+/// Each block of rows has its own copy of the solver, so `gg.csv` has the same bytes for any number of CPU threads.
 #[test]
 fn bytes_do_not_depend_on_the_threads() {
     let directory = tempfile::tempdir().unwrap();

@@ -128,7 +128,7 @@ fn free_body_and_parts_of_loads_balance() {
     assert!(worst[2] < 1e-13, "{worst:?}");
 }
 
-/// Gradients along ay equal differences between neighbouring states.
+/// Gradients along ay equal finite differences between neighbouring states.
 #[test]
 fn gradients_are_those_of_neighbouring_states() {
     let car = car(&reference());

@@ -38,8 +38,8 @@ constraints = [
 ]
 "#;
 
-/// Gradients of all residuals equal differences. The misfit is the weighted mean over targets of cases and targets of
-/// axles.
+/// Gradients of all residuals equal finite differences. The misfit is the weighted mean over targets of load cases and
+/// targets of axles.
 #[test]
 fn targets_of_cases_and_axles_are_tuned_together() {
     let directory = tempfile::tempdir().unwrap();
@@ -88,7 +88,7 @@ fn targets_of_cases_and_axles_are_tuned_together() {
     assert!(load.printed(&solved, case).unwrap() < 7000.0 + 1e-3);
 }
 
-/// A target over the stations of an axle counts as one target. A tuning finds the design from which the targets of
+/// A target over the stations of an axle counts as one target. A tuning finds the design from which the targets of load
 /// cases and of axles were computed.
 #[test]
 fn planted_bump_steer_and_distribution_are_found() {
@@ -161,8 +161,8 @@ fn planted_bump_steer_and_distribution_are_found() {
     }
 }
 
-/// A car whose goals belong to one axle has the same price of a constraint as the study of this axle. Three points on a line
-/// are a constraint with two components.
+/// A car whose goals belong to one axle has the same price of a constraint (misfit per unit of the limit) as the study of
+/// this axle. Three points on a line are a constraint with two components.
 #[test]
 fn a_constraint_of_one_axle_has_the_price_of_the_axle() {
     let goals = r#"
@@ -198,7 +198,7 @@ constraints = [{ axle = "front", line = ["lower_arm_front", "lower_arm_rear", "t
     );
 }
 
-/// The terminal lists targets of cases, targets of axles, and constraints. The JSON output contains them.
+/// The terminal lists targets of load cases, targets of axles, and constraints. The JSON output contains them.
 #[test]
 fn the_command_reports_both_kinds() {
     let directory = tempfile::tempdir().unwrap();
@@ -259,7 +259,7 @@ fn mistakes_of_places_are_named() {
         let text = format!("{errors}");
         assert!(text.contains(expected), "{expected}: {text}");
     }
-    // The study of an axle has no cases.
+    // The study of an axle has no load cases.
     let front = std::fs::read_to_string(studies().join("car_front.toml")).unwrap();
     let text = format!(
         "{front}\n[optimise]\nvariables = [{{ hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-5.0, 5.0] }}]\ntargets = [{{ case = \"turn\", characteristic = \"toe\", at = 0.0, value = 0.0, tolerance = 0.1 }}]\n"

@@ -1,4 +1,5 @@
-//! Tests of second-order scatter of a car against differences of complete solutions, and against statistical laws.
+//! Tests of second-order scatter of a car against finite differences of complete solutions, and against statistical
+//! laws.
 
 use hardpoint::assembly::Assembler;
 use hardpoint::axle::Axle;
@@ -9,7 +10,7 @@ use hardpoint::tolerance::{CarExpansion, CarProblem};
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// Sample car with these results, cases and scatter.
+/// Sample car with these results, load cases and scatter.
 fn car(file: &str, results: &[&str], scatter: &str) -> CarStudy {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
     let results = format!("outputs.characteristics={results:?}");
@@ -32,8 +33,8 @@ fn expansion(problem: &CarProblem<'_>) -> Vec<CarExpansion> {
     problem.expansion().unwrap_or_else(|_| panic!("expands"))
 }
 
-/// Car with the given sources displaced by the given numbers of standard deviations. In these tests, each contributor
-/// has one random number.
+/// Car with the given tolerance sources displaced by the given numbers of standard deviations. In these tests, each
+/// contributor has one random number.
 fn moved(problem: &CarProblem<'_>, steps: &[(usize, f64)]) -> Car {
     let mut car = problem.study.car.clone();
     for axle in [0, 1] {
@@ -96,9 +97,9 @@ fn values(problem: &CarProblem<'_>, steps: &[(usize, f64)]) -> Vec<f64> {
     values
 }
 
-/// Second derivatives along one source, or along the sum of two sources, times the squared standard deviation. The
-/// function computes differences of sixth order with steps of half and a quarter of a standard deviation. From both it
-/// computes differences of eighth order, and an estimate of their error.
+/// Second derivatives along one tolerance source, or along the sum of two, times the squared standard deviation. The
+/// function computes finite differences of sixth order with two steps: half and a quarter of a standard deviation. The
+/// two results give a finite difference of eighth order and an estimate of its error.
 fn bends(problem: &CarProblem<'_>, sources: &[usize]) -> Vec<[f64; 2]> {
     let by = |h: f64| -> Vec<f64> {
         let at = |step: i32| {
@@ -124,8 +125,8 @@ fn bends(problem: &CarProblem<'_>, sources: &[usize]) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Compares all second-order terms of two sources with differences. Returns the number of results whose curvature is
-/// far above rounding, and the number of results without a second order.
+/// Compares all second-order terms of single tolerance sources and of pairs with finite differences. Returns the number
+/// of results whose second derivative is far above rounding, and the number of results without second-order terms.
 fn compare(study: &CarStudy) -> [usize; 2] {
     let problem = problem(study);
     let nominal = problem.nominal().unwrap();
@@ -166,8 +167,9 @@ fn compare(study: &CarStudy) -> [usize; 2] {
     counts
 }
 
-/// The second derivatives of states, of their acceleration derivatives and of the heave since rest equal differences.
-/// The sources are parts of both axles, rates and car values, including pairs of different kinds.
+/// The second derivatives of states, of their acceleration derivatives and of the heave since rest equal finite
+/// differences. The tolerance sources are parts of both axles, rates and car values, including pairs of different
+/// kinds.
 #[test]
 fn second_order_is_that_of_complete_solutions() {
     let results = [
@@ -204,8 +206,8 @@ fn second_order_is_that_of_complete_solutions() {
     }
 }
 
-/// The second-order terms of cars with solid axles equal differences of complete solutions. One of the axles is steered
-/// by a drag link. This test omits derivatives of a state.
+/// The second-order terms of cars with solid axles equal finite differences of complete solutions. One of the axles is
+/// steered by a drag link. This test omits derivatives of a state.
 #[test]
 fn second_order_of_solid_axles_is_that_of_complete_solutions() {
     let results = [
@@ -283,9 +285,9 @@ fn builds_confirm_the_second_order() {
     assert!(expansion[roll].scatters && expansion[roll].estimate.is_straight() == Some(true));
 }
 
-/// A single source with second derivative H and variance s^2 adds H s^2/2 to the mean and H^2 s^4 (k - 1)/4 to the
-/// variance. The kurtosis k is 3 for a normal and 9/5 for a uniform distribution. On a symmetric car, a left part
-/// shifts the results of the whole car as much as the equal right part.
+/// A single tolerance source with second derivative H and variance s^2 adds H s^2/2 to the mean and H^2 s^4 (k - 1)/4
+/// to the variance. The kurtosis k is 3 for a normal and 9/5 for a uniform distribution. On a symmetric car, a left
+/// part shifts the results of the whole car as much as the equal right part.
 #[test]
 fn laws_and_sides_enter_as_in_statistics() {
     let middle = "car.cg=[-1290.0,0.0,560.0]";

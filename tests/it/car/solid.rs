@@ -148,7 +148,8 @@ fn results() -> Vec<CarQuantity> {
     ]
 }
 
-/// Derivatives with respect to hardpoints of both axles and to the rack equal differences between complete designs.
+/// Derivatives with respect to hardpoints of both axles and to the rack equal finite differences between complete
+/// designs.
 #[test]
 fn derivatives_are_those_of_moved_cars() {
     let car = car();

@@ -231,8 +231,8 @@ fn results() -> Vec<CarQuantity> {
     results
 }
 
-/// Derivatives with respect to the steered axle's hardpoints and steering gear equal differences between complete
-/// designs.
+/// Derivatives with respect to the steered axle's hardpoints and steering gear equal finite differences between
+/// complete designs.
 #[test]
 fn derivatives_are_those_of_moved_cars() {
     let car = car();
@@ -292,7 +292,7 @@ fn derivatives_are_those_of_moved_cars() {
 }
 
 /// The roll centre follows from the motion of the axle beam itself, at any steer of its wheels. It is the point without
-/// lateral velocity in the middle plane of both contact points. The velocity comes from differences of poses.
+/// lateral velocity in the middle plane of both contact points. The velocity comes from finite differences of poses.
 #[test]
 fn the_roll_centre_is_that_of_the_axle() {
     let car = car();
@@ -369,8 +369,8 @@ fn the_gear_steers_both_wheels() {
     );
 }
 
-/// Parts of both solid axles cause first-order variances of the car. These variances equal differences of cars that are
-/// assembled and solved.
+/// Parts of both solid axles cause first-order variances of the car. These variances equal those from finite
+/// differences of cars that are assembled and solved.
 #[test]
 fn first_order_of_parts_is_that_of_built_cars() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/off_road_car.toml");

@@ -1,4 +1,4 @@
-//! Tests of sweeps of a car: rows equal the results of the cases, however the program computes them.
+//! Tests of sweeps of a car: rows equal the results of the load cases, however the program computes them.
 
 use super::commands::{hardpoint, text};
 use crate::support::rows_by_column;
@@ -113,8 +113,8 @@ fn rows_are_those_of_solve() {
     hardpoint(&directory.join("swept"), &["check", "study.toml"]).success();
 }
 
-/// The bytes of a sweep do not depend on the number of threads, or on the use of standard output. They are also the
-/// same if the sweep was extended later.
+/// The bytes of a sweep do not depend on the number of CPU threads, or on the use of standard output. They are also the same
+/// if the sweep was extended later.
 #[test]
 fn bytes_do_not_depend_on_the_run() {
     let directory = tempfile::tempdir().unwrap();

@@ -22,9 +22,10 @@ fn near(what: &str, found: f64, textbook: f64) {
 }
 
 /// Three results are close to their textbook formulas (W. F. Milliken, D. L. Milliken, Race Car Vehicle Dynamics, ch.
-/// 18). Wheel loads at rest follow the lever rule. The roll gradient is W h/(K_f + K_r - W h), where h is the distance
-/// from G to the roll axis. The load transfer of the front axle follows from its share of the roll stiffness, the roll
-/// centre and the wheels.
+/// 18). Wheel loads at rest follow the lever rule. The roll gradient is W h/(K_f + K_r - W h). W is the weight of the
+/// sprung mass, h the height of its centre of gravity above the roll axis. K_f and K_r are the roll stiffnesses of the
+/// axles. The load transfer of the front axle follows from its share of the roll stiffness, the roll centre and the
+/// wheels.
 #[test]
 fn textbook_formulas_are_near() {
     let car = symmetric_car();
@@ -118,8 +119,9 @@ fn of_level_axle(car: &Car, axle: usize, travels: [f64; 2], asked: [A; 2]) -> [f
     asked.map(|quantity| read.value(quantity).unwrap())
 }
 
-/// A twist of the ground loads the roll stiffnesses of both axles in series. With k = K/(track^2/2) of an axle, a free
-/// body and equal tracks, each wheel load changes by 2 k_f k_r/(k_f + k_r).
+/// A twist of the ground loads the roll stiffnesses of both axles in series. An axle with the roll stiffness K has the
+/// rate k = K/(track^2/2) at each wheel. If the body is free and the tracks are equal, each wheel load changes by
+/// 2 k_f k_r/(k_f + k_r) per pad displacement.
 #[test]
 fn warp_is_the_series_of_both_axles() {
     let car = symmetric_car();
@@ -141,8 +143,8 @@ fn warp_is_the_series_of_both_axles() {
         tracks[axle] = track;
         rates[axle] = 2.0 * k / (track * track);
     }
-    // The ground angle is 2 w/track at the front axle and -2 w/track at the rear axle. The body rolls until both
-    // moments are equal.
+    // Each pad moves by w: the ground angle is 2 w/track at the front axle and -2 w/track at the rear axle. The body
+    // rolls until both moments are equal.
     let [front, rear] = [0, 1].map(|axle| rates[axle] * tracks[axle] * tracks[axle]);
     let twist = 2.0 / tracks[0] + 2.0 / tracks[1];
     let moment = 0.5 * twist * front * rear / (front + rear);

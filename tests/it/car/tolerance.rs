@@ -151,8 +151,8 @@ fn both_wheels_scatter_independently_and_alike() {
     assert!(sigma("rear_left_toe") < 1e-3 * left);
 }
 
-/// Files and numbers of builds do not depend on the number of threads. About half of the builds are within a band that
-/// ends at the nominal value.
+/// Files and numbers of builds do not depend on the number of CPU threads. About half of the builds are within a band
+/// that ends at the nominal value.
 #[test]
 fn the_command_is_deterministic() {
     let directory = tempfile::tempdir().unwrap();

@@ -1,4 +1,5 @@
-//! Tests of the verdict on the tuning of a car: targets out of reach, variables at their limits, prices of constraints.
+//! Tests of the messages about the result of a car's tuning: targets out of reach, variables at their limits, prices of
+//! constraints.
 
 use super::commands::{hardpoint, studies, text};
 use hardpoint::study::{CarStudy, TunedCar};

@@ -116,7 +116,8 @@ fn a_rigid_study_has_its_kinematics_and_jacking() {
     assert!(!said.contains("toe_by_lateral_force"));
 }
 
-/// All commands that support elastic parts run with them. This includes pages, pictures and costs.
+/// All commands that support elastic parts run on a study with elastic parts. The test includes pages, pictures, and the
+/// list of misfits against the size of the change.
 #[test]
 fn commands_take_elastic_parts() {
     let directory = tempfile::tempdir().unwrap();
@@ -245,7 +246,7 @@ fn extended(directory: &Path, more: &str) -> String {
     path.display().to_string()
 }
 
-/// Test result in `kc.csv` without trail.
+/// Value of a test result in `kc.csv`. If the table also has this result with a trail of 30 mm, skips that row.
 fn figure(path: &Path, quantity: &str) -> f64 {
     let figures = rows(path);
     let is_wanted = |row: &&csv::StringRecord| &row[9] == quantity && &row[4] != "30.0";

@@ -163,8 +163,8 @@ fn stiff_parts_give_the_curves_of_the_rigid_mechanism() {
     }
 }
 
-/// Returns parts with stiffer translations. The torsion of bushings keeps its stiffness, because it is part of the wheel
-/// rate.
+/// Returns the parts with higher translational stiffnesses. The torsion of bushings keeps its stiffness, because it is
+/// part of the wheel rate.
 fn stiffened(
     parts: &hardpoint::compliance::Compliance,
     factor: f64,

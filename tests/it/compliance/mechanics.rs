@@ -370,7 +370,8 @@ fn a_loose_link_is_refused() {
 }
 
 /// Constant forces of bushings are added to the forces that hold the design position. A second suspension has no design
-/// load, and its constant forces are the sums of both. With linear laws, both suspensions have the same results.
+/// load, and its constant forces are the sums of these two forces. If the laws are linear, both suspensions have the same
+/// results.
 #[test]
 fn constant_forces_and_those_at_the_design_load_add() {
     let case = case("double_wishbone");

@@ -29,7 +29,7 @@ use hardpoint::study::Study;
 use serde_json::Value;
 use std::path::Path;
 
-/// A case of `tests/data/reference/elasto`.
+/// Case of the reference values in `tests/data/reference/elasto`.
 pub fn case(name: &str) -> Value {
     let path = format!(
         "{}/tests/data/reference/elasto/{name}.json",
@@ -54,7 +54,7 @@ pub fn vector(value: &Value) -> Vector3<f64> {
     }
 }
 
-/// Suspension of a case, as a study would define it.
+/// Suspension of a reference case, as a study would define it.
 pub fn suspension(case: &Value) -> Suspension {
     let topology = case["topology"].as_str().unwrap();
     let topology = topology.strip_suffix("_links").unwrap_or(topology);
@@ -79,7 +79,7 @@ fn points(value: &Value) -> Vec<[f64; 2]> {
     pairs.map(|p| [number(&p[0]), number(&p[1])]).collect()
 }
 
-/// Spring of a case.
+/// Spring of a reference case.
 pub fn spring(case: &Value) -> SpringLaw {
     let spring = &case["spring"];
     let stop = &spring["bump_stop"];
@@ -97,7 +97,7 @@ pub fn spring(case: &Value) -> SpringLaw {
     }
 }
 
-/// Elastic parts of a case.
+/// Elastic parts of a reference case.
 pub fn compliance(case: &Value, suspension: &Suspension) -> Compliance {
     let mechanism = &suspension.mechanism;
     let empty = serde_json::Map::new();

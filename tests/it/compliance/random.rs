@@ -18,16 +18,16 @@ const FINE: usize = 40;
 /// Number of bisections at the end of a continuation.
 const BISECTIONS: usize = 12;
 
-/// Counts of the cases.
+/// Counts of loads by outcome, and the largest errors.
 #[derive(Debug, Default)]
 struct Seen {
     loads: usize,
     ok: usize,
-    /// A continuation in fine steps ends at some load. Number of tried loads at half of this load, and number of solved
-    /// loads among them.
+    /// Two counts for loads at half of the largest load, where a continuation in fine steps ends: tried loads, and solved
+    /// loads.
     below_half: [usize; 2],
-    /// A continuation in fine steps ends at some load. Number of tried loads at 0.9 of this load, and number of solved
-    /// loads among them.
+    /// Two counts for loads at 0.9 of the largest load, where a continuation in fine steps ends: tried loads, and solved
+    /// loads.
     below_end: [usize; 2],
     worst_balance: f64,
     worst_difference: f64,

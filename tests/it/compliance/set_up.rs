@@ -1,5 +1,5 @@
 //! Tests of set-ups of wheels and axles with elastic parts: against equilibria of the adjusted hardpoints, against the
-//! rigid mechanism, and against differences of builds.
+//! rigid mechanism, and against finite differences between builds.
 
 use super::support::{elastic, fourth_order, with};
 use hardpoint::assembly::{Assembler, Rest};
@@ -296,7 +296,8 @@ fn built(study: &Study, name: &str, by: f64, height: f64) -> [f64; 4] {
     })
 }
 
-/// Effects equal the slopes of builds at the same height, also with a preloaded bushing and at another height.
+/// The effects of adjustments equal the slopes of builds at the same height, also with a preloaded bushing and at
+/// another height.
 #[test]
 fn effects_are_slopes_of_elastic_builds() {
     let setup = "adjust = [{ length = \"tie_rod\" }, { shim = \"upper_ball_joint\", axis = \"y\" }, { shim = \"lower_arm_front\", axis = \"z\" }]\n\
@@ -327,7 +328,7 @@ fn effects_are_slopes_of_elastic_builds() {
     }
 }
 
-/// Effects of a pushrod equal the slopes of builds at the height that the spring determines.
+/// The effects of a pushrod adjustment equal the slopes of builds at the height that the spring determines.
 #[test]
 fn effects_of_a_pushrod_are_slopes_of_settled_builds() {
     let setup =

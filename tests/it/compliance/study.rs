@@ -19,8 +19,8 @@ fn text(name: &str) -> String {
     std::fs::read_to_string(path).unwrap()
 }
 
-/// Replaces the only `from` of the good study by `to`. Asserts that the study then has exactly one mistake, on the line
-/// that contains `on`.
+/// Replaces `from`, which the good study contains once, by `to`. Asserts that the study then has exactly one mistake,
+/// on the line that contains `on`.
 fn assert_mistake(from: &str, to: &str, on: &str, phrase: &str) {
     let good = text(STUDIES[0]);
     assert_eq!(good.matches(from).count(), 1, "{from:?}");

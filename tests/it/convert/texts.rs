@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// Collects the numbers of a study under their paths of keys, and all other values as text.
+/// Collects all values of a study under their key paths: numbers as numbers, all other values as text.
 fn leaves(value: &toml::Value, path: &str, into: &mut BTreeMap<String, Result<f64, String>>) {
     match value {
         toml::Value::Table(table) => {

@@ -1,4 +1,4 @@
-//! Small parsers of written files, independent of the program's readers. Also studies for the tests.
+//! Small parsers of written files, independent of the program's code that reads files. Also studies for the tests.
 
 use hardpoint::exchange::{Value, csv};
 use hardpoint::model::{FrameConvention, LengthUnit, Side, Topology};

@@ -1,5 +1,4 @@
-//! Tests of the schema that editors use to check studies: the schema agrees with the program's reader about keys and
-//! types.
+//! Tests of the schema that editors use to check studies: the schema and the program accept the same keys and types.
 
 use hardpoint::study::{CarStudy, Study, schema};
 use serde_json::Value;
@@ -95,7 +94,7 @@ fn broken(value: &toml::Value) -> Vec<toml::Value> {
     }
 }
 
-/// Returns true if the reader refuses the text as the study of a car whose axles are in `directory`.
+/// Returns true if the program refuses the text as the study of a car whose axles are in `directory`.
 fn refuses_car(text: &str, directory: &Path) -> bool {
     let own = tempfile::tempdir().unwrap();
     for name in ["car", "formula_student_car"] {
@@ -139,7 +138,7 @@ fn the_schema_takes_every_sample_and_refuses_what_the_reader_refuses() {
     assert!(count > 100, "{count}");
 }
 
-/// The schema accepts a whole number in decimal form (such as 3.0) exactly where the reader accepts it.
+/// The schema accepts a whole number in decimal form (such as 3.0) exactly where the program accepts it.
 #[test]
 fn a_decimal_is_whole_to_the_schema_where_it_is_to_the_reader() {
     let schema = schema();

@@ -230,8 +230,8 @@ fn a_wrong_decimal_place_is_named_by_the_import() {
     assert_eq!(notes(&text.replace("-66.8", "-668")), Vec::<String>::new());
 }
 
-/// A value is read or listed, if its unit is in its own cell, if its name is in a column before the names of points, and if it is
-/// above the header.
+/// The import finds a value outside the table of points: above the header, with its unit in a separate cell, or with its name in
+/// the first column. It uses the value, or lists it as left out.
 #[test]
 fn values_in_any_column_are_read_or_listed() {
     let base = changed("", "", [0.0; 3]);

@@ -59,7 +59,7 @@ fn axle() -> String {
             ("roll = ", "travel_left = [-5.0, 5.0]"),
             ("heave = ", "rack = [-4.0, 0.0, 8.0]"),
             ("steering_wheel_angle = ", ""),
-            // The other quantities of the sample need a plane ground or steered wheels.
+            // The new line omits the quantities of the sample that need a plane ground or steered wheels.
             (
                 "  \"camber_to_road\"",
                 "  \"camber_to_road\", \"steer\", \"force_roll_centre_height\",",
@@ -73,7 +73,8 @@ fn axle() -> String {
     )
 }
 
-/// Compares two sources. Returns the number of rows, and the largest difference of each column relative to its largest value.
+/// Compares two studies or runs. Returns the number of rows, and the largest difference of each column relative to its
+/// largest value.
 fn compare(directory: &Path, sources: [&str; 2]) -> (usize, BTreeMap<String, f64>) {
     let [one, other] = sources;
     let [_, said] = run(

@@ -19,7 +19,8 @@ fn run(arguments: &[&str], directory: &Path, input: &str) -> (i32, String, Strin
     (output.status.code().unwrap(), out, said)
 }
 
-/// The study of a rounded design has the points of the rounded table, and the targets, constraints and comments of its source.
+/// The study of a rounded design has the points of the rounded table, and the targets, constraints and comments of the
+/// original study.
 #[test]
 fn a_rounded_design_can_be_written_as_a_study() {
     let directory = tempfile::tempdir().unwrap();

@@ -1,5 +1,5 @@
-//! Distances of strut, upper arm and tie rod from their singular positions. These distances are volumes, calculated
-//! from points alone.
+//! Measures of how far strut, upper arm and tie rod are from their singular positions. Each measure is the sine of an
+//! angle, calculated from points alone.
 
 use hardpoint::mechanism::{LimitCause, Pose};
 use hardpoint::model::{Body, Mechanism};

@@ -100,7 +100,7 @@ impl Planted {
         DVector::from_vec(rows) / self.size
     }
 
-    /// Derivatives of the residuals, from differences.
+    /// Derivatives of the residuals, from finite differences.
     fn jacobian(&self, x: &DVector<f64>) -> DMatrix<f64> {
         let step = 1e-5;
         DMatrix::from_columns(&Vec::from_iter((0..7).map(|k| {
@@ -316,8 +316,8 @@ fn plant_links(sample: &Suspension, number: u64) -> Planted {
     }
 }
 
-/// Plants a limit in every part of three suspensions, `each` times for every quantity, and compares it with the limit that
-/// the program finds.
+/// Constructs a limit for every part of three suspensions, `each` times for every quantity, and compares it with the limit
+/// that the program finds.
 fn examine(each: u64) {
     let [strut, wishbone, links] = [
         "macpherson_solve",

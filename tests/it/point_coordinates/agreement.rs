@@ -1,4 +1,4 @@
-//! Tests that the paper's formulation and the production formulation (the program's default) agree on the same struts.
+//! Tests that the paper's formulation and the default formulation of the program agree on the same struts.
 
 use super::scatter::Scatter;
 use super::unsuitable;
@@ -15,7 +15,7 @@ use std::ops::ControlFlow;
 
 const TRAVELS: [f64; 4] = [-0.08, -0.04, 0.04, 0.08];
 
-/// Strut as a mechanism of the production formulation.
+/// Strut as a mechanism for the program's default formulation.
 fn mechanism_of(strut: &Strut) -> (Mechanism, Vec<Vector3<f64>>) {
     let points = [
         ("lower_arm_front", Some(strut.lower_arm_front)),
@@ -37,7 +37,7 @@ fn mechanism_of(strut: &Strut) -> (Mechanism, Vec<Vector3<f64>>) {
     (mechanism, design)
 }
 
-/// Poses of the production formulation at [`TRAVELS`], with the size of the strut suspension.
+/// Poses at [`TRAVELS`] by the program's default formulation, and the size of the strut suspension.
 fn production(strut: &Strut) -> Option<([Option<Pose<f64>>; 4], f64)> {
     let (mechanism, design) = mechanism_of(strut);
     let mut solver = Solver::new(&mechanism, &design).ok()?;
@@ -57,7 +57,7 @@ fn production(strut: &Strut) -> Option<([Option<Pose<f64>>; 4], f64)> {
     Some((poses, solver.size()))
 }
 
-/// Poses of the paper's formulation at [`TRAVELS`], with the largest condition number.
+/// Poses at [`TRAVELS`] by the paper's formulation, and the largest condition number.
 fn paper(strut: &Strut) -> Option<([Option<Pose<f64>>; 4], f64)> {
     let equations = PointCoordinates::new(strut, StrutPoints::Spread, Drive::Travel).ok()?;
     let (mut poses, mut condition) = ([None; 4], 0.0_f64);
@@ -95,7 +95,8 @@ fn both_formulations_find_the_same_poses_of_ten_thousand_struts() {
 ///
 /// The test moves each hardpoint of a road car by up to 20 mm along every axis. It skips struts for which the paper's
 /// equations have a condition number of 1e4 or more (the road car's is about a hundred). The test skips one or two in a
-/// hundred, mostly with the ball joint close to the strut axis. The production formulation also solves these struts.
+/// hundred, mostly with the ball joint close to the strut axis. The program's default formulation also solves these
+/// struts.
 fn agreement_of(struts: u32) {
     let mut scatter = Scatter(2003);
     let (mut worst, mut compared, mut unfit) = (0.0_f64, 0, 0);
@@ -119,8 +120,8 @@ fn agreement_of(struts: u32) {
 }
 
 /// The paper's equations can be singular although the suspension is sound. The paper's formulation then refuses the
-/// suspension and names the singularity. The production formulation solves it: at +-80 mm, every length is kept, and
-/// the strut's line passes through its mount.
+/// suspension and names the singularity. The program's default formulation solves it: at +-80 mm, every length is kept,
+/// and the strut's line passes through its mount.
 #[test]
 fn production_solves_what_the_paper_s_equations_cannot_describe() {
     for (what, strut) in unsuitable() {

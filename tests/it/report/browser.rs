@@ -191,7 +191,8 @@ fn a_browser_draws_everything_and_moves_the_wheel() {
         assert!(shown.console.is_empty(), "{:#?}", shown.console);
         assert_eq!(shown.attribute("errors"), "0", "{}", shown.root);
         assert_eq!(shown.attribute("ready"), "true");
-        // Plots: the curves, the mechanism, the history, two plots of sensitivities, and misfit against size of change.
+        // Plots: the curves, the mechanism, the history, two plots of sensitivities, and misfit against the size of the
+        // design change.
         assert_eq!(shown.attribute("plots-drawn"), (outputs + 5).to_string());
         assert_eq!(shown.attribute("station"), station.to_string());
         let centre: Vec<f64> = shown

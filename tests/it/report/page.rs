@@ -87,7 +87,7 @@ fn charts_show_all_values_of_their_tables() {
     let (data, page) = (run.data(), run.page());
     let charts = data["charts"].as_array().unwrap();
     let outputs = data["record"]["outputs"].as_array().unwrap().len();
-    // Charts of the outputs, of the progress of the tuning, and of misfit against size of change.
+    // Charts of the outputs, of the progress of the tuning, and of misfit against the size of the design change.
     assert_eq!(charts.len(), outputs + 2);
     assert_eq!(
         page.matches("<figure class=\"chart\"").count(),

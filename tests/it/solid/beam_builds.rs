@@ -17,7 +17,7 @@ fn axle_of(vehicle: Vehicle) -> Axle {
     }
 }
 
-/// Returns the largest differences of wheel centres and of spin axes between the program and the other formulation.
+/// Returns the largest differences of wheel centres and of spin axes between the program and the independent formulation.
 fn apart(axle: &Axle, parts: &Parts, travels: [f64; 2]) -> [f64; 2] {
     let wanted = [Quantity::Axle(A::BeamTwist), Quantity::Axle(A::MeanSteer)];
     let mut solver = AxleSolver::<2>::new(axle, &wanted, false).unwrap();
@@ -52,8 +52,8 @@ fn problem(study: &Study) -> Problem<'_> {
 const ALL: &str = "[tolerance]\nscatter = [{ hardpoints = [\"mount\", \"wheel_centre\", \"spindle_inner\"], sigma = 1.5 }, \
                    { hardpoint = \"shear_centre\", sigma = 1.5 }]\n";
 
-/// In forty builds with deviations of millimetres, the wheels have the same positions as in the other formulation. The
-/// test compares them at rest and at two other positions.
+/// In forty builds with deviations of millimetres, the wheels have the same positions as in the independent formulation.
+/// The test compares them at rest and at two other positions.
 #[test]
 fn builds_are_two_rigid_bodies_on_their_mounts() {
     let study = study(HEAVE, ALL);
@@ -219,9 +219,9 @@ fn gradients_are_slopes_of_builds() {
     assert!(looked_at > 15 * ENTRIES.len(), "{looked_at}");
 }
 
-/// The second-order contribution equals the one from differences of builds. The test covers three motions: a roll angle
-/// of the ground, given travels on a plane ground, and heave on pads. The contribution is unknown for quantities made
-/// of velocities.
+/// The second-order contribution equals the one from finite differences between builds. The test covers three motions: a
+/// roll angle of the ground, given travels on a plane ground, and heave on pads. The contribution is unknown for
+/// quantities made of velocities.
 #[test]
 fn second_order_is_that_of_builds() {
     let motions = [
@@ -273,7 +273,7 @@ fn second_order_is_that_of_builds() {
                 let mixed = 0.5 * (together[output] - one - two);
                 let mean = 0.5 * (one + two);
                 let growth = 0.5 * (one * one + two * two) + mixed * mixed;
-                // Rounding error of differences of positions in millimetres.
+                // Rounding error of finite differences of positions in millimetres.
                 let rounding = if column.name.ends_with("_deg") {
                     1e-12
                 } else {
@@ -298,8 +298,8 @@ fn second_order_is_that_of_builds() {
     assert!(all >= 16, "{all}");
 }
 
-/// SIMD lanes and single builds give the same values. The bits do not depend on the number of threads. For small scatter,
-/// the standard deviation of the builds is the first-order result.
+/// SIMD lanes and single builds give the same values. The bits do not depend on the number of CPU threads. For small
+/// scatter, the standard deviation of the builds is the first-order result.
 #[test]
 fn builds_are_the_same_in_lanes_and_one_by_one() {
     if !crate::support::has_lanes() {

@@ -11,8 +11,8 @@ fn found(study: &Study) -> FoundSetUp {
     found.unwrap_or_else(|why| panic!("{}", why.reason()))
 }
 
-/// The program computes shims at the mounts and at the wheel flanges. With these shims, the other formulation gives the
-/// target values too.
+/// The program computes shims at the mounts and at the wheel flanges. With these shims, the independent formulation
+/// gives the target values too.
 #[test]
 fn set_ups_are_met_in_the_other_formulation() {
     let adjust = "adjust = [{ shim = \"mount\", axis = \"x\" }, { shim = \"spindle_inner\", axis = \"x\" }, { shim = \"spindle_inner\", axis = \"z\" }, \
@@ -59,7 +59,7 @@ fn set_ups_are_met_in_the_other_formulation() {
     assert!((curves.stations[0].value(camber).unwrap() + 1.6).abs() < 1e-9);
 }
 
-/// Effects of the adjustments equal central difference quotients of the other formulation.
+/// The effects of the adjustments equal central difference quotients of the independent formulation.
 #[test]
 fn effects_are_slopes_in_the_other_formulation() {
     let adjust = "adjust = [{ shim = \"mount\", axis = \"x\" }, { shim = \"mount\", axis = \"z\" }, { shim = \"spindle_inner\", axis = \"z\" }]";

@@ -226,7 +226,7 @@ fn printed_builds_are_the_builds() {
     }
 }
 
-/// SIMD lanes and single builds give the same values. The bits do not depend on the number of threads.
+/// SIMD lanes and single builds give the same values. The bits do not depend on the number of CPU threads.
 #[test]
 fn results_are_the_same_however_they_are_found() {
     if !crate::support::has_lanes() {

@@ -24,7 +24,7 @@ const WATT: [(&str, [f64; 3]); 11] = [
     ("watt_lower_rocker", [-150.0, 0.0, 270.0]),
 ];
 
-/// Study of a case, with every quantity that SIMD lanes can compute, and with some points scattered.
+/// Study of an axle, with every quantity that SIMD lanes can compute, and with some points scattered.
 fn study(name: &str, motion: &str, right: &str) -> Study {
     let points: &[(&str, &str)] = match name {
         "solid_four_link" => &[("upper_link_axle", "y"), ("upper_link_chassis", "z")],

@@ -89,7 +89,7 @@ pub fn slopes_of_designs<const N: usize>(
 /// Placeholder motion for tests of single positions.
 pub const STILL: &str = "[motion]\nheave = [0.0]\n";
 
-/// Case of `tests/data/reference/solid`.
+/// Reference case in `tests/data/reference/solid`.
 pub fn case(name: &str) -> Value {
     let path = format!(
         "{}/tests/data/reference/solid/{name}.json",
@@ -99,7 +99,7 @@ pub fn case(name: &str) -> Value {
     serde_json::from_str(&text).expect("valid JSON")
 }
 
-/// Names of the points of a case, in the study and in the reference.
+/// Names of the points of a reference case, in the study and in the reference.
 pub fn points_of(case: &Value) -> Vec<(&'static str, &'static str)> {
     let names = [
         ("lower_link_chassis", "lower_left_chassis"),
@@ -120,7 +120,7 @@ pub fn points_of(case: &Value) -> Vec<(&'static str, &'static str)> {
         .collect()
 }
 
-/// Study of a case.
+/// Study of a reference case.
 pub fn study_of(case: &Value, further: &str) -> String {
     let at = |name: &str| [0, 1, 2].map(|i| case["points"][name][i].as_f64().unwrap());
     let points: Vec<_> = points_of(case)

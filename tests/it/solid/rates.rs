@@ -1,4 +1,4 @@
-//! Tests of spring rates at the wheels of solid axles, against differences of loads between positions.
+//! Tests of spring rates at the wheels of solid axles, against the change of the loads between positions.
 
 use super::{axle, case, study_of};
 use hardpoint::axle::{AxleQuantity as A, AxleSolver, Placement, Quantity, WheelQuantity as W};

@@ -45,7 +45,7 @@ fn number(value: &Value) -> f64 {
     value.as_str().and_then(|text| text.parse().ok()).unwrap()
 }
 
-/// Returns the value with this name from an array in the order of the case's names.
+/// Returns the value with this name from an array whose order is that of the reference case's names.
 fn named(case: &Value, values: &Value, name: &str) -> Option<f64> {
     let names = case["names"].as_array().unwrap();
     let index = names.iter().position(|n| n == name)?;

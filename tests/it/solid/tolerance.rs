@@ -115,9 +115,9 @@ fn gradients_are_slopes_of_builds() {
     }
 }
 
-/// The second-order contribution equals the one from differences of builds. The test covers three motions: a roll angle
-/// of the ground, given travels on a plane ground, and heave on pads. The contribution is unknown for quantities made
-/// of velocities.
+/// The second-order contribution equals the one from finite differences between builds. The test covers three motions: a
+/// roll angle of the ground, given travels on a plane ground, and heave on pads. The contribution is unknown for
+/// quantities made of velocities.
 #[test]
 fn second_order_is_that_of_builds() {
     let motions = [
@@ -169,7 +169,7 @@ fn second_order_is_that_of_builds() {
                 let mixed = 0.5 * (together[output] - one - two);
                 let mean = 0.5 * (one + two);
                 let growth = 0.5 * (one * one + two * two) + mixed * mixed;
-                // Rounding error of differences of positions in millimetres.
+                // Rounding error of finite differences of positions in millimetres.
                 let rounding = if column.name.ends_with("_deg") {
                     1e-12
                 } else {

@@ -1,6 +1,6 @@
 //! Tests of twist beams against an independent formulation: two rigid bodies, each with a position and a quaternion. The
-//! equations are five of the hinge, five of the mounts, two for unit quaternions and two for heights. Newton's method
-//! continues until the residuals are rounding errors. So its Jacobian from differences need not be accurate.
+//! equations are five of the hinge, five of the mounts, two for unit quaternions and two for heights. Newton's method continues
+//! until the residuals are rounding errors. So its Jacobian, from finite differences, need not be accurate.
 
 use super::own::{Point, minus, mirror, solve, turned};
 use super::{STILL, axle, slopes_of_designs};
@@ -251,7 +251,7 @@ fn arms_turn_about_the_axes_of_the_mode() {
 
         let read = read_at(&mut solver, [0.0; 2]);
         let wheel = read.state.wheel(Side::Left);
-        // When the near wheel rises, the opposite wheel falls.
+        // Motion in opposite travel: the left wheel rises while the right wheel falls.
         let [velocity, turn] = wheel.reading.twist([1, 0]);
         let axis = minus(beam.shear_centre, beam.mount);
         let turn = turn.to_array();
@@ -287,7 +287,7 @@ fn mounts_move_sideways_a_little() {
     assert!((0.005..0.5).contains(&aside.abs()), "{aside}");
 }
 
-/// Wheel loads equal the derivatives of the energy of springs and beam in the other formulation.
+/// Wheel loads equal the derivatives of the energy of springs and beam in the independent formulation.
 #[test]
 fn loads_are_slopes_of_the_energy() {
     let mut generator = Random(74);

@@ -204,7 +204,7 @@ fn positions_and_rates_of_a_thousand_axles_are_those_of_another_formulation() {
 }
 
 /// Compares positions of `each` axles of each kind at random travels. Also compares derivatives of two quantities with
-/// respect to heave and roll with difference quotients of the other formulation.
+/// respect to heave and roll with difference quotients of the independent formulation.
 fn compare(each: usize) {
     let mut generator = Random(64);
     for base in BASES {
@@ -318,7 +318,7 @@ fn gradients_are_those_of_whole_designs() {
 }
 
 /// With short levers, the Watt linkage reaches its toggle before the axle's links end the motion. The limit names the
-/// upper link. In the other formulation, the link, its lever and the rocker's axis lie in one plane there.
+/// upper link. In the independent formulation, the link, its lever and the rocker's axis lie in one plane there.
 #[test]
 fn toggles_of_the_upper_link_are_named() {
     let mut generator = Random(66);

@@ -101,8 +101,8 @@ fn answers_are_those_of_solve() {
     }
 }
 
-/// The gradient of the misfit with respect to coordinates equals differences of fourth order of the misfit. The test
-/// covers one wheel, both wheels, and an axle whose right wheel has its own points.
+/// The gradient of the misfit with respect to coordinates equals finite differences of the misfit (fourth order). The
+/// test covers one wheel, both wheels, and an axle whose right wheel has its own points.
 #[test]
 fn gradients_of_the_misfit_are_its_slopes() {
     let own = "[axle.right.hardpoints]\ntie_rod_inner = [-110.0, -331.0, 243.5]\n";

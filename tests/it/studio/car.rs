@@ -44,7 +44,7 @@ pub(super) fn solve(served: &Served, of: &Value) -> Value {
     served.post("solve", &message).json()
 }
 
-/// Moves further coordinates of a design, one for each entry of `moves`.
+/// Returns the design of the served study with coordinates changed, one for each entry of `moves`.
 pub(super) fn moved(served: &Served, moves: &[(&str, usize, f64)]) -> Value {
     let overview = served.overview();
     let points = overview["points"].as_array().unwrap();

@@ -72,7 +72,7 @@ fn a_planted_design_is_found() {
 fn a_row_says_what_solve_and_optimise_say() {
     let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_front.toml");
     let study = fs::read_to_string(sample).unwrap();
-    // Replaces the study's own band of toe by one with a limit of each kind.
+    // Replaces the study's band of toe. One limit of the new band is a constant, the other is a curve.
     let (study, _) = study.split_once("# At most 0.1 degrees").unwrap();
     let study = study.to_owned();
     let band = "\n[[optimise.targets]]\ncharacteristic = \"toe\"\nbetween = [-0.1, [[-80.0, 0.0], [80.0, 0.2]]]\ntolerance = 0.05\n";
@@ -335,8 +335,9 @@ fn gains_of_what_is_made_of_velocities_are_those_of_solve() {
     }
 }
 
-/// A coordinate without effect on an output has no share of the output's variance. This holds even for few designs. In
-/// the design position, neither a joint of the rack nor a strut's mount can raise the wheel.
+/// A coordinate without effect on an output has no share of the output's variance. This holds even for few designs. Here the
+/// output is the height of the wheel centre in the design position. The coordinates of `tie_rod_inner` and `strut_top` do not
+/// change this height.
 #[test]
 fn what_moves_nothing_has_no_share() {
     let from = STUDY.find("[sweep]").unwrap();
@@ -362,7 +363,7 @@ variables = [
             .iter()
             .map(|effect| effect["share"].as_f64().unwrap())
             .collect();
-        // With Saltelli's samples, the first share still has a random error.
+        // With Saltelli's samples, the share of the only variable with an effect still has a random error.
         let tolerance = if method == "saltelli" { 0.2 } else { 1e-9 };
         assert!((shares[0] - 1.0).abs() < tolerance, "{method}: {shares:?}");
         assert!(shares[1] < 1e-9 && shares[2] < 1e-9, "{method}: {shares:?}");

@@ -368,7 +368,7 @@ fn it_is_said_which_designs_statistics_are_of() {
     assert_eq!(output(&summary, "camber_min_deg")["count"], 200);
 }
 
-/// The program starts at most as many threads as there are cores and blocks, and reports this.
+/// The program starts at most as many CPU threads as there are cores and blocks, and reports this.
 #[test]
 fn threads_are_no_more_than_help() {
     let bench = Bench::new(STUDY);

@@ -115,8 +115,8 @@ fn planted_poses(designs: usize) {
         })
         .unwrap()
         .unwrap();
-        // Constructing and solving a pose make about five rounding errors each, of coordinates up to 1.7 sizes. The
-        // solved pose may differ by the sum of these errors times the condition number.
+        // Constructing and solving a pose make about five rounding errors each, of coordinates up to 1.7 times the
+        // suspension size. The solved pose may differ by the sum of these errors times the condition number.
         assert!(apart < 1e-6, "another pose, {apart} sizes away");
         worst.note(apart);
         worst_unit.note(apart / (condition * f64::EPSILON));

@@ -164,7 +164,8 @@ fn planted_angles_come_back() {
 }
 
 /// In a planar bell crank, angles follow from the law of cosines. With the rocker's pivot p, the angle at p between the
-/// outer and the inner end is acos((q^2 + r^2 - L^2)/(2 q r)).
+/// rod's outer and inner end is acos((q^2 + r^2 - L^2)/(2 q r)). Here q and r are the distances from p to the outer and
+/// the inner end, and L is the rod's length.
 #[test]
 fn a_plane_bell_crank_is_a_triangle() {
     let mechanism = trailing_arm("pushrod");
@@ -401,7 +402,8 @@ fn angles_lengths_and_ratios_agree_with_thirty_digits() {
                     }
                 }
 
-                // If the travel is the drive, W_z' is 1 for every design.
+                // The drive is the travel, so the wheel centre rises by 1 per unit of the drive in every design. Rates
+                // along the drive are therefore motion ratios.
                 for (ratio, of, sign) in [
                     (C::MotionRatio, 0, -1.0),
                     (C::AntiRollBarMotionRatio, 2, 1.0),

@@ -78,7 +78,7 @@ fn turns_about_its_axis() {
                     let quantity = Quantity::Coordinate(hardpoint::model::PointId(id), axis);
                     let found = view.value(&linearised.at, quantity);
                     for k in 0..3 {
-                        // Scales are powers of the size, for lengths, ratios and curvatures.
+                        // The scale of the error is a power of the suspension size: for lengths, ratios and curvatures.
                         let scale = solver.size().powi(1 - k as i32);
                         worst[k].note((found[k] - wanted.value[k]) / scale);
                     }

@@ -1,7 +1,7 @@
 //! Compares the library with twelve quadratic equations in double-double precision, for knuckles on five rods.
 //!
-//! Derivatives of the reference are differences over h = 1e-4 mm of solutions with 30 digits, extrapolated once. The
-//! error of these derivatives has the order of h^4 times the fifth derivative.
+//! Derivatives of the reference are finite differences over h = 1e-4 mm of solutions with 30 digits, extrapolated
+//! once. The error of these derivatives has the order of h^4 times the fifth derivative.
 
 use super::{at, travel};
 use crate::support::Worst;

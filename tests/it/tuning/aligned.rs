@@ -54,8 +54,8 @@ fn points(study: &Study, names: &[&str]) -> Vec<Vector3<f64>> {
 }
 
 /// A study lists the points of a plane or a line. Their order changes neither the violation, nor the tuned design, nor
-/// the price. The violation is the distance from the plane through the largest triangle, or from the line through the
-/// two points that are farthest apart.
+/// the price of the constraint (misfit per unit of the limit). The violation is the distance from the plane through
+/// the largest triangle, or from the line through the two points that are farthest apart.
 #[test]
 fn the_order_of_points_on_a_plane_or_line_does_not_matter() {
     let plane = [

@@ -1,5 +1,5 @@
-//! Tests of joint angles against studs that rotate with three points of the carrier. Tests of the price of a degree of
-//! joint angle.
+//! Tests of joint angles against studs that rotate with three points of the carrier. Tests of the price of a joint
+//! angle limit (change of the misfit per degree).
 
 use super::edited;
 use hardpoint::mechanism::Configuration;

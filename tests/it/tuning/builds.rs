@@ -44,8 +44,8 @@ fn with_problem<R>(
     })
 }
 
-/// Derivatives of builds equal differences of sixth order. The test covers a strut, and a wishbone with a pushrod.
-/// Builds are as assembled, or with toe and camber aligned.
+/// Derivatives of builds equal finite differences of sixth order. The test covers a strut, and a wishbone with a
+/// pushrod. Builds are as assembled, or with toe and camber aligned.
 #[test]
 fn derivatives_of_builds_are_exact() {
     for (file, more) in [

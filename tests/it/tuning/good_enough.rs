@@ -188,8 +188,8 @@ fn a_direction_against_an_axis_is_no_axis() {
     assert_eq!(labels, ["tie_rod_inner_dz", "tie_rod_inner_along"]);
 }
 
-/// If a tuning ends at `good_enough`, it says why an active constraint has no price. If a tuning ends at the smallest
-/// misfit, it states the price.
+/// If a tuning ends at `good_enough`, it says why an active constraint has no price (change of the misfit per unit of
+/// its limit). If a tuning ends at the smallest misfit, it states the price.
 #[test]
 fn a_binding_constraint_without_a_price_is_explained() {
     let of = |good_enough: &str| {

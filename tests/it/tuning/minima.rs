@@ -217,8 +217,8 @@ impl Random {
         let mut limits = [Kind::Length, Kind::Rim, Kind::Band].map(Limit::wide);
         let nought = || vec![[-60.0, 0.0], [60.0, 0.0]];
         let wide = with(&[nought(), nought()], &limits);
-        // The test reads the residuals of the target design for targets of zero. They are the target curves, in
-        // multiples of the tolerance.
+        // If all targets are zero, the residuals of a design are its curves, in multiples of the tolerance. The curves
+        // of a random design, plus a deviation, become the targets.
         let wanted = wide.assessed(&DVector::from_fn(8, |_, _| off(20.0)));
         let wanted = &wanted.goal.residuals;
         let stations = &wide.study.motion().values;
@@ -300,14 +300,15 @@ pub(super) struct End {
     pub(super) x: DVector<f64>,
     pub(super) misfit: f64,
     violation: f64,
-    /// Distance of every evaluated point from the end, in half ranges.
+    /// Distance of every evaluated point from the end of the run. The unit is half the range of a variable.
     away: Vec<f64>,
     /// Message of the method about its end.
     said: String,
 }
 
 impl End {
-    /// Number of evaluations until the method stays within the distance `near` of its end, in half ranges.
+    /// Number of evaluations until the method stays within the distance `near` of its end. The unit of `near` is half
+    /// the range of a variable.
     fn evaluations_to(&self, near: f64) -> u64 {
         let last = self.away.iter().rposition(|away| *away > near);
         // Position `k` is the last point beyond the distance. The next point has the number k + 2, because numbers
@@ -346,7 +347,8 @@ impl<'p> Looked<'p> {
         }
     }
 
-    /// Evaluates a point, in half ranges, unless it is the point of the last evaluation.
+    /// Evaluates a point (coordinates in units of half the range of each variable), unless it is the point of the last
+    /// evaluation.
     fn look(&mut self, z: &[f64]) {
         if self.z == z {
             return;
@@ -407,8 +409,8 @@ impl<'p> Looked<'p> {
     }
 }
 
-/// Runs the crate `slsqp` from `start`, in half ranges. The run ends when the crate's own criteria are met at ten
-/// digits.
+/// Runs the crate `slsqp` from `start` (coordinates in units of half the range of each variable). The run ends when the
+/// crate's own criteria are met at ten digits.
 pub(super) fn slsqp(random: &Random, start: &DVector<f64>) -> End {
     let looked = RefCell::new(Looked::new(random));
     let n = start.len();

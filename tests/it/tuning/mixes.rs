@@ -238,7 +238,7 @@ fn constraints(
         let choice = match (kind, place) {
             (Kind::Degenerate, 0) => 6 + draw.of(2),
             (Kind::Any, _) => draw.of(11),
-            // Omits equalities, because the other solver does not support them.
+            // Omits equalities, because the crate `slsqp`, with which the test compares, does not support them.
             (Kind::Degenerate, _) => 1 + draw.of(5),
             _ => draw.of(6),
         };

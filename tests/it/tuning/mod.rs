@@ -253,7 +253,7 @@ const DRIVE_SHAFT: [&str; 2] = [
     "suspension.extra_points.drive_shaft_outer={ body = \"knuckle\", position = [3.0, 690.0, 300.0] }",
 ];
 
-/// The derivatives of every kind of target and constraint equal differences of sixth order, to 1e-9 of the largest
+/// The derivatives of every kind of target and constraint equal finite differences of sixth order, to 1e-9 of the largest
 /// derivative of the same kind. The test uses designs away from the nominal design, at stations and between stations.
 #[test]
 fn derivatives_of_targets_and_constraints_are_exact() {
@@ -314,7 +314,7 @@ fn derivatives_of_targets_and_constraints_are_exact() {
     }
 }
 
-/// Compares the derivatives of residuals and constraint values at `x` with differences of sixth order.
+/// Compares the derivatives of residuals and constraint values at `x` with finite differences of sixth order.
 fn check_derivatives(
     name: &str,
     problem: &mut Objective<'_>,
@@ -372,7 +372,7 @@ fn check_derivatives(
                 let largest = same
                     .map(|row| of.jacobian.row(row).amax())
                     .fold(1e-2, f64::max);
-                // Rounding of the values in the differences.
+                // Rounding error of the finite differences.
                 let rounding = 16.0 * f64::EPSILON * (1.0 + of.residuals[row].abs()) / h;
                 let bound = 1e-9 + rounding / largest;
                 let off = (slope - of.jacobian[(row, j)]).abs() / largest;
@@ -569,7 +569,8 @@ fn a_front_of_two_targets_is_traced() {
     let off = near.filter(|(rise, slope)| (rise - slope).abs() > 0.25 * rise.abs());
     assert!(off.count() <= found.choices.len() / 5);
 
-    // Misfit against size of change: the misfit falls as the change grows. The first design is the nominal one.
+    // Misfit against the size of the design change: the misfit falls as the change grows. The first design is the nominal
+    // one.
     let list = price_list(vehicle, &optimise, &tuning, control).unwrap();
     assert!(list.len() >= 10, "{}", list.len());
     assert_eq!(list[0].amounts[1], 0.0);
@@ -771,8 +772,8 @@ fn hardpoint(arguments: &[&str]) -> assert_cmd::assert::Assert {
         .assert()
 }
 
-/// The program writes a Pareto front as a file, a table and a part of the page. It also prints misfit against size of
-/// change, and writes this into the summary.
+/// The program writes a Pareto front as a file, a table and a part of the page. It also prints the misfit against the size
+/// of the design change, and writes this list into the summary.
 #[test]
 fn fronts_and_price_lists_are_written_and_shown() {
     let directory = tempfile::tempdir().unwrap();

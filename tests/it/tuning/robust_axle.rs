@@ -248,7 +248,7 @@ const TUNED: &str = r#"
   { characteristic = "mean_steer", over = "roll", at = 2.0, value = 0.0, tolerance = 0.02 },
 "#;
 
-/// A tuning on one thread and on two threads has the same bits. The misfit over the builds is at most that of the
+/// A tuning has the same result, bit for bit, on one CPU thread and on two. The misfit over the builds is at most that of the
 /// optimum without scatter. It is also below that of the given axle.
 #[test]
 fn a_tuned_axle_is_the_same_on_any_number_of_threads() {

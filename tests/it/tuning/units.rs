@@ -1,5 +1,5 @@
-//! Tests of the units of margins and prices. Margins and prices have the units in which a study writes its limits, and
-//! the output names these units.
+//! Tests of the units of margins and prices. A margin has the unit in which the study writes the limit. A price is the
+//! change of the misfit per this unit of the limit. The output names the units.
 
 use hardpoint::optimise::Control;
 use hardpoint::report::{TuningSummary, brief};

@@ -281,7 +281,8 @@ fn a_kept_study_finds_its_designs() {
     );
 }
 
-/// A reader of the printed text may stop early. The results are still complete, and their record says "finished".
+/// A program that reads the printed text from a pipe may stop early. The results are still complete, and their record
+/// says "finished".
 #[test]
 fn a_closed_pipe_leaves_a_finished_run() {
     let bench = Bench::new();

@@ -1,10 +1,11 @@
 //! All assemblies of a strut or a double wishbone: one full rotation of the lower arm.
 //!
 //! At an arm angle th there are at most four assemblies (module `closed_form`). They are the combinations of two
-//! choices. The first choice is an upright or inverted strut, or the side of the upper arm. The second choice is the
-//! side of a plane on which the tie rod's outer end is. For each of the four assemblies, the travel is an explicit
-//! function f(th). The assemblies at a given travel are the roots of f(th) = travel over one rotation of the arm. (The
-//! four functions of a strut together are one trigonometric polynomial of degree ten, so it has at most twenty roots.)
+//! choices. The first choice places the upper end of the steering axis: an upright or inverted strut, or the side of
+//! the upper arm. The second choice is the side of a plane on which the tie rod's outer end is. For each of the four
+//! assemblies, the travel is an explicit function f(th). The assemblies at a given travel are the roots of f(th) =
+//! travel over one rotation of the arm. (The four functions of a strut together are one trigonometric polynomial of
+//! degree ten, so it has at most twenty roots.)
 //!
 //! Interval arithmetic isolates the roots. The rotation is divided into pieces. On a piece X with the middle m,
 //! mean-value forms enclose f and f': f(X) in f(m) + f'(X) (X - m). The excess width of these enclosures shrinks with
@@ -34,8 +35,8 @@ use std::f64::consts::PI;
 /// Width of a piece (rad) below which the search does not halve it.
 const NARROWEST: f64 = 1e-10;
 /// Largest number of pieces for each of the four functions. A search of this many pieces takes a quarter of a second.
-/// An ordinary design needs 400 pieces. A design with parallel arms needs 1,500, and so does a design in which the
-/// lever of the tie rod is a hundredth of the arm.
+/// An ordinary design needs 400 pieces. A design with parallel arms needs 1,500. If the tie rod's lever about the
+/// steering axis is a hundredth of the arm's length, a design needs as many.
 const MOST_PIECES: usize = 20_000;
 /// Width of an undecided piece (rad) below which the search tries Newton's method. After a failed try, the next one follows
 /// when the piece is narrower by the factor `NEXT_TRY`.
@@ -206,8 +207,9 @@ impl Branch {
         }
     }
 
-    /// Returns two radicands and the difference f - travel as series in the angle. The radicands belong to the positions of the
-    /// upper end and of the tie rod. A negative radicand means that there is no assembly.
+    /// Returns two radicands and the difference f - travel as series in the angle. The radicands are those of the
+    /// square roots for the positions of the steering axis's upper end and of the tie rod's outer end. A negative
+    /// radicand means that there is no assembly.
     #[inline(never)]
     fn miss(&self, angle: Interval) -> ([Interval; 2], Value) {
         let form = self.form.map(Jet::constant);
@@ -216,10 +218,11 @@ impl Branch {
         ([upper_square, state.toggle_square()[0]], miss)
     }
 
-    /// Returns the state of the mechanism on a piece, and two radicands: one for the position of the upper end, one for
-    /// the distance of the tie rod's end from its plane. Near their zeros, both radicands are small differences of
-    /// large terms. The zeros are double if parallel arms are in line with each other and with the steering axis. So
-    /// both radicands use mean-value forms, which give far narrower intervals than direct evaluation.
+    /// Returns the state of the mechanism on a piece, and two radicands: one for the position of the steering axis's
+    /// upper end, one for the tie rod. The latter gives the distance of the rod's outer end from the plane through
+    /// steering axis and rack joint. Near their zeros, both radicands are small differences of large terms. The zeros
+    /// are double if parallel arms are in line with each other and with the steering axis. So both radicands use
+    /// mean-value forms, which give far narrower intervals than direct evaluation.
     fn state(&self, form: &ClosedForm<Value>, angle: Interval) -> (ArmState<Value>, Interval) {
         let middle = Interval::point(angle.middle());
         let around = angle - middle;

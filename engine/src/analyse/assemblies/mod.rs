@@ -62,7 +62,7 @@ pub enum AssemblyMode {
 }
 
 impl AssemblyMode {
-    /// Name in tables.
+    /// Name of the feature in tables.
     pub fn name(self) -> &'static str {
         match self {
             AssemblyMode::Strut => "strut",
@@ -73,7 +73,8 @@ impl AssemblyMode {
         }
     }
 
-    /// Word for one of the two variants.
+    /// Word for a variant of the feature: the variant of the design position if `as_designed` is true, otherwise the
+    /// other variant.
     pub fn word(self, as_designed: bool) -> &'static str {
         match (self, as_designed) {
             (AssemblyMode::Strut, true) => "upright",
@@ -109,7 +110,7 @@ pub enum Undecided {
     Rotations(f64),
 }
 
-/// Number of starting points for Newton's method. It is used if the exact search has left an interval undecided.
+/// Number of starting points for Newton's method. The search uses them if the exact method has left a region undecided.
 const TRIES: usize = 400;
 /// Largest distance, relative to the mechanism's size, at which an assembly without certificate counts as equal to another one.
 /// The two are then a double assembly. The error of its position is the square root of the rounding error.
@@ -285,7 +286,8 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Returns, for each feature of the mechanism, true if a pose has the same variant as the design position.
+    /// Returns, for each feature of the mechanism, true if a pose has the same variant as the design position, and
+    /// false if it has the other variant. `None` at the border between the two variants.
     fn branch(&self, now: &Configuration<f64>) -> Vec<Option<bool>> {
         let start = self.solver.design_pose();
         let design = self.solver.configuration(&start, 0.0);
@@ -360,8 +362,8 @@ impl<'a> Search<'a> {
                 .into_iter()
                 .zip(assembly.pose.rotation.columns);
             let turned = turned.map(|(a, b)| far(a, b)).fold(0.0, f64::max);
-            // The distance of the origins is a length. The distance of the rotation's entries becomes a length after
-            // multiplication by the scale.
+            // The distance of the origins is a length. The difference of the rotation matrices' entries becomes a
+            // length after multiplication by the scale.
             far(poses.origin, assembly.pose.origin) < proof.uniqueness
                 && turned * proof.scale < proof.uniqueness
         })

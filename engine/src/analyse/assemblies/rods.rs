@@ -41,10 +41,12 @@ type Cell = [Interval; 6];
 /// Largest number of boxes. A search of this many boxes takes six or seven seconds. An ordinary design needs 50,000 to
 /// 200,000 boxes.
 const MOST_CELLS: usize = 500_000;
-/// Smallest change of the equations within a box, relative to the size, for which the search halves the box.
+/// Smallest change of the equations within a box, relative to the mechanism's size, for which the search halves the
+/// box.
 const NARROWEST: f64 = 1e-9;
-/// Change of the equations within a box, relative to the size, below which the search tries Newton's method. `MOST_TRIES` is
-/// the largest number of tries. A try takes ten times as long as a box, and only singular assemblies need it.
+/// Change of the equations within a box, relative to the mechanism's size, below which the search tries Newton's
+/// method. `MOST_TRIES` is the largest number of tries. A try takes ten times as long as the other steps for a box.
+/// Only singular assemblies need it.
 const FIRST_TRY: f64 = 1e-3;
 const MOST_TRIES: usize = 4000;
 /// Largest remaining fraction of a box's volume after which Krawczyk's operator is applied again.
@@ -52,7 +54,7 @@ const WORTHWHILE: f64 = 0.5;
 /// Distance, relative to the mechanism's size, up to which an assembly belongs to its box.
 const NEAR: f64 = 1e-6;
 
-/// Constants of a rod, multiplied by one of the four base rotations D.
+/// Constants of a rod for one of the four base rotations D.
 #[derive(Clone, Copy)]
 struct Rod {
     /// Inner end a.
@@ -82,8 +84,8 @@ enum Verdict {
     None,
     /// Exactly one assembly, in this box.
     One(Cell),
-    /// Undecided. Holds the remaining part of the box, and for each variable the change of the equations that it can cause
-    /// there.
+    /// Undecided. Holds the remaining part of the box. For each variable, also holds the largest change of the
+    /// equations that this variable causes within this part.
     Open(Cell, [f64; 6]),
 }
 

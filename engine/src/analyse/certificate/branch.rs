@@ -79,8 +79,8 @@ impl Solver<'_> {
                     self.prove_path(certifier, from?, (pose, point))
                         .map_err(Failure::Uncertified)
                 });
-                // If the chain has a gap, no pose beyond the gap can be certified. Beyond a station that cannot be
-                // reached, there are no stations with a pose on this side of the design position.
+                // The chain cannot continue beyond a station that fails. So all stations farther out on this side of
+                // the design position fail, too.
                 from = certified;
                 let shown = match &certified {
                     Ok(proved) => Ok((&proved.place.0, proved.certificate)),

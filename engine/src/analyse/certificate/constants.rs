@@ -109,8 +109,8 @@ fn constants_are_the_second_derivatives_of_every_pair() {
                         assert!(own.next().is_none(), "{name}: a pair counts once");
                         let what =
                             format!("{name} {drive:?} {equation} {j} {l}: {middle} {truth:?}");
-                        // The interval of the stored constant and the interval of the difference must contain the same number.
-                        // Both intervals must be narrow.
+                        // The interval of the stored constant and the interval from `differences` must contain the same
+                        // number. Both intervals must be narrow.
                         assert!(
                             middle - off <= truth.high && truth.low <= middle + off,
                             "{what}"
@@ -239,7 +239,7 @@ fn an_inverse_that_is_off_narrows_the_radii() {
         let found = proved(&jacobian, &bends, 0.0).unwrap();
         let expected = 2.0 * (1.0 - off);
         assert!(found.uniqueness <= expected && found.uniqueness > expected * (1.0 - 1e-9));
-        // The radius follows from 2 Z2 Y <= (1 - Z0)^2.
+        // Largest Y that fulfils the theorem's condition 2 Z2 Y <= (1 - Z0)^2.
         let limit = 0.5 * (1.0 - off).powi(2);
         assert!(proved(&jacobian, &bends, limit * (1.0 - 1e-9)).is_ok());
         let beyond = proved(&jacobian, &bends, limit * (1.0 + 1e-9));
@@ -308,8 +308,8 @@ fn equations_on_a_line_are_enclosed() {
                     let line = constant[i] + slope[i].times(share);
                     let sum = line + bend[i].times(share * share);
                     assert!(sum.low <= exact[i].high && exact[i].low <= sum.high, "{i}");
-                    // Compared with the smallest possible enclosure, the enclosure is too wide by at most the rotation
-                    // and rounding.
+                    // The enclosure of the curvature must be hardly wider than needed. The arm's rotation and the
+                    // rounding explain the remaining excess.
                     let needed = (exact[i] - line).times(1.0 / (share * share));
                     let most = bend[i].magnitude();
                     assert!(bend[i].width() <= 5e-4 * most + 1e-14, "{i}: {:?}", bend[i]);

@@ -71,7 +71,8 @@ impl Certifier<'_> {
         let off = (defect * Interval::point(largest) / left).high;
         let rate = rate.each(|v| around(v, off));
 
-        // The origin can deviate by the error, and the entries of the rotation by the error divided by the scale.
+        // The origin can deviate by the error, and the entries of the rotation matrix by the error divided by the
+        // scale.
         let turn = (Interval::point(certificate.error) / Interval::point(self.scale)).high;
         let place = |j: usize, value: f64, error: f64| match j {
             0..3 => Jet([around(Interval::point(value), error), rate[j]]),

@@ -14,12 +14,12 @@
 //!
 //! Since |A F + (A J - 1) e + A H(e,e)/2| <= Y + Z0 r + Z2 r^2/2 for |e| <= r, the ball of radius r is mapped into itself if
 //! this radii polynomial is at most r. F, J and H are evaluated on [`Interval`]s, beginning with the hardpoints. So link
-//! lengths, strut normals and all other derived numbers are also enclosed, and the certificate applies to the exact mechanism
-//! whose hardpoints are the given doubles, in spite of all rounding errors. Lengths are divided by a power of two near the
-//! size.
+//! lengths, strut normals and all other derived numbers are also enclosed. In spite of all rounding errors, the certificate
+//! applies to the exact mechanism whose hardpoints are the given doubles. Lengths are divided by the scale, a power of two near
+//! the mechanism's size.
 //!
-//! *A whole step.* On the straight line x(t) between two poses, 0 <= t <= 1, the equations are F = a + b t + c t^2 (with c
-//! enclosed over the line if the drive is an angle), so
+//! *A step between two poses.* On the straight line x(t) between two poses, 0 <= t <= 1, the equations are F = a + b t + c t^2
+//! (with c enclosed over the line if the drive is an angle), so
 //!
 //! ```text
 //! |A F(x(t))| <= |A a| + |A (b + c)| + |A c|/4          as t (1 - t) <= 1/4

@@ -9,8 +9,8 @@
 //! F(z) = F0 + (J0 + J(z)) z/2                                                     (3)
 //! ```
 //!
-//! F0, J0 and H are enclosed once, by differentiating the closure's own equations twice. Evaluating the polynomial then
-//! takes about a hundred products. Lengths are divided by the scale.
+//! F0, J0 and H are enclosed once, by differentiating the closure equations twice. Evaluating the polynomial then takes
+//! about a hundred products. Lengths are divided by the scale.
 
 use super::theorem::ROUNDING;
 use super::{N, Square};
@@ -61,8 +61,8 @@ pub(crate) struct Quadratic {
     pub(crate) pose_bends: Vec<PoseBend>,
 }
 
-/// Second derivative of an equation with respect to a pair of the pose's numbers. For two different numbers, it is the
-/// sum for both orders of the pair.
+/// Second derivative of an equation with respect to a pair of the pose's numbers j and l. For two different numbers, it
+/// is the sum H_jl + H_lj.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PoseBend {
     pub equation: usize,
@@ -75,7 +75,7 @@ pub(crate) struct PoseBend {
 
 /// Returns the second derivatives with respect to pairs of the pose's numbers, in the order of the pairs.
 fn pose_bends(bends: &[Bend]) -> Vec<PoseBend> {
-    // For two different variables, one entry contains both orders of the pair.
+    // H_jl equals H_lj, so one of the two represents both.
     let of_pose = bends.iter().filter(|b| b.by <= b.and_by && b.and_by < N);
     let mut pose_bends: Vec<_> = of_pose
         .map(|b| {

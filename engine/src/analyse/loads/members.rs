@@ -14,7 +14,7 @@ pub enum Carried {
     Force(PointId, Axis),
     /// Force with which the support holds the suspension: spring force or vertical force.
     Support(Support),
-    /// Force of the support at the far wheel of a rigid axle.
+    /// Force of the support at the opposite wheel of a rigid axle.
     FarSupport(Support),
     /// Tension of the rod of the spring's rocker.
     Rod,
@@ -112,7 +112,7 @@ fn members_of_constraints(mechanism: &Mechanism) -> Vec<Member> {
     let mut members = Vec::new();
     for constraint in &mechanism.constraints {
         match *constraint {
-            // The rods of a twist beam's mechanism represent its far half, so they are no members.
+            // In a twist beam's mechanism, rods only represent the half of the opposite wheel. They are not real parts.
             Constraint::Link { .. } if mechanism.topology.is_twist_beam() => {}
             // If an arm carries a spring or a link, its legs are bent. So the axial force of a leg is not the whole
             // load on it.
@@ -131,7 +131,7 @@ fn members_of_constraints(mechanism: &Mechanism) -> Vec<Member> {
             Constraint::BallJoint { at } | Constraint::ArmJoint { at, .. } => {
                 members.extend(components(mechanism.name(at), at));
             }
-            // The function `members` adds all forces of a twist beam together.
+            // The function `members` lists the forces of a twist beam separately.
             Constraint::Mount { .. } | Constraint::AxleTravel { .. } => {}
         }
     }

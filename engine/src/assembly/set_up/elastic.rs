@@ -56,8 +56,8 @@ pub(super) struct Elastic<'a> {
     reads: Reads,
     /// Factors from the kernel's units to printed units.
     factors: Vec<f64>,
-    /// Length that the spring keeps if an adjustment lifts the car. `None` if no adjustment lifts it. With such an adjustment,
-    /// the last of the values is the spring's length.
+    /// Length that the spring keeps if an adjustment lifts the car. `None` if no adjustment lifts it. If an adjustment
+    /// lifts the car, the spring's length follows after the other values.
     kept: Option<f64>,
     /// True if the right wheel is the mirror image of the left wheel and has the same adjustments.
     is_mirrored: bool,
@@ -335,9 +335,11 @@ impl<'a> Elastic<'a> {
         (Moves { points, tensions }, rises[0])
     }
 
-    /// Returns the contribution of the position of the assembled axle (11) to each value. With `adjustment`, returns the
-    /// derivative of this contribution. The values already include the direction of the assembled axle, but their
-    /// derivatives do not. The contribution is 0 for all values that [`FROM_DESIGN`] does not list.
+    /// Returns the part of each value that comes from the pose of the assembled axle: from R and d in (11). With
+    /// `adjustment`, returns the derivative of this part with respect to this adjustment. The part is 0 for values that
+    /// [`FROM_DESIGN`] does not list. It is also 0 for the direction of the axle, because the equilibrium already
+    /// includes R. The derivatives of the equilibrium do not include R, so this function returns them for the direction,
+    /// too.
     fn placed(&self, built: &[Built], found: &Found, adjustment: Option<usize>) -> Vec<f64> {
         let mut placed = vec![0.0; self.factors.len() + 1];
         let Reads::Axle(_, reads) = &self.reads else {
@@ -426,7 +428,7 @@ impl<'a> Elastic<'a> {
     }
 }
 
-/// Returns true for a value that follows from the direction of a solid axle, not from its position.
+/// Returns true for a value that follows from the rotation of a solid axle, not from its displacement.
 fn is_direction(of: AxleQuantity) -> bool {
     matches!(of, AxleQuantity::AxleSteer | AxleQuantity::PinionAngle)
 }

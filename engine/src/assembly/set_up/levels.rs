@@ -1,4 +1,5 @@
-//! First level of a set-up: threads reach their target values exactly, whatever the shims are.
+//! First level of a set-up: threaded adjusters (threads) give their static values exactly the target values, for any
+//! shims. The parent module explains both levels.
 
 use super::problem::Problem;
 use super::{AdjustedSuspension, SetUpError};
@@ -6,24 +7,26 @@ use nalgebra::{DMatrix, DVector};
 
 /// Largest number of steps of Newton's method.
 const MOST_STEPS: usize = 40;
-/// Ratio of an effect to the largest effect below which the effect counts as zero. A direction with only such effects has no
-/// influence on any aim.
+/// Ratio of an effect to the largest effect below which the effect counts as zero. A combination of adjustments with
+/// only such effects has no influence on any target value.
 const FLAT: f64 = 1e-8;
 /// Size of a step, relative to the suspension's size, at which the iteration ends.
 const STILL: f64 = 1e-14;
-/// Largest step, relative to the suspension's size, that counts as a rounding error if no fraction of it improves the state.
+/// Largest step, relative to the suspension's size, that counts as a rounding error if no fraction of it reduces the
+/// errors.
 const ROUNDING: f64 = 1e-7;
 /// Smallest fraction of a step that the solver tries.
 const SHORTEST: f64 = 1e-3;
 
-/// Assignment of aims to threads and shims.
+/// Assignment of the values with targets: threaded adjusters meet some values exactly, shims minimise the errors of the
+/// others.
 #[derive(Clone, Debug)]
 pub(super) struct Levels {
-    /// Indices of values that threads meet exactly: `S`.
+    /// Indices of the values that the threaded adjusters meet exactly: `S`.
     pub(super) exact: Vec<usize>,
-    /// Indices of values whose errors shims minimise: `R`.
+    /// Indices of the values whose errors the shims minimise: `R`.
     pub(super) rest: Vec<usize>,
-    /// Indices of the continuous adjustments.
+    /// Indices of the continuous adjustments, such as threaded adjusters.
     pub(super) threads: Vec<usize>,
     /// Indices of the shims.
     pub(super) shims: Vec<usize>,
@@ -57,9 +60,9 @@ pub(super) fn felt(mut rows: DMatrix<f64>) -> Vec<usize> {
 
 /// Result of an iteration, with its last state.
 pub(super) enum End<S = AdjustedSuspension> {
-    /// The values meet their aims, or are as close to them as least squares allows.
+    /// The values meet their targets, or are as close to them as least squares allows.
     Settled(S),
-    /// No step brings the values closer to their aims.
+    /// No step brings the values closer to their targets.
     Stuck(S),
 }
 
@@ -103,7 +106,8 @@ fn iterate<S>(
 }
 
 impl Problem<'_> {
-    /// Meets the given aims with the given adjustments, or names the aims that are out of reach.
+    /// Meets the targets of the given values with the given adjustments. If this is impossible, the error names the
+    /// missed targets.
     pub(super) fn meet(
         &self,
         state: AdjustedSuspension,
@@ -115,8 +119,8 @@ impl Problem<'_> {
         })
     }
 
-    /// Runs an iteration for some aims. If the iteration misses them, it drops the aim with the largest error and tries
-    /// again, until it meets the remaining aims. The error then names the missed aims.
+    /// Runs an iteration for the targets of some values. If the iteration misses them, it drops the target with the
+    /// largest error and tries again, until it meets the remaining targets. The error then names the missed targets.
     pub(super) fn settle(
         &self,
         state: AdjustedSuspension,
@@ -146,8 +150,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Runs Newton's method (2). Each step is the shortest one that meets the linearised aims. A step is halved if the
-    /// parts cannot be assembled or the errors grow.
+    /// Runs Newton's method (2). Each step is the shortest one that meets the targets of the linearised values. A step
+    /// is halved if the parts cannot be assembled or the errors grow.
     pub(super) fn newton(
         &self,
         state: AdjustedSuspension,
@@ -201,8 +205,9 @@ mod tests {
     use super::*;
     use std::cell::RefCell;
 
-    /// An adjustment changes an aim if its effect is above 1e-8 of the largest effect. The choice of aims and the steps towards
-    /// the aims use this threshold.
+    /// An adjustment counts as having an effect on a value with a target if the effect is above 1e-8 of the largest
+    /// effect. The choice of the values for the threaded adjusters and the steps towards their targets use this
+    /// threshold.
     #[test]
     fn effects_count_down_to_a_hundred_millionth() {
         let rows = |across: f64| DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 1.0, across]);
@@ -217,8 +222,8 @@ mod tests {
     }
 
     /// The solver tries a full step, then halves it down to a thousandth. It does not try a step below 1e-14 of the
-    /// size. If no fraction of a step improves the state, a step up to 1e-7 of the size counts as rounding. A longer
-    /// step means that the solver is stuck.
+    /// suspension's size. If no fraction of a step reduces the errors, a step up to 1e-7 of the size counts as
+    /// rounding. A longer step means that the solver is stuck.
     #[test]
     fn steps_are_halved_and_end_at_their_thresholds() {
         let size = 400.0;
@@ -243,8 +248,9 @@ mod tests {
         }
     }
 
-    /// Newton's method for x^3 = 8 ends at 2 from both sides. From 0.5 the full step would make the error larger, and
-    /// from 0.01 even a thousandth of the step would. If there is no step, the iteration ends at once.
+    /// Newton's method for x^3 = 8 ends at 2 from both sides. From 0.5, the full step would make the error larger. From
+    /// 0.01, even a thousandth of the step would make it larger, so the iteration is stuck. If there is no step, the
+    /// iteration ends at once.
     #[test]
     fn the_iteration_finds_a_root_by_shorter_steps() {
         let errors = |x: &f64| DVector::from_element(1, x.powi(3) - 8.0);

@@ -1,12 +1,14 @@
 //! Set-ups: adjustments that give target static values.
 //!
-//! Threads are continuous, but shims come in whole steps. So threads meet their aims exactly, for any choice of shims.
-//! Shims minimise the errors of the remaining aims. The error of a shim never affects a value that a thread can meet.
+//! Here, threads are threaded adjusters, such as a tie rod. An aim is a value that the set-up must reach. It is a target
+//! value of the study, or a value of the design that the set-up keeps. Threads are continuous, but shims come in whole
+//! steps. So threads meet their aims exactly, for any choice of shims. Shims minimise the errors of the remaining aims.
+//! The error of a shim never affects a value that a thread can meet.
 //!
-//! Notation: `x` are the amounts of threads and other continuous adjustments. `z` are those of shims (`z_k = s_k m_k`,
-//! with the step `s_k` and the whole number `m_k`). `w(x, z)` are the static values of the mechanism after assembly,
-//! `b` their aims. `W = D dw` are the exact derivatives, weighted by `D`: a tenth of a degree weighs the same as a
-//! millimetre.
+//! Notation: `x` are the amounts of threads and other continuous adjustments. `z` are the amounts of shims (`z_k = s_k
+//! m_k`, with the step `s_k` and the whole number `m_k`). `w(x, z)` are the static values of the mechanism after
+//! assembly, and `b` are the aims of these values. `W = D dw` are the exact derivatives, weighted by `D`: a tenth of a
+//! degree weighs the same as a millimetre.
 //!
 //! *Aims of the threads.* The rank of `W_x` is the number of aims that the threads can meet. Gram-Schmidt with
 //! pivoting over its rows chooses these aims. Each step takes the aim that the threads still change most:
@@ -18,8 +20,8 @@
 //! until no significant row remains. `S` are the chosen aims, `R` the others. So a tie rod sets toe, and a pushrod
 //! sets the ride height.
 //!
-//! *First level.* Newton's method meets `S` with the threads. With more threads than aims, the adjustment is the smallest
-//! one:
+//! *First level.* The threads meet the aims `S` by Newton's method. If there are more threads than aims, the method finds
+//! the smallest adjustment:
 //!
 //! ```text
 //! x <- x - W_Sx^+ D (w_S - b_S)        which defines x = X(z)                           (2)
@@ -40,15 +42,16 @@
 //!
 //! If the threads meet every aim, `R` is empty. Then (2) over threads and shims together gives the smallest adjustment.
 //!
-//! *Whole shims.* Near the real optimum `z0`, the `m_k` are `floor(z0_k / s_k)` or one more. The linear model ranks
-//! at most 2^10 of these combinations (neighbours). If errors are equal, the neighbour closer to `z0` ranks first:
+//! *Whole shims.* Near the real optimum `z0`, the `m_k` are `floor(z0_k / s_k)` or one more. A linear model estimates the
+//! squared error of at most 2^10 of these combinations (neighbours), and ranks them by it:
 //!
 //! ```text
 //! |r(z0) + G (z - z0)|^2                                                                (6)
 //! ```
 //!
-//! The program assembles the eight best neighbours and the neighbour nearest to `z0`. Equation (2) sets the threads. The
-//! program prefers first the neighbours with errors of at most half a step,
+//! If estimates are equal, the neighbour closer to `z0` ranks first. The program assembles the eight best neighbours and
+//! the neighbour nearest to `z0`. Equation (2) sets the threads. The program prefers first the neighbours with errors of
+//! at most half a step,
 //!
 //! ```text
 //! |r_i| <= sum over shims of s_k |G_ik| / 2                                             (7)
@@ -59,9 +62,9 @@
 //! If (2) or (5) misses its aims, the solver drops the aim with the largest error and meets the other aims from that
 //! state. So the solver never reports an aim as out of reach only because another aim prevented it.
 //!
-//! A mechanic fits shims first, then turns the threads by sixteenths of a turn. The thread that changes toe most comes
-//! last. The solver also assembles the rounded state. The allowed errors of this state are those of (7), plus the effect
-//! of half a sixteenth of a turn of each thread.
+//! A mechanic fits shims first, then turns the threads by sixteenths of a turn. If toe has an aim, the thread that
+//! changes toe most comes last. The solver also assembles the rounded state. The allowed errors of this state are those
+//! of (7), plus the effect of half a sixteenth of a turn of each thread.
 
 mod elastic;
 mod levels;
@@ -84,7 +87,7 @@ use problem::Problem;
 const FARTHEST: f64 = 0.1;
 /// Errors of a static value up to this size count as rounding errors, in degrees or length units.
 const MET: f64 = 1e-9;
-/// Number of steps per turn of a thread. A mechanic turns a thread by sixteenths of a turn.
+/// Number of steps per turn of a threaded adjuster. A mechanic turns it by sixteenths of a turn.
 pub const PARTS_OF_A_TURN: f64 = 16.0;
 
 /// A quantity of the static position.
@@ -92,8 +95,8 @@ pub const PARTS_OF_A_TURN: f64 = 16.0;
 pub enum Static {
     /// A characteristic of one wheel at travel 0, or of each wheel if both wheels are alike.
     Characteristic(Characteristic),
-    /// A quantity of an axle at rest that is adjusted as a whole. Position and direction of a solid axle are measured
-    /// from the nominal design.
+    /// A static quantity of an axle whose wheels are set up together. Position and direction of a solid axle are
+    /// measured from the nominal design.
     Axle(Quantity),
     /// Change of the ride height from the design. Positive if the car is higher. The change is the negative of the
     /// wheel travel of the static position.
@@ -134,8 +137,8 @@ pub struct AdjustedSuspension {
     pub amounts: Vec<f64>,
     /// Assembled parts. For a solid axle, in the frame of its left wheel.
     pub built: Built,
-    /// Solid axle in the frame of the right wheel. For an axle that is adjusted as a whole, the right wheel. `None` for
-    /// one wheel, and if both wheels are alike.
+    /// For a solid axle, the same axle in the frame of its right wheel. For independent wheels that are set up
+    /// together, the right wheel. `None` for one wheel, and if both wheels are alike.
     pub seen_from_right: Option<Built>,
     /// Static values, in printed units. With elastic parts, these are the values in equilibrium.
     pub values: Vec<f64>,
@@ -148,7 +151,8 @@ pub struct AdjustedSuspension {
 pub enum Aim {
     /// Target value of the study, in printed units.
     Wanted(f64),
-    /// Value of the design. The study gives no target, but an adjustment for this value exists, so it is kept.
+    /// Value of the design, which the set-up must keep. The study gives no target for this value, but an adjustment
+    /// that changes it.
     Kept(f64),
     /// No target. The value may change.
     Free,
@@ -167,31 +171,32 @@ impl Aim {
 /// A solved set-up.
 #[derive(Clone, Debug)]
 pub struct SetUp {
-    /// Static values: camber, toe, caster and bump steer (if they are defined), other target values, and the change
-    /// of ride height. A solid axle has camber, toe and caster of both wheels, then its own position and direction
-    /// instead of bump steer.
+    /// Static values: camber, toe, caster and bump steer (if they are defined), other values with targets, and the
+    /// change of ride height. A solid axle has camber, toe and caster of both wheels, then its own position and
+    /// direction instead of bump steer.
     pub statics: Vec<Static>,
     /// Aim of each static value.
     pub aims: Vec<Aim>,
     /// State of the nominal design. This state is at the target ride height if no adjustment sets that height.
     pub drawn: AdjustedSuspension,
-    /// Indices of the adjustments in the order in which a mechanic makes them: shims, then threads. The thread that
-    /// changes toe most comes last.
+    /// Indices of the adjustments in the order in which a mechanic makes them: shims, then threaded adjusters. If toe
+    /// has a target or is kept, the adjuster that changes toe most comes last.
     pub order: Vec<usize>,
     /// State after each adjustment, in the order of `order`. Only shims are rounded.
     pub steps: Vec<AdjustedSuspension>,
     /// State with amounts that a mechanic can set: whole shims, sixteenths of turns, hundredths of a millimetre.
     pub rounded: AdjustedSuspension,
-    /// State after each adjustment with the amounts of `rounded`, in the same order. The last one is [`SetUp::rounded`].
+    /// State after each adjustment with the amounts of `rounded`, in the order of `order`. The last one is
+    /// [`SetUp::rounded`].
     pub rounded_steps: Vec<AdjustedSuspension>,
     /// Allowed error of each value: the effect of half a step of each shim.
     pub allowed: Vec<f64>,
     /// Allowed error of each value after rounding. It also includes the effect of half a sixteenth of a turn of each
-    /// thread.
+    /// threaded adjuster.
     pub allowed_rounded: Vec<f64>,
 }
 
-/// A missed aim.
+/// A target value that the set-up misses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MissedTarget {
     /// Static value.
@@ -211,11 +216,12 @@ pub enum SetUpError {
     Fault(DesignFault),
     /// The elastic parts have no equilibrium at rest.
     NoEquilibrium(NoPose),
-    /// A value must stay constant, but the adjustments cannot influence it, or not independently of the other such values.
+    /// The adjustments cannot keep the values that must stay constant: they have no effect on one of them, or cannot
+    /// change them independently of each other.
     Unsettled,
-    /// The adjustments cannot meet these aims.
+    /// The adjustments cannot reach these target values.
     OutOfReach(Vec<MissedTarget>),
-    /// The aims need an unrealistic adjustment: more than a tenth of the suspension's size.
+    /// The target values need an unrealistic adjustment: more than a tenth of the suspension's size.
     Absurd {
         /// Index of the adjustment.
         adjustment: usize,
@@ -243,8 +249,8 @@ impl SetUp {
         SetUp::solve_problem(Problem::of(study, setup, assembler)?, setup)
     }
 
-    /// Finds the adjustments of an axle as a whole, from the assemblers of its left and its right wheel. For a solid
-    /// axle, each assembler assembles the whole axle, as seen from one wheel.
+    /// Finds the adjustments of an axle whose wheels are set up together, from the assemblers of its left and its right
+    /// wheel. For a solid axle, each assembler assembles the whole axle, as seen from one wheel.
     pub fn solve_axle(
         both: &AxleStudy,
         setup: &Setup,
@@ -298,8 +304,8 @@ impl SetUp {
         Problem::of(study, setup, assembler).map(SetUp::unsolved)
     }
 
-    /// Returns the same state as [`SetUp::drawn`] for an axle as a whole, from the assemblers of its left and its
-    /// right wheel.
+    /// Returns the same state as [`SetUp::drawn`] for an axle whose wheels are set up together, from the assemblers of
+    /// its left and its right wheel.
     pub fn drawn_axle(
         both: &AxleStudy,
         setup: &Setup,
@@ -327,12 +333,14 @@ impl SetUp {
         self.steps.last().unwrap_or(&self.drawn)
     }
 
-    /// Error of each value that has an aim, with the amounts not rounded: value minus aim.
+    /// Error of each static value with the unrounded amounts: the value minus its target. `None` for a value without a
+    /// target.
     pub fn misses(&self) -> Vec<Option<f64>> {
         self.errors(self.last())
     }
 
-    /// Error of each value that has an aim, with the amounts that a mechanic can set: value minus aim.
+    /// Error of each static value with the amounts that a mechanic can set: the value minus its target. `None` for a
+    /// value without a target.
     pub fn misses_rounded(&self) -> Vec<Option<f64>> {
         self.errors(&self.rounded)
     }
@@ -344,26 +352,28 @@ impl SetUp {
             .collect()
     }
 
-    /// Returns true for each aim that the unrounded amounts meet. The allowed error is the effect of half a step of each
-    /// shim. A value without an aim counts as met.
+    /// Returns for each static value whether the unrounded amounts meet its target. The allowed error is the effect of
+    /// half a step of each shim. A value without a target counts as met.
     pub fn met(&self) -> Vec<bool> {
         within(&self.misses(), &self.allowed)
     }
 
-    /// Returns true for each aim that the rounded amounts meet. The allowed error is the effect of half a step of each
-    /// shim and half a sixteenth of a turn of each thread.
+    /// Returns for each static value whether the rounded amounts meet its target. The allowed error is the effect of
+    /// half a step of each shim and half a sixteenth of a turn of each threaded adjuster. A value without a target
+    /// counts as met.
     pub fn met_rounded(&self) -> Vec<bool> {
         within(&self.misses_rounded(), &self.allowed_rounded)
     }
 
-    /// Returns true if the unrounded and the rounded amounts both meet every aim.
+    /// Returns true if the unrounded and the rounded amounts both meet every target.
     pub fn is_met(&self) -> bool {
         let mut met = self.met().into_iter().chain(self.met_rounded());
         met.all(|met| met)
     }
 }
 
-/// Returns true for each error that does not exceed the allowed error, up to rounding. A value without an aim has no error.
+/// Returns for each error whether it is at most the allowed error plus rounding. A missing error, of a value without a
+/// target, counts as allowed.
 fn within(errors: &[Option<f64>], allowed: &[f64]) -> Vec<bool> {
     let pairs = errors.iter().zip(allowed);
     pairs
@@ -380,7 +390,7 @@ fn is_continuous(increment: Increment) -> bool {
 mod tests {
     use super::*;
 
-    /// An aim is met within the allowed error plus 1e-9.
+    /// A value meets its target if the error is at most the allowed error plus 1e-9.
     #[test]
     fn aims_are_met_to_rounding() {
         let errors = [5e-9, -5e-9, 5e-10, -5e-10, 0.5, -0.501].map(Some);

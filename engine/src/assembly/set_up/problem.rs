@@ -1,4 +1,4 @@
-//! Static values of a set-up, their aims, and states of the adjusted suspension.
+//! Static values of a set-up, their target values, and states of the adjusted suspension.
 
 use super::elastic::Elastic;
 use super::levels::{Levels, felt};
@@ -17,8 +17,8 @@ use crate::number::Each;
 use crate::study::{AxleStudy, Increment, Setup, Study, Vehicle};
 use nalgebra::{DMatrix, DVector};
 
-/// Factor on the linear estimate of the error that a rounding by half a step causes. It covers the nonlinear terms of the
-/// error.
+/// Safety factor on the error that a rounding by half a step causes. The error is a linear estimate; the factor covers
+/// its nonlinear terms.
 const CURVED: f64 = 1.01;
 
 /// A set-up to solve.
@@ -68,7 +68,7 @@ impl<'a> Problem<'a> {
         Ok((problem, drawn))
     }
 
-    /// Makes the set-up of an axle as a whole, and the state of its design.
+    /// Makes the set-up of an axle whose wheels are set up together, and the state of its design.
     pub(super) fn of_axle(
         both: &AxleStudy,
         setup: &Setup,
@@ -93,7 +93,7 @@ impl<'a> Problem<'a> {
         Ok((problem, drawn))
     }
 
-    /// Makes a set-up with the aims of the study. `lifts` is true if an adjustment sets the ride height.
+    /// Makes a set-up with the target values of the study. `lifts` is true if an adjustment sets the ride height.
     fn with(subject: Subject<'a>, setup: &Setup, mut statics: Vec<Static>, lifts: bool) -> Self {
         let length = subject.suspension().length_unit;
         let millimetre = 1e-3 * length.per_metre();
@@ -138,9 +138,9 @@ impl<'a> Problem<'a> {
         self.subject.suspension().size()
     }
 
-    /// Keeps the toe of the design under two conditions: the study gives no target for toe, and one of several threads of
-    /// the wheel is for toe. A thread is for toe if it changes toe more than camber, caster and ride height. A single
-    /// thread adjusts only the values for which the study has targets.
+    /// Keeps the toe of the design under three conditions. The study gives no target for toe. The wheel has several
+    /// adjustments. One of them is continuous and for toe. An adjustment is for toe if it changes toe more than camber,
+    /// caster and ride height. A single adjustment serves only the values with targets.
     fn keep_toe(&mut self, drawn: &AdjustedSuspension, setup: &Setup) {
         let toes: Vec<usize> = self.toes().collect();
         for toe in toes {
@@ -165,8 +165,8 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Keeps the toe of a solid axle's left wheel if its drag link is one of several adjustments. Keeps the toe of
-    /// the right wheel if the tie rod is another one. Toe with a target is not kept.
+    /// Keeps the toe of a solid axle's left wheel if its drag link is one of several adjustments. Keeps the toe of the
+    /// right wheel if the tie rod is another one. Toe for which the study gives a target is not kept.
     fn keep_steer(&mut self, drawn: &AdjustedSuspension, setup: &Setup, both: &AxleStudy) {
         let Some(steering) = both.axle.left.mechanism.axle_steering() else {
             return;
@@ -192,7 +192,7 @@ impl<'a> Problem<'a> {
         toes.map(|(i, _)| i)
     }
 
-    /// Indices of the continuous adjustments.
+    /// Indices of the continuous adjustments, such as threaded adjusters.
     pub(super) fn threads(&self) -> impl Iterator<Item = usize> {
         let increments = self.increments.iter().enumerate();
         increments.filter_map(|(k, increment)| is_continuous(*increment).then_some(k))
@@ -207,15 +207,15 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// Indices of the values with an aim.
+    /// Indices of the values that have a target or are kept.
     pub(super) fn targets(&self) -> Vec<usize> {
         let aims = self.aims.iter().enumerate();
         let targets = aims.filter_map(|(i, aim)| aim.value().map(|_| i));
         targets.collect()
     }
 
-    /// Returns the order in which a mechanic makes the adjustments: shims, then threads. The thread that changes toe most
-    /// comes last.
+    /// Returns the order in which a mechanic makes the adjustments: shims, then threaded adjusters. If toe has a target
+    /// or is kept, the adjuster that changes toe most comes last.
     pub(super) fn order(&self, drawn: &AdjustedSuspension) -> Vec<usize> {
         let mut order: Vec<usize> = self.shims().map(|(k, _)| k).collect();
         order.extend(self.threads());
@@ -259,7 +259,8 @@ impl<'a> Problem<'a> {
         DVector::from_iterator(values.len(), values.iter().map(error))
     }
 
-    /// Returns an error with a list of the missed aims among these values. A value that is not defined misses its aim.
+    /// Returns an error that lists the missed targets among these values. A value that is not defined misses its
+    /// target.
     pub(super) fn out_of_reach(&self, state: &AdjustedSuspension, values: &[usize]) -> SetUpError {
         let missed = values.iter().filter_map(|i| {
             let (value, wanted) = (state.values[*i], self.aims[*i].value()?);
@@ -289,7 +290,8 @@ impl<'a> Problem<'a> {
         (amount / grid).round() * grid
     }
 
-    /// Errors that half steps of shims may cause, equation (7), in printed units. 0 for a value that threads set.
+    /// Errors that half steps of shims may cause, equation (7), in printed units. 0 for a value that threaded adjusters
+    /// set.
     pub(super) fn half_steps(&self, levels: &Levels, state: &AdjustedSuspension) -> Vec<f64> {
         let mut allowed = vec![0.0; self.statics.len()];
         let by = self.reduced_effects(levels, state);
@@ -313,7 +315,7 @@ impl<'a> Problem<'a> {
         allowed
     }
 
-    /// Assigns the aims to threads or shims by equation (1), from the derivatives of a state.
+    /// Assigns the values with targets to threaded adjusters or shims by equation (1), from the derivatives of a state.
     pub(super) fn levels(&self, state: &AdjustedSuspension) -> Levels {
         let targets = self.targets();
         let threads: Vec<usize> = self.threads().collect();
@@ -362,8 +364,8 @@ fn has_value(of: Characteristic, mechanism: &Mechanism, is_elastic: bool) -> boo
     has_axis || !of.info().reads_steering_axis()
 }
 
-/// Quantities of an axle's set-up as a whole: the default quantities that the axle has, and further quantities with
-/// targets.
+/// Quantities of an axle whose wheels are set up together: the default quantities that the axle has, and further
+/// quantities with targets.
 fn quantities(both: &AxleStudy, setup: &Setup) -> Vec<Quantity> {
     let usual = [
         Characteristic::Camber,

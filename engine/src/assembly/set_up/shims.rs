@@ -1,4 +1,5 @@
-//! Second level of a set-up: whole shims minimise the errors of the target values that threads cannot reach.
+//! Second level of a set-up: whole shims minimise the errors of the values that threaded adjusters cannot bring to
+//! their targets.
 
 use super::levels::{End, Levels, least_step};
 use super::problem::Problem;
@@ -6,10 +7,10 @@ use super::{AdjustedSuspension, MET, SetUpError};
 use crate::sorting::sort_by;
 use nalgebra::{DMatrix, DVector};
 
-/// Largest number of shims for which both neighbouring whole numbers are tried: 2^10 combinations. Further shims are
-/// rounded.
+/// Largest number of shims for which the program tries both neighbouring whole numbers: 2^10 combinations. For further
+/// shims it takes the nearest whole number.
 const MOST_ENUMERATED: usize = 10;
-/// Number of neighbours that are assembled.
+/// Number of combinations of whole shims that are assembled.
 const MOST_ASSEMBLED: usize = 8;
 /// Difference of two weighted errors below which they count as equal: 0.005 degrees or 0.05 mm. The printed instructions use
 /// the same threshold for effects.
@@ -18,7 +19,8 @@ const INVISIBLE: f64 = 0.05;
 const WHOLE: f64 = 1e-9;
 
 impl Problem<'_> {
-    /// Returns the state that meets the aims best, with the assignment of aims to adjustments.
+    /// Returns the state that meets the target values best, and the assignment of these values to threaded adjusters
+    /// and shims.
     pub(super) fn solve(
         &self,
         drawn: &AdjustedSuspension,
@@ -38,8 +40,8 @@ impl Problem<'_> {
         Ok((whole, levels))
     }
 
-    /// Returns the weighted effects of shims on the aims in `R`, while the threads keep the other aims met: `G` of
-    /// equation (4).
+    /// Returns the weighted effects of shims on the values in `R`, while the threaded adjusters keep the other values
+    /// at their targets: `G` of equation (4).
     pub(super) fn reduced_effects(
         &self,
         levels: &Levels,
@@ -62,7 +64,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Applies the Gauss-Newton method (5) to shims of any thickness. Every trial meets the aims of the threads.
+    /// Applies the Gauss-Newton method (5) to shims of any thickness. In every trial, the threaded adjusters bring
+    /// their values to the targets.
     fn serve(
         &self,
         state: AdjustedSuspension,
@@ -85,12 +88,13 @@ impl Problem<'_> {
         })
     }
 
-    /// Returns the state with these shims in which the threads meet their aims: `X(z)` of equation (2).
+    /// Returns the state with these shims after the threaded adjusters have brought their values to the targets: `X(z)`
+    /// of equation (2).
     fn with_threads(&self, amounts: &[f64], levels: &Levels) -> Result<End, SetUpError> {
         Ok(self.newton(self.state(amounts)?, &levels.exact, &levels.threads))
     }
 
-    /// Returns the best state with whole numbers of shims near a state with fractions of shims.
+    /// Returns the best state with whole shims near a state whose shims have any thickness.
     fn whole(
         &self,
         real: &AdjustedSuspension,
@@ -136,8 +140,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Returns combinations of whole shims near the amounts of a state. The linear model (6) ranks them. The nearest
-    /// combination is always included.
+    /// Returns combinations of whole shims near the amounts of a state. They are the best ones by the linear model (6),
+    /// and the nearest combination.
     pub(super) fn neighbours(&self, real: &AdjustedSuspension, levels: &Levels) -> Vec<Vec<f64>> {
         let mut nearest = real.amounts.clone();
         let mut open = Vec::new();
@@ -149,8 +153,8 @@ impl Problem<'_> {
                 open.push((column, k, step, steps));
             }
         }
-        // If `R` is empty, there is no error to minimise. If no shim is between whole steps, there is no choice. In both cases
-        // the nearest whole amounts are the result.
+        // If `R` is empty, there is no error to minimise. If the amount of every shim is already whole, there is no
+        // choice. In both cases the nearest whole amounts are the result.
         if levels.rest.is_empty() || open.is_empty() {
             return vec![nearest];
         }

@@ -187,7 +187,7 @@ pub(crate) fn ride_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) ->
     }
 }
 
-/// Natural frequency in Hz. `rate` is the rate at each wheel; the mass is that of the axle.
+/// Natural frequency in Hz. `rate` is the rate at each wheel, `mass` the mass for both wheels together.
 fn frequency<T: Scalar, W: WheelParts<T>>(
     state: &AxleState<T, W>,
     rate: T,

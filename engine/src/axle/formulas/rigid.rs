@@ -2,7 +2,8 @@
 //!
 //! The axle has two travels, h and d. h is the mean travel. d is half the difference: the left wheel centre rises by d while
 //! the right wheel centre falls by d. C_b,h and C_b,d are the velocities of the axle's point at contact point b. Other forces
-//! do the work q_h per unit of h and q_d per unit of d. Normal forces f_b at both contact points balance these forces if
+//! do the work q_h per unit of h and q_d per unit of d. n is the normal of the ground, e points to the left along the ground,
+//! and i forward. Normal forces f_b at both contact points balance the other forces if
 //!
 //! ```text
 //! f_l n.C_l,h + f_r n.C_r,h = -q_h        f_l n.C_l,d + f_r n.C_r,d = -q_d                     (1)
@@ -13,6 +14,9 @@
 //! | a unit side force to the left, half at each wheel | q = (e.C_l + e.C_r)/2 |
 //! | a unit force forward, half at each wheel | q = (i.D_l + i.D_r)/2, D = C if the axle carries the torque, W if shafts do |
 //! | springs and anti-roll bar of the energy U | q = -U |
+//!
+//! W is the velocity of a wheel centre. In each line of this table, q, C, D, W and U have a further index h or d. U_h and U_d
+//! are the derivatives of U.
 //!
 //! The roll centre is the instant centre of the axle's motion along d in front view. With v the velocity at the
 //! midpoint of both contact points and w the angular velocity, its position from that midpoint is
@@ -43,14 +47,14 @@ use crate::characteristics::NumberPart;
 use crate::model::Side;
 use crate::number::{Each, Matrix3, Real, Scalar, Vector3};
 
-/// Work of forces per unit of the difference of travels, and per unit of the mean travel.
+/// Work of forces per unit of d (half the difference of travels), and per unit of the mean travel h.
 struct Work<T> {
     difference: T,
     mean: T,
 }
 
-/// Velocities of a point of each wheel, in the frame of this wheel. The first velocity is per unit of the difference of travels
-/// in this frame, the second per unit of the mean travel.
+/// Velocities of a point of each wheel, in the frame of this wheel. The first velocity is per unit of d (half the difference of
+/// travels) in this frame, the second per unit of the mean travel.
 type Velocities<T> = [[Vector3<T>; 2]; 2];
 
 #[inline(always)]
@@ -60,7 +64,7 @@ fn contact_velocities<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> Vel
         .each(|wheel| [wheel.contact_by_difference(), wheel.contact_by_mean()])
 }
 
-/// Wheel loads that balance forces with this work, by equation (1).
+/// Wheel loads that balance forces which do this work, by equation (1).
 #[inline(always)]
 fn balancing<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, work: &Work<T>) -> [T; 2] {
     let [left, right] = state.wheels();
@@ -125,7 +129,7 @@ fn axle_column<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, i: usize) -> 
     }
 }
 
-/// Derivative of the axle's rotation about the vehicle's x with respect to the difference of travels.
+/// Derivative of the axle's rotation about the vehicle's x with respect to d (half the difference of travels).
 #[inline(always)]
 fn rolling<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let [_, turn] = state.readings[0].twist(state.carriers.by_difference());
@@ -182,7 +186,7 @@ fn loads_of<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, has_bar: bool)
         let force = spring_force(state, side);
         rates(side, NumberPart::SpringLength).each(|rate| force * rate)
     });
-    // The difference of travels of the right wheel has the opposite sign.
+    // In the right wheel's frame, the difference of travels has the opposite sign.
     let mut work = Work {
         difference: left[0] - right[0],
         mean: left[1] + right[1],
@@ -223,7 +227,8 @@ fn forward_force_loads<T: Real, W: WheelParts<T>>(
     balancing(state, &work)
 }
 
-/// Returns 100 share (L/h) (f_l + f_r) for a unit force forward, in percent.
+/// Returns 100 share (L/h) (f_l + f_r) for a unit force forward, in percent. L is the wheelbase. h is here the height of the
+/// centre of gravity. f_l and f_r are the wheel loads of [`forward_force_loads`].
 #[inline(always)]
 fn supported<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, share: f64, by_carrier: f64) -> T {
     let c = &state.setup.constants;

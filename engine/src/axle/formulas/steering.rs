@@ -107,7 +107,8 @@ fn inner_and_outer<T: Real>(side: T, left: T, right: T) -> [T; 2] {
 }
 
 impl<T: Real> Turn<T> {
-    /// Computes the geometry of the turn. The compiler makes a separate function, because several formulas use it.
+    /// Computes the geometry of the turn. The macro `outlined!` makes a separate function of the computation, because several
+    /// formulas use it.
     #[inline(always)]
     fn of<W: WheelParts<T>>(state: &AxleState<T, W>) -> Self {
         outlined!(

@@ -11,7 +11,8 @@ pub(super) struct Corner<'a, const N: usize> {
     pub(super) slopes: DesignSeries<TERMS>,
     pub(super) series: DesignSeries<N>,
     /// Sign of the rack displacement in the wheel's own frame: 1 for the left wheel, -1 for the right wheel. For a
-    /// rigid axle, the mean travel replaces the rack. It has the same sign on both sides.
+    /// rigid axle, the held travel takes the place of the rack displacement. The mean travel has the sign 1 on both
+    /// sides.
     pub(super) rack_sign: f64,
     pub(super) toggles: Toggles,
     /// Rack displacement at which the search for toggles started, in the frame of this wheel. `None` before the first
@@ -182,8 +183,9 @@ impl<'a, const N: usize> Corner<'a, N> {
         }
     }
 
-    /// Returns drive and rack of the closure equations at these travels of a steered axle, by equations (4) and (5) of
-    /// `model/steered_axle.rs`. For other axles, the results equal the arguments.
+    /// Converts travel and rack displacement to the values in the closure equations. For a steered axle, these are its
+    /// driving and held travel by equations (4) and (5) of `model/steered_axle.rs`. For other axles, they equal the
+    /// arguments.
     pub(super) fn inner(&self, travel: f64, rack: f64) -> (f64, f64) {
         let [drive, held] = self.steered.offsets;
         (travel - drive, rack - held)
@@ -224,8 +226,8 @@ impl<'a, const N: usize> Corner<'a, N> {
         Ok(())
     }
 
-    /// Makes the failure of this wheel at a travel. For a rigid axle whose mean travel is held, the travel in the
-    /// failure is the drive.
+    /// Makes the reason why there is no pose, from a failure of this wheel at a travel. For a rigid axle with constant
+    /// mean travel, `travel` is half the difference of the travels.
     pub(super) fn fails(&self, travel: f64, failure: Failure) -> NoPose {
         if self.mechanism.rigid_axle.is_some() {
             return NoPose::RigidAxle {
@@ -397,7 +399,7 @@ pub(super) fn read_wheel<const N: usize>(
     (lines, parts, points): (&[Line], &Parts, &[PointId]),
 ) -> Result<WheelRead, Failure> {
     let mut snapshots = [Snapshot::<N>::unknown(); 4];
-    // For each line in travel and rack: one series for each point of the wheel.
+    // Positions of the points: for each line in travel and rack, one series per point.
     let mut ways = Vec::new();
     let (mut condition, mut toggle) = (0.0_f64, None);
     for (number, line) in lines.iter().enumerate() {

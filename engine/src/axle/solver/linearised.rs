@@ -11,8 +11,8 @@ pub(crate) struct LinearisedAxle<'s, const N: usize> {
 }
 
 impl<const N: usize> LinearisedAxle<'_, N> {
-    /// Puts both wheels on the tape as inputs. Returns each wheel with the index of its first input. The tape combines
-    /// series along several lines, so other entries can lie between the inputs of the two wheels.
+    /// Puts both wheels on the tape as inputs. Returns each wheel with the index of its first input. Between the inputs
+    /// of the two wheels, the tape contains operations that combine series along several lines.
     pub(crate) fn on_tape<'t>(&self, tape: &'t Tape) -> [(Reading<Tracked<'t>>, usize); 2] {
         self.snapshots.each_ref().each(|lines| {
             let first = tape.len();

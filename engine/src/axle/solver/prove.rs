@@ -8,8 +8,9 @@ use crate::solve::StationOrder;
 use std::ops::ControlFlow;
 
 impl<const N: usize> AxleSolver<'_, N> {
-    /// Certifies that poses of one wheel lie on the solution branch of its design position. All poses have the same
-    /// rack displacement, and these values of the drive. For a rigid axle, the mean travel replaces the rack.
+    /// Certifies that poses of one wheel lie on the solution branch of its design position. `travels` contains the
+    /// travel of each pose. All poses have the same rack displacement. For a rigid axle, `travels` contains half the
+    /// differences of travels, and the mean travel takes the place of the rack displacement.
     pub(in crate::axle) fn prove_branch(
         &mut self,
         certifier: &Certifier,

@@ -18,8 +18,8 @@ impl<const N: usize> AxleSolver<'_, N> {
     /// Finds positions for all placements. Placements in roll at one rack displacement are solved together. In each
     /// round, both wheels are solved at the travels that the series of the previous round predict.
     pub fn place_all(&mut self, placements: &[Placement]) -> Vec<Result<AxlePose, NoPose>> {
-        // Indices of the placements that have the same two values: rack in the closure equations, and displacement of
-        // the steering gear.
+        // Indices of the placements with the same two values. First value: rack displacement, or mean travel of a rigid axle.
+        // Second value: displacement of the steering gear.
         let mut by_rack: Vec<([f64; 2], Vec<usize>)> = Vec::new();
         for (number, placement) in placements.iter().enumerate() {
             if let Placement::Roll { heave, rack, .. } = *placement {
@@ -79,7 +79,7 @@ impl<const N: usize> AxleSolver<'_, N> {
         struct Open {
             number: usize,
             heave: f64,
-            /// Drive of both wheels at this heave without roll.
+            /// Driving travel of both wheels at this heave without roll (0 for a rigid axle).
             level: f64,
             roll: f64,
             half: f64,

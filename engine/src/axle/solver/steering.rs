@@ -63,7 +63,8 @@ impl<const N: usize> AxleSolver<'_, N> {
     /// With T(p, s) the travel at the fold, the design p and the displacement s of the gear, T = 0 at the end. The axle
     /// reaches its held travel first. Meanwhile, the drive d is that of the axle at rest. It equals the lift l(p, s) by
     /// equation (4) or (5) of `model/steered_axle.rs`. Let g be the gradient of T with respect to the hardpoints, g'
-    /// the gradient of T with respect to the drag link's end p', and n the direction of the gear. Then
+    /// the gradient of T with respect to the drag link's end p', and n the direction of the gear. T_d is the derivative
+    /// of T with respect to d. l_p and l_s are the derivatives of l with respect to p and s. Then
     ///
     /// ```text
     /// ds/dp = -(g + T_d l_p)/(g'.n + T_d l_s)                                                     (1)
@@ -76,8 +77,8 @@ impl<const N: usize> AxleSolver<'_, N> {
         let mechanism = &self.axle.left.mechanism;
         let steering = mechanism.axle_steering()?;
         let design = self.corners[0].solver.design();
-        // Derivatives of the lift with respect to a point. For `None`, the first of the three numbers is the derivative
-        // with respect to the gear.
+        // Derivatives of the lift with respect to the coordinates of a point. If `point` is `None`, the first number is
+        // the derivative with respect to the gear's displacement, and the other numbers are 0.
         let lift_by = |point: Option<usize>| -> [f64; 3] {
             let mut moved: Vec<_> = design.iter().map(|p| p.map(Dual::constant)).collect();
             let gear = match point {

@@ -34,8 +34,8 @@ pub enum CarNeed {
 }
 
 impl CarNeed {
-    /// Returns true if an axle has the part. The result is also true for needs of the car itself, which are checked
-    /// elsewhere.
+    /// Returns true if an axle has the part. Also returns true for parts and inputs of the car itself, which are
+    /// checked elsewhere.
     pub(super) fn met_by(self, axle: &Axle) -> bool {
         let setup = &axle.setup;
         let rockers = &setup.rocker_springs;

@@ -41,7 +41,7 @@ pub(in crate::car) struct CarMasses<T> {
     pub sprung: (T, Vector3<T>),
     /// Mass of the whole car, and its centre of gravity.
     pub whole: (T, Vector3<T>),
-    /// Mean contact point in the design position.
+    /// Mean of the four contact points in the design position.
     pub design_contact: Vector3<T>,
     /// Contact points in the design position.
     design_contacts: [Vector3<T>; 4],
@@ -134,8 +134,8 @@ pub(super) fn bar_torque<T: Local>(
     }
 }
 
-/// Returns the fraction of an axle's force that a wheel carries. It is proportional to the wheel load, or given by the
-/// fraction of the left wheel.
+/// Returns the fraction of an axle's force that a wheel carries. The fraction is proportional to the wheel load, or
+/// follows from the given fraction of the left wheel.
 #[inline(always)]
 fn share<T: Local>(
     held: &Held<'_>,
@@ -159,7 +159,7 @@ fn share<T: Local>(
     })
 }
 
-/// Computes the fractions of the axle's lateral and longitudinal force that a wheel carries (3).
+/// Computes the fractions of the axle's lateral and longitudinal force that a wheel carries: f and g of equation (3).
 #[inline(always)]
 pub(super) fn shares<T: Local>(held: &Held<'_>, x: &[T; UNKNOWNS], number: usize) -> [T; 2] {
     let setting = &held.case.setting;

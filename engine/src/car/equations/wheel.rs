@@ -17,7 +17,7 @@ pub(super) struct Forces<T> {
     pub side: T,
     /// Longitudinal force.
     pub longitudinal: T,
-    /// Fraction of the axle's lateral force.
+    /// Fraction of the axle's lateral force that this wheel carries.
     pub share: T,
     /// Torque of the anti-roll bar on its lever, positive in the direction of the lever's angle.
     pub bar: T,
@@ -40,7 +40,8 @@ impl<T: Copy> Forces<T> {
     }
 }
 
-/// Work on a wheel per unit of one travel of its axle, for unit tyre forces and a unit bar torque.
+/// Work on a wheel per unit of one travel of its axle. The tyre forces and the torque of the anti-roll bar have the
+/// value 1.
 #[derive(Clone, Copy)]
 pub(super) struct Work<T> {
     /// Rise n.C' of the contact point. It is the work of a unit load.
@@ -51,7 +52,7 @@ pub(super) struct Work<T> {
     longitudinal: T,
     /// Work of a unit torque of the anti-roll bar; zero without a bar.
     bar: T,
-    /// Derivative of the energy of the wheel's spring and stops.
+    /// Derivative of the energy of the wheel's spring and stops with respect to the travel.
     spring: T,
     /// Work m_b alpha.W' of the force that accelerates the wheel's mass.
     unsprung: T,
@@ -103,7 +104,8 @@ impl<T: Copy> Work<T> {
 }
 
 impl<T: Local> Work<T> {
-    /// Returns the components of the work that the wheel load balances: elastic, geometric, longitudinal, unsprung.
+    /// Returns the components of the work that the work of the wheel load balances: elastic, geometric, longitudinal,
+    /// unsprung.
     #[inline(always)]
     fn parts(&self, forces: &Forces<T>, is_own: bool) -> [T; 4] {
         let springs = self.spring + forces.bar * self.bar;
@@ -119,7 +121,7 @@ impl<T: Local> Work<T> {
         ]
     }
 
-    /// Residual of (7) for one wheel.
+    /// Residual of equation (7) for one wheel.
     #[inline(always)]
     fn residual(&self, forces: &Forces<T>, is_own: bool) -> T {
         let [elastic, geometric, longitudinal, unsprung] = self.parts(forces, is_own);
@@ -149,7 +151,7 @@ impl<T: Copy> Stance<T> {
 }
 
 impl<T: Local> Stance<T> {
-    /// Residual of the contact (4) or (5). For a lifted wheel, residual of the load (6).
+    /// Residual of the contact equation: (4) for a rigid tyre, (5) for a tyre spring, (6) for a lifted wheel.
     #[inline(always)]
     pub(super) fn contact_residual(&self, load: T) -> T {
         match self.contact {
@@ -177,8 +179,8 @@ pub(super) fn travel_residuals<T: Local>(
     residuals
 }
 
-/// Computes the components (9) of the wheel loads of an axle. For a solid axle, they are the solution of two
-/// simultaneous equations.
+/// Computes the components of the wheel loads of an axle by equation (9). For a solid axle, these components are the
+/// solution of two simultaneous equations.
 #[inline(always)]
 pub(super) fn load_parts<T: Local>(
     [left, right]: [&Stance<T>; 2],
@@ -207,14 +209,14 @@ pub(super) fn load_parts<T: Local>(
     parts
 }
 
-/// Tyre on the ground, computed with equation (2).
+/// Position of a tyre relative to the ground, by equation (2).
 #[derive(Clone, Copy)]
 struct Tread<T> {
     /// Length s of that component of the upward normal which is perpendicular to the spin axis.
     tilt: T,
     /// Height of the wheel centre over the ground.
     height: T,
-    /// Loaded radius of the wheel that the study contains.
+    /// Radius of the wheel in the study.
     radius: T,
     /// Rate and unloaded radius of a tyre spring.
     spring: Option<(T, T)>,
@@ -280,7 +282,7 @@ impl<T: Local> Tread<T> {
         }
     }
 
-    /// Velocity of the carrier's point at the contact.
+    /// Velocity of the carrier's point at the contact point.
     #[inline(always)]
     fn carried(&self, rates: &WheelRates<T>) -> Vector3<T> {
         rates.centre + rates.turn.cross(self.lever)
@@ -317,7 +319,8 @@ fn tyre_axes<T: Local>(
     }
 }
 
-/// Force of a spring and its stops at a length. The second argument is the length in the design position.
+/// Force law of a spring and its stops. The arguments of the function are the spring's present length and its length in
+/// the design position.
 struct ByLaw<'s>(&'s SpringLaw);
 
 impl LocalFunction<2, 1> for ByLaw<'_> {
@@ -357,7 +360,7 @@ pub(in crate::car) struct Placed<T> {
 }
 
 impl<T: Local> Placed<T> {
-    /// Places a wheel on the ground.
+    /// Computes the position of a wheel on the ground, and the factors of its forces.
     #[inline(always)]
     pub(in crate::car) fn of(
         held: &Held<'_>,
@@ -439,7 +442,7 @@ impl<T: Local> Placed<T> {
         }
     }
 
-    /// Computes the state of the wheel under forces.
+    /// Computes the state of the wheel under the given forces.
     pub(super) fn under(
         &self,
         held: &Held<'_>,

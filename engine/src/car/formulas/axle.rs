@@ -15,7 +15,7 @@ fn both<T: Scalar>(
     [0, 1].each(|side| of(state, WheelPlace(2 * axle + side)))
 }
 
-/// Half of the difference of a load component, right wheel minus left wheel.
+/// Half the difference of a component of the wheel loads, right wheel minus left wheel.
 fn transfer<T: Scalar>(
     state: &Balance<T>,
     axle: usize,
@@ -64,9 +64,8 @@ pub(in crate::car) fn mean_steer<T: Scalar>(state: &Balance<T>, axle: usize) -> 
     (left + right).scaled(0.5)
 }
 
-/// Velocities of two points of a solid axle, and the angular velocity of the axle. The two points are at the contact
-/// points of its wheels. The left wheel rises and the right wheel falls. The knuckles of a steered axle rotate relative
-/// to the axle, so they are not included.
+/// Velocities of the axle at its two contact points, and its angular velocity, for a solid axle. The left wheel rises
+/// and the right wheel falls. The rotation of steered knuckles relative to the axle is not included.
 fn by_difference<T: Scalar>(
     state: &Balance<T>,
     axle: usize,

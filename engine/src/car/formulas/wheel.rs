@@ -48,7 +48,7 @@ pub(in crate::car) fn share<T: Scalar>(state: &Balance<T>, place: WheelPlace) ->
 pub(in crate::car) fn friction_demand<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
     let wheel = of(state, place);
     let squared = wheel.side_force.squared() + wheel.longitudinal_force.squared();
-    // The derivative of the square root is infinite at zero.
+    // The square root is omitted at zero, because its derivative is infinite there.
     if squared.value() == 0.0 {
         squared
     } else {

@@ -43,7 +43,7 @@ pub(super) struct Lanes {
     pub(super) step: [Numbers; UNKNOWNS],
     /// Approximate inverse J of the tangent.
     pub(super) inverse: [[Numbers; UNKNOWNS]; UNKNOWNS],
-    /// Inverse sizes of the unknowns.
+    /// Reciprocals of the typical sizes of the unknowns.
     pub(super) scales: [Numbers; UNKNOWNS],
     /// Largest component of the last step, relative to the sizes of the unknowns. It is NaN if the step is not finite.
     pub(super) longest: Numbers,

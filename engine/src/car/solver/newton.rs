@@ -1,7 +1,7 @@
 //! Newton's method for one set of wheels in contact.
 //!
-//! Several steps use the LU factors of one tangent. Let x be the unknowns and s the steps, both divided by the sizes of
-//! the unknowns. Let L bound the relative change of the tangent G_x per step. If the tangent was computed at y, a step
+//! Several steps use the LU factors of one tangent. Let x be the unknowns and s the steps, both divided by the typical
+//! sizes of the unknowns. Let L bound the relative change of the tangent G_x per step. If the tangent was computed at y, a step
 //! s from x has the remaining error
 //!
 //! ```text
@@ -31,10 +31,11 @@ const NEAR: f64 = 2e-3;
 const BESIDE: f64 = 2e-2;
 /// A step below this limit, relative to the sizes of the unknowns, is rounding error.
 pub(super) const ROUNDING: f64 = 8.0 * f64::EPSILON;
-/// Divisor of the allowed number of steps. Newton's method fails if more steps than the quotient are longer than the
-/// shortest step so far. Only steps with a new tangent count.
+/// Newton's method fails if too many steps are longer than the shortest step so far: more than the allowed number of
+/// steps, divided by this constant. Only steps with a new tangent count.
 const MOST_LONGER: usize = 5;
-/// Smallest value of L in (1): relative change of the tangent if the unknowns change by their sizes.
+/// Smallest value of L in equation (1). L is the relative change of the tangent if the unknowns change by their typical
+/// sizes.
 const CURVATURE: f64 = 100.0;
 
 /// LU factors of a tangent, with the unknowns at which the tangent was computed. These unknowns are `None` for the
@@ -152,7 +153,7 @@ impl Linear {
 struct Iteration {
     x: [f64; UNKNOWNS],
     sizes: Sizes,
-    /// Unknowns before the last step that was taken. The wheels had poses there.
+    /// Unknowns before the last step that was taken. Every wheel has a pose at these unknowns.
     reached: Option<[f64; UNKNOWNS]>,
     /// Shortest step so far.
     smallest: f64,
@@ -262,7 +263,7 @@ impl Iteration {
         }
     }
 
-    /// Resets the record of the steps, after the wheels change from curves to poses.
+    /// Resets the record of the steps, after the solver changes from curves to poses.
     fn begin_again(&mut self, linear: Linear) {
         self.smallest = f64::INFINITY;
         self.curvature.last = 0.0;
@@ -302,15 +303,15 @@ impl Curvature {
     }
 }
 
-/// Sizes of the unknowns, which scale the steps.
+/// Typical sizes of the unknowns. The solver divides steps by these sizes.
 struct Sizes {
     metre: f64,
     weight: f64,
 }
 
 impl Sizes {
-    /// Returns the point halfway back to `reached`, the last point at which the wheels had poses. `None` if there is no
-    /// such point, or if it is the present point.
+    /// Returns the point halfway back to `reached`, the last point at which every wheel has a pose. `None` if there is
+    /// no such point, or if it is the present point.
     fn half_way_back(
         &self,
         x: &[f64; UNKNOWNS],

@@ -8,15 +8,15 @@ use crate::axle::{AxlePose, Carriers, CurveWheel, Read, Reading, WheelParts};
 use crate::model::Side;
 use crate::number::{Each, Real, Scalar};
 
-/// Wheels of a state during the iteration towards equilibrium.
+/// Values of the wheels in a state, during the iteration towards equilibrium.
 pub(in crate::car) enum Wheels<'a> {
-    /// Wheels from their curves.
+    /// Values that were computed from the wheels' curves.
     Near(Box<OnCurves>),
-    /// Wheels from poses.
+    /// Values that were computed from poses.
     Exact(Box<Readings<'a>>),
 }
 
-/// Wheels from their curves.
+/// Values of the wheels, computed from their curves.
 #[derive(Clone, Debug)]
 pub(in crate::car) struct OnCurves {
     pub wheels: [CurveWheel; 4],
@@ -90,7 +90,7 @@ impl Wheels<'_> {
 /// Wheels in a state, computed from poses.
 pub(in crate::car) struct Readings<'a> {
     pub placed: [AxlePose; 2],
-    /// True if the numbers include the dependence of the wheels on the racks.
+    /// True if the values include the dependence of the wheels on the racks.
     pub by_rack: bool,
     pub axles: [Read<'a>; 2],
 }

@@ -2,12 +2,13 @@
 //!
 //! The first state of a row is solved alone. Then the row gets a SIMD lane ([`super::lanes`]). The start of a state is
 //! extrapolated by a polynomial through the last states of its row. The first inverse tangent of a state is the inverse
-//! tangent after the previous state of its row. So the results of a row do not depend on other rows. In these cases a
-//! row leaves its lane, and the solver solves its case alone:
+//! tangent after the previous state of its row. So the results of a row do not depend on other rows. A row leaves
+//! its lane, and the solver solves its next case alone, if
 //!
 //! - a wheel has no curve, or a step is not finite or too long,
 //! - the iteration does not converge,
-//! - the set of wheels in contact would change, or the case has other settings than its block.
+//! - the set of wheels in contact would change,
+//! - the settings, the racks or the yaw acceleration of the case differ from those of the other lanes.
 //!
 //! For every [`VERIFIED`]-th state of a row, the solver computes the exact tangent. This state must meet the condition
 //! of stability in [`super::super::stability`]. Otherwise all states since the last state with a tangent are solved
@@ -45,14 +46,14 @@ pub struct RowState {
     pub is_from_lane: bool,
 }
 
-/// Result for a case of a row.
+/// Result for one case in a row: its state, or the reason why it has no equilibrium.
 pub type RowResult = Result<RowState, NoEquilibrium>;
 
 /// A state from a SIMD lane that is not confirmed by a tangent yet: its unknowns, and the components of the wheel
 /// loads.
 type Pending = ([f64; UNKNOWNS], [[f64; 4]; 4]);
 
-/// A row of cases during its solution.
+/// A row of cases while the solver works on it.
 struct Row<'c> {
     cases: &'c [Case],
     /// Index of the next case.
@@ -67,7 +68,7 @@ struct Row<'c> {
     is_in_lane: bool,
 }
 
-/// Inputs that all rows of a block share.
+/// Inputs that all rows of a block share. The solver solves the rows of a block at the same time.
 struct Block<'c> {
     case: &'c Case,
     parameters: Parameters<f64>,
@@ -197,8 +198,8 @@ impl<'a> CarSolver<'a> {
                 self.in_lanes(block, &mut rows);
             }
             for (number, row) in rows.iter_mut().enumerate() {
-                // A row that has left its lane has not solved the case of this column yet. So this case is solved
-                // alone.
+                // A row that has left its lane has not solved the case with the index `column` yet. So this case is
+                // solved alone.
                 if row.next <= column && row.case().is_some() {
                     self.confirm(&mut block, (number, row), take);
                     self.alone(&mut block, (number, row), take);

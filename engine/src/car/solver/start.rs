@@ -45,7 +45,7 @@ impl<'f> Start<'f> {
         }
     }
 
-    /// Makes a start from a neighbouring state, as in a map. The wheels may be computed from their curves.
+    /// Makes a start from a neighbouring state, as in a map of cases. The wheels may be computed from their curves.
     pub(super) fn beside(found: &'f Equilibrium) -> Self {
         Start {
             may_be_near: true,

@@ -1,5 +1,5 @@
-//! Gradients of quantities with respect to the hardpoints, for several poses at once (one in each SIMD lane). The module adds
-//! the seeds of an adjoint.
+//! Gradients of quantities with respect to the hardpoints, for several poses at once (one in each SIMD lane). The
+//! formulas give derivatives with respect to the pose. As seeds of the adjoint, these give the gradients.
 
 use super::{LaneInputs, LaneReader, LaneWheels};
 use crate::characteristics::gains::{angle_of_gain, by_direction, by_direction_along};
@@ -184,7 +184,7 @@ impl<B: SimdReal, G: Gradient<Jet<B, 2>> + ?Sized> Outlined for SeedingRates<'_,
             && let Some(angle) = angle_of_gain(c)
             && let Some(by) = by_direction_along(angle, self.inputs)
         {
-            // The gain is the slope of the angle along the travel, because the wheel centre rises by one per travel.
+            // The gain is the slope of the angle along the travel, because the travel is the rise of the wheel centre.
             for slot in angle.info().reads {
                 slot.push(by * Jet::constant(self.weight), self.at, self.seeds);
             }

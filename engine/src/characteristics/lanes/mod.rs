@@ -1,7 +1,7 @@
 //! Quantities of several designs at a time. Each design is in one SIMD lane.
 //!
-//! The reader computes only the [`Slot`]s that the formulas of its quantities need. A slot that is not read is NaN, so a
-//! formula that reads an undeclared slot has no value.
+//! A [`LaneReader`] computes only the inputs ([`Slot`]s) that the formulas of its quantities need. A slot that is not
+//! read is NaN, so a formula that reads an undeclared slot has no value.
 
 mod evaluating;
 mod gradients;
@@ -39,8 +39,8 @@ pub struct LaneReader<'a> {
     place: Vec<Option<usize>>,
     /// True if the reader needs a part outside the knuckle: another body's point, or a rocker.
     reads_others: bool,
-    /// Rockers on which the parts that are read depend. This includes rockers that move these rockers. The reader needs
-    /// velocities for the positions of rockers.
+    /// Rockers on which the parts that are read depend. This includes rockers that move these rockers. To check the
+    /// rods of these rockers for toggles, the reader needs velocities.
     rockers: Vec<RockerId>,
     rates: bool,
     /// True if the reader also reads derivatives with respect to the rack.
@@ -237,8 +237,8 @@ impl<'a> LaneReader<'a> {
         })
     }
 
-    /// If `is_wanted`, the reader also reads the body of a rigid axle. It reads the body's motion only together with
-    /// velocities with respect to the rack.
+    /// If `is_wanted`, the reader also reads the body of a rigid axle. It reads the body's velocities only if it also
+    /// reads velocities with respect to the rack.
     #[must_use]
     pub fn with_axle(mut self, is_wanted: bool) -> Self {
         self.of_axle = is_wanted;

@@ -95,8 +95,8 @@ fn of_ball_joint<T: Scalar>(v: &Vectors<T>) -> T {
     versine(now, carried)
 }
 
-/// Distance from the spin axis at which a member crosses the plane `offset` outboard of the wheel centre. If it does not
-/// cross the plane, distance of the end nearer to the plane.
+/// Distance from the spin axis at which a member crosses the plane `offset` outboard of the wheel centre. If it does
+/// not cross the plane, the result is the distance of its end nearer to the plane.
 #[inline]
 fn from_spin_axis_at<T: Scalar>(v: &Vectors<T>, offset: f64) -> T {
     let [outer, inner, centre, axis, ..] = *v;
@@ -136,8 +136,8 @@ fn magnitude<T: Scalar>(x: T) -> T {
     if x.value() < 0.0 { -x } else { x }
 }
 
-/// Distance from the region in which all of `excess` are negative. Outside the region, it is the norm of the positive entries.
-/// Inside, it is the largest entry.
+/// Distance of a point from a region, for example a box. The point is inside if all entries of `excess` are negative.
+/// Then the result is the largest entry, which is negative. Outside, the result is the norm of the positive entries.
 #[inline]
 fn outside<T: Scalar>(excess: &[T]) -> T {
     let mut largest = excess[0];

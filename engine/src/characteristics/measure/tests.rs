@@ -13,8 +13,8 @@ fn vector(x: f64, y: f64, z: f64) -> Vector3<f64> {
 fn distances_of_segments_are_those_of_their_nearest_places() {
     let along_x = [vector(0.0, 0.0, 0.0), vector(10.0, 0.0, 0.0)];
     for (other, distance) in [
-        // Pairs of segments: crossing at a distance, nearest beyond an end, end to end, parallel with overlap, parallel without
-        // overlap.
+        // Second segment of each pair, and its distance from the first one. The pairs: crossing at a distance, nearest
+        // beyond an end, end to end, parallel with overlap, parallel without overlap.
         ([vector(5.0, -5.0, 3.0), vector(5.0, 5.0, 3.0)], 3.0),
         ([vector(13.0, 4.0, 0.0), vector(13.0, 9.0, 0.0)], 5.0),
         ([vector(12.0, 0.0, 0.0), vector(20.0, 1.0, 0.0)], 2.0),

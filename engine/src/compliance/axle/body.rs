@@ -122,14 +122,14 @@ impl<T: Scalar> ElasticAxle<T> {
                 system.holders.limbs.pop();
                 wheel.built.names.pop();
             }
-            // Without the spring the design position is no equilibrium.
+            // Without the spring, the design position is not an equilibrium.
             wheel.has_offset = true;
         }
         Some(axle)
     }
 
-    /// Adds derivatives to an equilibrium of [`ElasticAxle::on_its_links`]. The wheel travels are those of the
-    /// equilibrium `held`.
+    /// Adds derivatives to an equilibrium of [`ElasticAxle::on_its_links`]. The wheel travels and the rack displacement
+    /// are those of the equilibrium `held`.
     pub(in crate::compliance) fn carried_on_links(
         &self,
         at: &AxleEquilibrium,

@@ -8,7 +8,7 @@
 //! A = A_l + M A_r M,   r = r_l + M r_r,   x_r = M x_l                                             (1)
 //! ```
 //!
-//! The rows of rigid links and of both heights follow this block. So the axle has six unknowns and two rows for travels.
+//! The axle has these six unknowns of the carrier. The equations of the rigid links and of the two held heights follow.
 
 #![expect(
     clippy::needless_range_loop,
@@ -40,7 +40,7 @@ pub(super) struct Joined<T: Valued> {
     factors: SquareLu<T>,
 }
 
-/// For each side, the positions of its equations in the joint equations.
+/// For each side, the indices of its equations in the system of both sides (joint equations).
 #[derive(Clone, Copy, Debug)]
 struct Places {
     rows: [[usize; MOST]; 2],
@@ -49,8 +49,8 @@ struct Places {
 }
 
 impl Places {
-    /// Finds the positions in the joint equations for two sides with `sizes` equations. `None` if the joint system
-    /// would have more than [`MOST`] equations.
+    /// Finds the indices in the system of both sides. `sizes` are the numbers of equations of the two sides. `None` if
+    /// the system of both sides would have more than [`MOST`] equations.
     fn of(sizes: [usize; 2]) -> Option<Self> {
         let size = sizes[0] + sizes[1] - 6;
         let mut rows = [[0; MOST]; 2];
@@ -66,7 +66,8 @@ impl Places {
         (size <= MOST).then_some(Places { rows, sizes, size })
     }
 
-    /// Returns, for each equation of a side: its index on this side, its index in the joint equations, and its sign.
+    /// Returns, for each equation of a side: its index on this side, its index in the system of both sides, and its
+    /// sign.
     fn of_side(&self, side: usize) -> impl Iterator<Item = (usize, usize, f64)> {
         let rows = self.rows[side];
         let sign = move |i: usize| if i < 6 { sign(side, i) } else { 1.0 };

@@ -25,7 +25,7 @@ use crate::number::{Each, Scalar, Valued, Vector3, array_of, larger};
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct SharedParts<T> {
     pub(in super::super) has_subframe: bool,
-    /// Stiffness between the commanded rack and the rack, and its force in the design position.
+    /// Stiffness between the commanded and the actual rack displacement, and its force in the design position. `None` if rigid.
     pub(in super::super) rack: Option<[T; 2]>,
     pub(in super::super) has_bar: bool,
     /// True if one body carries both wheels.
@@ -84,7 +84,7 @@ pub(in super::super) struct AxleHeld<T> {
     pub(in super::super) shared: [T; SHARED],
 }
 
-/// Part of an axle that can move without resistance. It makes the equations singular, so no Newton step exists.
+/// Part of an axle that can move without resistance. It makes the equations singular, so there is no Newton step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in super::super) enum AxleSingular {
     Wheel(usize, Singular),
@@ -135,8 +135,8 @@ impl<T: Scalar> SideEquations<T> {
         array_of(|i| self.coupling.corner_by[i][shared].scaled(mirror))
     }
 
-    /// Returns the derivative of the shared force `i` with respect to the shared unknown `j`, in the axes of the left
-    /// wheel.
+    /// Returns the derivative of the force `i` on the shared bodies with respect to the shared unknown `j`, in the axes
+    /// of the left wheel.
     fn own(&self, side: usize, i: usize, j: usize) -> T {
         self.coupling.own[i][j].scaled(sign(side, i) * sign(side, j))
     }
@@ -356,7 +356,7 @@ impl<T: Scalar> AxleEquations<T> {
         (found, moved)
     }
 
-    /// Derivative of the shared force `i` with respect to the shared unknown `j`.
+    /// Derivative of the force `i` on the shared bodies with respect to the shared unknown `j`.
     pub(in super::super) fn own(&self, i: usize, j: usize) -> T {
         self.own[i][j]
     }
@@ -397,7 +397,7 @@ impl<T: Scalar> AxleEquations<T> {
                 let by = part.coupling.beside.iter().find(|(number, _)| *number == k);
                 let beside = by.map(|(_, by)| (*by, beside));
                 let mut step = followers.step(&seen, beside.as_ref(), is_rate);
-                // The shift of a link is relative to the holder of the rack, so the shift of the rack is added.
+                // The computed shift of the link is relative to the rack, so the shift of the rack is added.
                 if let Limb::Floating(Floating {
                     inner: Some(_),
                     on_rack: true,

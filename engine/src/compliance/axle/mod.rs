@@ -58,7 +58,7 @@ pub struct ElasticAxle<T = f64> {
 }
 
 impl<T: Scalar> ElasticAxle<T> {
-    /// Makes an axle from two suspensions. Their hardpoints are at `designs`.
+    /// Makes an axle from the suspensions of the left and the right wheel. Their hardpoints are at `designs`.
     pub fn of(
         suspensions: [&Suspension; 2],
         designs: [&[Vector3<T>]; 2],
@@ -221,7 +221,7 @@ impl<T: Scalar> ElasticAxle<T> {
         }
     }
 
-    /// Design position in the form of an equilibrium. The solver has not balanced it yet.
+    /// Design position as an equilibrium that the solver has not balanced yet.
     pub(super) fn unsolved(&self) -> AxleEquilibrium<T> {
         AxleEquilibrium {
             state: self.start(),
@@ -239,7 +239,8 @@ impl<T: Scalar> ElasticAxle<T> {
         }
     }
 
-    /// Vertical forces at the contact points in the design position; `None` if the design position is no equilibrium.
+    /// Vertical forces at the contact points in the design position; `None` if the design position is not an
+    /// equilibrium.
     pub fn design_loads(&self) -> Option<[T; 2]> {
         let loads = self.wheels.each_ref().each(|wheel| wheel.start.vertical);
         (self.relaxed() == Relaxed::AtDesignLoad).then_some(loads)

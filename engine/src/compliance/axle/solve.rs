@@ -163,7 +163,8 @@ impl ElasticAxle {
         }
     }
 
-    /// Returns the name of an eliminated part of a wheel, and the direction in which this part moves without stiffness.
+    /// Returns the name of a part whose unknowns are eliminated, and the direction in which this part moves without
+    /// stiffness.
     pub(super) fn limb_of(&self, side: usize, limb: usize) -> (String, Motion) {
         let wheel = &self.wheels[side];
         let name = of_side(side, &wheel.built.names[limb]);

@@ -9,7 +9,7 @@ use crate::compliance::system::Hold;
 use crate::model::Suspension;
 use crate::number::{Each, Scalar, Tape, Tracked, Vector3};
 
-/// Elastic axle with numbers on a tape.
+/// Elastic axle whose numbers are recorded on a tape.
 #[derive(Clone, Debug)]
 pub struct AxleOnTape<'t> {
     /// The axle.
@@ -18,7 +18,7 @@ pub struct AxleOnTape<'t> {
 
 impl<'t> AxleOnTape<'t> {
     /// Makes the axle with these inputs. The inputs are the first numbers on the tape, in the order of `parameters`. An
-    /// input has no effect if the axle does not have its part.
+    /// input has no effect if the axle does not have the part to which it belongs.
     pub fn new(
         suspensions: [&Suspension; 2],
         designs: [&[Vector3<f64>]; 2],
@@ -65,7 +65,8 @@ impl<'t> AxleOnTape<'t> {
         })
     }
 
-    /// Adds derivatives with respect to the inputs to an equilibrium of the axle. The same quantities stay held.
+    /// Adds derivatives with respect to the inputs to an equilibrium of the axle. The heights or loads that the
+    /// equilibrium holds stay held.
     pub fn carried(&self, at: &AxleEquilibrium) -> Option<AxleEquilibrium<Tracked<'t>>> {
         self.axle.carried(&at.state, &on_tape(at, at.task.rack))
     }

@@ -1,4 +1,4 @@
-//! Locations of the study's parts in the equations, and hardpoints of the parts in the equations.
+//! Locations of the parts in the system of equations, and hardpoints of these parts.
 
 use crate::model::{PointId, Rod};
 
@@ -32,7 +32,7 @@ pub(in crate::compliance) enum LinkPlace {
 /// Points of a part with own degrees of freedom (see `limb.rs`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::compliance) enum LimbPlace {
-    /// Arm with bushings, by its outer joint.
+    /// Arm with bushings. Its outer joint identifies the arm.
     Arm(PointId),
     /// Link with bushings.
     Link {
@@ -86,7 +86,7 @@ impl JointPlace {
     }
 }
 
-/// Points of a system's parts, in the order of the parts.
+/// Hardpoints of the parts in a system of equations, in the order of the parts.
 #[derive(Clone, Debug, Default)]
 pub(in crate::compliance) struct Places {
     pub(in crate::compliance) limbs: Vec<LimbPlace>,

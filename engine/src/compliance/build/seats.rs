@@ -146,7 +146,7 @@ impl<T: Scalar> Builder<'_, T> {
         self.system.bar = Some(BarPart { foot, seat });
     }
 
-    /// Adds the part of the subframe on the side of this wheel. Returns the locations of its mounts.
+    /// Adds the subframe with its mounts on the side of this wheel. Returns the locations of the mounts.
     pub(super) fn subframe(&mut self) -> Vec<BushingPlace> {
         let Some(subframe) = self.of_axle.subframe else {
             return Vec::new();

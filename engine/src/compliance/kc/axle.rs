@@ -56,7 +56,7 @@ pub struct AxleKcRun<'a> {
 /// rack is locked.
 pub(crate) type Conditions = (bool, bool);
 
-/// Equilibrium at a station, under the conditions of a test.
+/// Equilibrium at a station, under the conditions of a test, with its tangents.
 pub(crate) struct Here<T: Valued = f64> {
     pub(crate) axle: ElasticAxle<T>,
     pub(crate) at: AxleEquilibrium<T>,
@@ -86,7 +86,7 @@ impl<T: Scalar> Here<T> {
         }
     }
 
-    /// Returns, for each held quantity, true if its tangent has been computed.
+    /// Returns two flags: true if the tangent with held wheel heights, or with held wheel loads, has been computed.
     fn known_tangents(&self) -> [bool; 2] {
         self.tangents.each_ref().map(Option::is_some)
     }
@@ -204,8 +204,8 @@ impl<'a> AxleKcRun<'a> {
         }
     }
 
-    /// Runs the tests at all stations that have tests. A station consists of the travels of the left and the right
-    /// wheel, and the rack displacement along the study's +y.
+    /// Runs the tests at all stations that have tests. A station contains the travels of the left and the right wheel,
+    /// and the rack displacement along the study's +y.
     pub fn run(&self, stations: &[([f64; 2], f64)], tests: &[KcTest]) -> Vec<KcStation> {
         let distance =
             |([left, right], rack): &([f64; 2], f64)| left.abs() + right.abs() + rack.abs();
@@ -221,7 +221,8 @@ impl<'a> AxleKcRun<'a> {
         self.vehicle.suspensions[0].frame.sign(Axis::Y)
     }
 
-    /// Finds the equilibrium of a station, for these tests. The rack displacement is along the kernel's +y.
+    /// Finds the equilibrium of a station under the conditions of a test. `tests` are all tests at this equilibrium.
+    /// The rack displacement is along the kernel's +y.
     pub(crate) fn here<'t>(
         &self,
         conditions: Conditions,
@@ -235,7 +236,7 @@ impl<'a> AxleKcRun<'a> {
             softest: None,
         })?;
         let at = axle.at(travels, rack)?;
-        // Only the roll test has a result for the axle without springs and anti-roll bar.
+        // Only the roll test needs the axle without springs and anti-roll bar.
         let rolls = tests.into_iter().any(|test| test.load == TestLoad::Roll);
         let alone = rolls.then(|| axle.on_its_links()).flatten();
         let links = alone.and_then(|links| {
@@ -290,8 +291,8 @@ impl<'a> AxleKcRun<'a> {
         }
     }
 
-    /// Collects the inputs for the results of a wheel. The axes are those of the left wheel, because both wheels share
-    /// the rack.
+    /// Collects the data for the results of a wheel. The axes for both wheels are those of the left wheel's study,
+    /// because both wheels share the rack.
     fn sheet(&self, side: Side, has_axis: bool) -> Sheet<'_> {
         Sheet {
             suspension: self.vehicle.suspensions[0],

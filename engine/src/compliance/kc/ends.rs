@@ -1,4 +1,4 @@
-//! Largest test loads that a wheel can carry, at the design height with the rack straight ahead.
+//! Largest test loads that a wheel can carry, at the design height and at rack displacement 0.
 
 use super::{KcRun, KcTest, TestLoad};
 use crate::compliance::NoEquilibrium;

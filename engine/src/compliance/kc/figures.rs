@@ -36,7 +36,8 @@ pub(super) struct Sheet<'a> {
 /// Values of a state from which test results are computed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Read<T> {
-    /// Derivatives or secants: per newton, per newton times the length unit, or per length.
+    /// Derivatives or secants with respect to the load or motion of the test: per newton, per newton times the length
+    /// unit, per length, or per radian (roll test).
     pub(super) by: Option<WheelFigures<T>>,
     /// Wheel rate at the contact point, for the ride rate of a heave test: force per length.
     pub(super) wheel_rate: Option<T>,
@@ -134,7 +135,8 @@ impl Sheet<'_> {
         ]
     }
 
-    /// Returns the sign that converts toe to steer to the left. Toe-in turns a left wheel to the right.
+    /// Returns the factor that converts toe to steer to the left. Toe-in turns a left wheel to the right, so the factor
+    /// of a left wheel is -1.
     pub(super) fn left_sign(&self) -> f64 {
         match self.side {
             Side::Left => -1.0,

@@ -36,7 +36,8 @@ pub(super) struct Station<'s, T: Valued> {
     pub(super) sheet: Sheet<'s>,
     pub(super) at: Equilibrium<T>,
     tangents: [Option<Option<Tangent<T>>>; 2],
-    /// Inputs of characteristics with their derivatives with respect to wheel travel; `None` until they are computed.
+    /// Inputs of characteristics with their derivatives with respect to wheel travel. The outer option is `None` until
+    /// they are computed, the inner option if they do not exist.
     by_travel: Option<Option<Inputs<Jet<T, 2>>>>,
 }
 
@@ -234,7 +235,7 @@ impl KcRun<'_> {
         station.values(wanted, |test| self.window_secant(at, test, &known))
     }
 
-    /// Returns the loads at both ends of a test's window. They act in addition to the loads of the station.
+    /// Returns the loads at both ends of a test's window. These loads act in addition to the loads of the station.
     pub(crate) fn window_loads(&self, test: &KcTest) -> [WheelLoads; 2] {
         let (unit, _) = test.unit_load(&self.suspension.vehicle);
         [-1.0, 1.0].each(|sign: f64| end_loads(&unit, sign * test.window))

@@ -260,8 +260,8 @@ impl<'a> KcRun<'a> {
         }
     }
 
-    /// Finds the equilibria from the lowest load to the highest. Each equilibrium starts from the neighbouring
-    /// equilibrium with a smaller load.
+    /// Finds the equilibria from the lowest load to the highest. The search for each equilibrium starts from the
+    /// neighbouring equilibrium with the smaller magnitude of the load.
     fn levels(&self, at: &Equilibrium, test: &KcTest, load: &WheelLoads) -> Vec<KcLevel> {
         let next = |from: &Equilibrium, force: f64| {
             let loads = end_loads(load, force);
@@ -433,7 +433,7 @@ fn secant(levels: &[KcLevel], wheel: usize) -> Option<WheelFigures> {
     Some(quotient(&a, &b, inverse))
 }
 
-/// Difference of two states, multiplied by a factor.
+/// Difference of two states (second minus first), multiplied by a factor.
 fn quotient<T: Scalar>(a: &WheelFigures<T>, b: &WheelFigures<T>, factor: T) -> WheelFigures<T> {
     let of = |a: T, b: T| (b - a) * factor;
     let steering = match (a.steering, b.steering) {

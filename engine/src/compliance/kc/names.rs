@@ -2,8 +2,8 @@
 
 use super::TestLoad;
 
-/// Names of all test results for each load, without the additions of [`crate::axle::TestFigure::stem`]. Tests with
-/// different loads may have results of the same name.
+/// Names of all test results for each load, without the suffixes that [`crate::axle::TestFigure::stem`] adds. Tests
+/// with different loads may have results of the same name.
 const FIGURES: &[(TestLoad, &[&str])] = &[
     (
         TestLoad::Heave,
@@ -125,7 +125,7 @@ pub fn is_figure_of_axles(figure: &str) -> bool {
     OF_AXLES.contains(&figure) || figures_by(TestLoad::Roll).contains(&figure)
 }
 
-/// Suffixes of result names, and the keys of the test that cause each suffix.
+/// Suffixes of result names, each with the key and value of the test that cause this suffix.
 const ADDITIONS: [(&str, &str); 7] = [
     ("_wheel_height", "hold = \"wheel_height\""),
     ("_wheel_load", "hold = \"wheel_load\""),
@@ -137,7 +137,7 @@ const ADDITIONS: [(&str, &str); 7] = [
 ];
 
 /// Splits the name of a test result in a study. Returns the name of the result without suffixes, and the keys of its
-/// test except the load. `None` if no test has a result of this name.
+/// test except the load. `None` if no test has a result with this name.
 pub fn figure_and_keys(name: &str) -> Option<(&'static str, Vec<String>)> {
     let loads = FIGURES.iter().map(|(load, _)| format!("_{}", load.name()));
     let mut without_load = loads.filter_map(|end| name.strip_suffix(&end));
@@ -179,7 +179,8 @@ pub fn follows_y_axis(figure: &str) -> bool {
     ALONG_Y.iter().any(|start| figure.starts_with(start))
 }
 
-/// Parts of result names, each with the meaning of a positive value. The first entry that occurs in a name is used.
+/// Parts of result names, each with the meaning of a positive value. The first of these parts that occurs in a name
+/// applies.
 const SIGNS: &[(&str, &str)] = &[
     ("toe_by", "toe-in"),
     ("camber_by", "top outboard"),

@@ -151,8 +151,8 @@ impl KcTest {
         }
     }
 
-    /// Returns the default tests of a study. If the study has elastic parts, these are motions and loads. Without
-    /// elastic parts, they are the motions, and the loads that cause jacking.
+    /// Returns the default tests of a study: motions and loads. If no part is elastic, the only loads are those that
+    /// cause jacking.
     pub fn defaults(is_rigid: bool, has_spring: bool, length: LengthUnit) -> Vec<KcTest> {
         let test = |load| KcTest::new(load, length);
         let mut tests = vec![

@@ -40,7 +40,7 @@ pub(in crate::compliance) enum Singular {
 }
 
 impl<T: Valued> Equations<T> {
-    /// Makes the equations for this number of rigid joints. They only contain the external forces `held` on the
+    /// Makes the equations for this number of rigid joints. Their only forces are the external forces `held` on the
     /// carrier.
     #[inline(always)]
     pub(in crate::compliance) fn empty(like: T, joints: usize, held: Option<&Held<T>>) -> Self {
@@ -176,7 +176,8 @@ impl<T: Scalar> Equations<T> {
         array_of(|i| array_of(|j| self.matrix[i][j].value()))
     }
 
-    /// Returns the rows of rigid joints and of the held height. Every free motion of the carrier keeps them at zero.
+    /// Returns the rows of rigid joints and of the held height. The product of each row with a free motion of the
+    /// carrier is zero.
     pub(in crate::compliance) fn rows(&self) -> impl Iterator<Item = [f64; 6]> + '_ {
         let row = |i: usize| array_of(|j| self.matrix[i][j].value());
         (6..self.size).map(row)

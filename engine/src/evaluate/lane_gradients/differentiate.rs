@@ -27,7 +27,7 @@ impl<B: SimdReal> Gradient<B> for Row<'_> {
     }
 }
 
-/// Fills a row with zeros, with SIMD instructions.
+/// Fills a row of derivatives with zeros, with SIMD instructions.
 #[inline(always)]
 fn clear<B: SimdReal>(zero: B, row: &mut [f64]) {
     for place in row.chunks_exact_mut(B::LANES) {
@@ -116,8 +116,8 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
     }
 }
 
-/// Does the work at one pose in a separate function. This function is used for poses of one design side by side and for poses
-/// of many designs.
+/// Differentiates the quantities in one pose, as a separate function. It serves poses of one design side by side, and poses of
+/// many designs.
 struct AtPose<'v, 'r, 't, B: SimdReal, P> {
     differentiating: &'v mut Differentiating<'r, 't, B>,
     station: usize,
@@ -202,8 +202,8 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
         }
     }
 
-    /// Multiplies the gradient of each quantity in the range by the quantity's weight, and adds it to the row of the first
-    /// quantity. Skips quantities that contain velocities.
+    /// Multiplies the gradient of each quantity in the range by the quantity's weight. Adds the product to the row of
+    /// derivatives of the first quantity. Skips quantities that contain velocities.
     #[inline(always)]
     fn add_gradients(
         &mut self,
@@ -237,8 +237,8 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
     }
 }
 
-/// Adds the gradient of a quantity that contains velocities, times a weight, to its row. The task is a separate function,
-/// because its many Taylor series would otherwise use stack in every pose.
+/// Adds the gradient of a quantity that contains velocities, times a weight, to the quantity's row of derivatives. This is a
+/// separate function, because its many Taylor series would otherwise use stack in every pose.
 struct AddingGradientOfRates<'v, 'r, 't, 'c, B: SimdReal> {
     differentiating: &'v mut Differentiating<'r, 't, B>,
     number: usize,

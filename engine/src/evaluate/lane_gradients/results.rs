@@ -26,7 +26,8 @@ pub(super) struct Found {
 }
 
 impl Found {
-    /// Memory row for the derivatives of this angle, or of the sum of squared deviations.
+    /// Memory for the derivatives of this angle. If `is_sum` is true: memory for the derivatives of the sum of squared
+    /// deviations.
     #[inline(always)]
     pub(super) fn row(&mut self, is_sum: bool, angle: usize) -> &mut [f64] {
         let length = self.points * 3 * self.lanes;

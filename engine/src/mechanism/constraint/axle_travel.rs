@@ -1,7 +1,8 @@
 //! One of the two travels of a rigid axle (see `model/rigid_axle.rs`).
 //!
-//! z_n and z_f are the heights of the near and the far wheel centre above their design positions. s = 1 for the mean and s = -1
-//! for the difference. r is the prescribed value. Other mechanisms prescribe the rack's displacement instead.
+//! The axle is described as seen from one wheel, the near wheel. The wheel on the other side is the far wheel. z_n and z_f are
+//! the heights of the near and the far wheel centre above their design positions. s = 1 for the mean and s = -1 for the
+//! difference. r is the prescribed value. Other mechanisms prescribe the rack's displacement instead.
 //!
 //! ```text
 //! F  = (z_n + s z_f)/2 - r                                          (1)
@@ -59,7 +60,8 @@ pub(crate) struct TravelRow<T> {
 }
 
 impl<T: Real> TravelRow<T> {
-    /// Makes the row for the mean or the difference of the heights of both wheel centres. The heights count from `zeros`.
+    /// Makes the equation for one travel of an axle: the mean of the heights of both wheel centres, or half their difference. The
+    /// heights count from `zeros`.
     #[inline(always)]
     pub(crate) fn new([near, far]: [PointId; 2], travel: AxleTravel, zeros: [T; 2]) -> Self {
         TravelRow {
@@ -68,7 +70,8 @@ impl<T: Real> TravelRow<T> {
         }
     }
 
-    /// Makes the row of the other travel of this axle.
+    /// Makes the equation for the other travel of this axle: half the difference instead of the mean, or the mean instead of half
+    /// the difference.
     #[inline(always)]
     pub(crate) fn of_other_travel(&self) -> Self {
         let [near, (far, factor)] = self.centres;
@@ -78,7 +81,7 @@ impl<T: Real> TravelRow<T> {
         }
     }
 
-    /// Centre of the far wheel.
+    /// Centre of the far wheel (the wheel on the other side of the axle).
     pub(crate) fn far(&self) -> PointId {
         self.centres[1].0
     }

@@ -54,7 +54,7 @@ pub(crate) enum Row<T> {
     RockerEnd(RockerEnd<T>),
 }
 
-/// Calls a method of the equation that a row contains.
+/// Calls a method of the equation that a [`Row`] contains.
 macro_rules! row {
     ($row:expr, $equation:ident => $call:expr) => {
         match $row {
@@ -69,7 +69,7 @@ macro_rules! row {
 }
 
 impl<T: Real> Row<T> {
-    /// Makes row `number` of a constraint. The dimensions come from a design.
+    /// Makes equation `number` of a constraint, with the dimensions of a design.
     #[inline(always)]
     pub(crate) fn of(
         mechanism: &Mechanism,
@@ -110,7 +110,7 @@ impl<T: Real> Row<T> {
         }
     }
 
-    /// Makes row `number` of the constraint with this index in the mechanism. The dimensions come from built parts.
+    /// Makes equation `number` of the constraint with this index in the mechanism, with the dimensions of built parts.
     #[inline(always)]
     pub(crate) fn of_parts(
         mechanism: &Mechanism,

@@ -18,7 +18,7 @@ struct Program {
 
 impl Program {
     /// A random problem. Every third problem has parallel and repeated rows. Every fifth problem has a factor R whose pivots
-    /// span seven decades. In every second problem, a vertex of the rows may lie on bounds.
+    /// span seven decades. In every second problem, the bounds can be very close to the interior point.
     fn random(seed: u64, n: usize, rows: usize, equalities: usize) -> Self {
         let mut noise = Noise::new(seed);
         let mut triangle = DMatrix::from_fn(n, n, |_, _| noise.next()).qr().r();
@@ -114,7 +114,8 @@ impl Program {
         gradient
     }
 
-    /// Smallest objective over all sets of held constraints whose minimum is feasible.
+    /// Smallest objective, by a trial of all sets of held constraints. For each set, the point is the minimum with these
+    /// constraints held. Only feasible points count.
     fn by_enumeration(&self) -> f64 {
         let n = self.offset.len();
         let mut all: Vec<Held> = (self.equalities..self.offsets.len())

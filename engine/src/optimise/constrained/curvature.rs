@@ -62,9 +62,10 @@ impl Curvature {
     /// Replaces R by the factor of R^T R + S, which a shift makes positive definite. Replaces q so that the slope R^T q stays
     /// the same.
     ///
-    /// At a minimum under constraints, R^T R + S must be positive only along the held rows. Across the held rows, the
-    /// function adds the square of each row, w (a.d + c)^2 / 2. This square is zero where the row is held, so the multiplier
-    /// of the row does not change. A shift of the diagonal alone would shorten steps in every direction.
+    /// At a minimum under constraints, R^T R + S must be positive only for steps that keep the held rows unchanged. For all
+    /// other steps, the function adds the square of each held row with a weight w: w (a.d + c)^2 / 2. This square is zero
+    /// where the row is held, so the multiplier of the row does not change. A shift of the diagonal alone would shorten steps
+    /// in every direction.
     pub(super) fn add_to(
         &mut self,
         held: &[(Vec<f64>, f64)],

@@ -30,7 +30,7 @@ impl Filter {
         violation <= self.most && self.passed.iter().all(better)
     }
 
-    /// Stores a pair.
+    /// Stores a pair. Removes the stored pairs that are not better in goal or violation than this pair.
     pub(super) fn pass(&mut self, goal: f64, violation: f64) {
         self.passed.retain(|[g, v]| *g < goal || *v < violation);
         self.passed.push([goal, violation]);

@@ -29,9 +29,10 @@
 //!
 //! A filter accepts steps: no earlier pair of goal and violation may be better in both (R. Fletcher, S. Leyffer, Nonlinear
 //! programming without a penalty function, Mathematical Programming 91, 2002). If curvature of the constraints is the reason
-//! for a rejection, the method tries one second-order correction before it shortens the step. If the rows of (1) contradict one
-//! another, the method relaxes them by the least possible value of the largest violation. If that value is not below the
-//! present violation, no small move reduces the violation. The run then ends and names the rows that contradict one another.
+//! for a rejection, the method tries one second-order correction before it shortens the step. If the rows of (1) contradict
+//! one another, the method relaxes them, so that the largest violation is as small as possible. If even this smallest value
+//! is not below the present violation, no small move reduces the violation. The run then ends and names the rows that
+//! contradict one another.
 //!
 //! Rows that no variable changes are left out ([`movable`]). A run has converged if its multipliers cancel the gradient of the
 //! objective ([`stationarity`](super::stationarity)).
@@ -52,7 +53,7 @@ use nalgebra::DVector;
 
 /// A least-squares problem with constraints.
 pub trait Constrained {
-    /// Size of the problem.
+    /// Numbers of variables, residuals and rows of the problem.
     fn shape(&self) -> Shape;
 
     /// Absolute values of the limits of the rows, in the rows' unit. They determine the rounding error of a row.
@@ -73,7 +74,7 @@ pub struct Shape {
     pub goal: usize,
     /// Number of residuals of each level, and the limit of their norm.
     pub levels: Vec<(usize, f64)>,
-    /// Number of all rows.
+    /// Number of all rows, including the equalities.
     pub rows: usize,
     /// Number of leading rows that must be zero.
     pub equalities: usize,
@@ -108,8 +109,8 @@ impl Assessment {
         self.rows.check()
     }
 
-    /// Returns the largest violation. The violation of a level is the amount by which the norm exceeds the level, divided
-    /// by the root of the number of residuals.
+    /// Returns the largest violation among all rows and levels. The violation of a level is the amount by which the norm
+    /// exceeds the level, divided by the root of the number of residuals.
     pub fn violation(&self, equalities: usize, levels: &[f64]) -> f64 {
         self.violation_of(equalities, levels, |_| true)
     }

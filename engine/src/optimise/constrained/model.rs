@@ -22,18 +22,18 @@ const DAMPING: f64 = 1e-7;
 /// increases.
 const MORE_DAMPING: f64 = 100.0;
 const DAMPINGS: usize = 3;
-/// Largest number of quadratic programs for one step, over all levels.
+/// Largest number of quadratic programs for one step in the search for the weights of all levels.
 const PROGRAMS: usize = 300;
 /// Largest difference between duplicate rows: a hundredth of the largest violation that still counts as satisfied.
 const SLACK: f64 = 1e-9;
 
-/// Origin of a step.
+/// Kind of step that the model proposes.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Proposal {
-    /// The minimum of the model.
+    /// The step is the minimum of the model.
     Optimal,
-    /// The rows cannot all be satisfied within the radius. Contains the smallest possible value of the largest violation,
-    /// and the rows that contradict one another.
+    /// The rows cannot all be satisfied within the radius. Contains the smallest possible value of the largest violation, and
+    /// the rows and bounds that contradict one another.
     Relaxed { remaining: f64, culprits: Vec<Held> },
 }
 
@@ -42,7 +42,7 @@ pub(super) enum Proposal {
 pub(super) struct Settled {
     /// Imbalance left in the optimality conditions.
     pub residual: f64,
-    /// Other multipliers of the rows that also balance the slope, if there are any.
+    /// Other multipliers of the rows with which the optimality conditions also hold. `None` if the conditions do not hold.
     pub alternatives: Option<Vec<f64>>,
 }
 
@@ -60,7 +60,7 @@ pub(super) struct ConvexModel<'a> {
     norm: f64,
     /// Sum of squares of the residuals of each level.
     held: Vec<Squares>,
-    /// Rows as given, with scaled gradients.
+    /// All rows of the problem, with gradients scaled by the half ranges of the variables.
     normals: Vec<f64>,
     offsets: Vec<f64>,
     /// True for each row that can restrict steps.
@@ -71,7 +71,7 @@ pub(super) struct ConvexModel<'a> {
     /// pivot.
     programs: usize,
     damping: f64,
-    /// Indices and entries of the rows that a step can violate.
+    /// Indices, normals and offsets of the rows that a step can violate.
     kept: Vec<usize>,
     kept_normals: Vec<f64>,
     kept_offsets: Vec<f64>,
@@ -102,7 +102,7 @@ pub(super) struct ConvexModel<'a> {
 }
 
 impl<'a> ConvexModel<'a> {
-    /// Allocates for a problem.
+    /// Allocates memory for the model of a problem.
     pub(super) fn new(bounds: &'a Bounds, shape: &Shape) -> Self {
         let (n, rows) = (bounds.variables(), shape.rows);
         let levels: Vec<f64> = shape.levels.iter().map(|level| level.1).collect();
@@ -194,8 +194,8 @@ impl<'a> ConvexModel<'a> {
         self.propose(curved)
     }
 
-    /// Finds the step with a second-order correction: subtracts the difference between the rows at the trial and the model of
-    /// these rows.
+    /// Finds the step with a second-order correction. The correction adds to each row the difference between its value at the
+    /// trial and the value that the linear model predicts there.
     pub(super) fn solve_corrected(&mut self, trial: &Assessment, curved: bool) -> Proposal {
         let n = self.half.len();
         self.kept_offsets.clear();
@@ -204,7 +204,8 @@ impl<'a> ConvexModel<'a> {
             self.kept_offsets
                 .push(trial.rows.residuals[row] - dot(normal, &self.step));
         }
-        // Levels are curved, like the rows. So the difference between a level and its model is subtracted from the level.
+        // Levels are curved, like the rows. So the difference between the norm at the trial and the predicted norm is
+        // subtracted from the level.
         let levels = self.levels.clone();
         for (k, level) in self.levels.iter_mut().enumerate() {
             let promised = self.held[k].norm_after(&self.step, &mut self.scratch);
@@ -280,7 +281,7 @@ impl<'a> ConvexModel<'a> {
     }
 
     /// Moves the step exactly onto these bounds. The relaxed rows have a small slack, so the step of the quadratic program
-    /// can end slightly inside these bounds. The bounds keep the violation from getting smaller.
+    /// can end slightly inside these bounds. The bounds prevent a smaller violation.
     fn step_onto(&mut self, bounds: &[Held]) {
         for held in bounds {
             match *held {
@@ -337,7 +338,8 @@ impl<'a> ConvexModel<'a> {
         } else {
             1.0
         };
-        // Rows of all triangles are interleaved. So the nonzero entries of each column end after few rows.
+        // The first rows of all triangles come first, then the second rows, and so on. So the nonzero entries of each column
+        // end after few rows.
         self.matrix.clear();
         self.matrix.resize(n * rows, 0.0);
         self.vector.clear();
@@ -406,7 +408,7 @@ impl<'a> ConvexModel<'a> {
         self.step.iter().fold(0.0, |most, s| s.abs().max(most))
     }
 
-    /// Reduction of the goal by the step, from the model without its curvature.
+    /// Reduction of the goal by the step, from the model with the estimate of the curvature, if the estimate is in use.
     pub(super) fn predicted_reduction(&mut self) -> f64 {
         let Self {
             goal,

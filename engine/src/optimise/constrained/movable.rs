@@ -22,13 +22,13 @@ use super::super::{Bounds, Linearisation};
 
 /// Rounding error of a constraint's row, in the unit of the row.
 const ROUNDING: f64 = 1e-9;
-/// Rounding of a row, relative to its value.
+/// Rounding error of a row, relative to its value.
 const RELATIVE_ROUNDING: f64 = 256.0 * f64::EPSILON;
 
 /// Rows that are used in a run.
 #[derive(Clone, Debug)]
 pub(super) struct Movable {
-    /// Rounding of each row by equation (1).
+    /// Rounding error of each row by equation (1).
     rounding: Vec<f64>,
     takes_part: Vec<bool>,
     /// Values of the rows at the start.

@@ -18,8 +18,8 @@ use steps::{Trial, Trials};
 
 /// Largest violation with which a constraint counts as satisfied: 1e-7 of a visible difference (1 mm or 1 degree).
 pub(in crate::optimise) const KEPT: f64 = 1e-7;
-/// A run ends when the relative reduction is below this fraction of [`Options::reduction_below`]. The relative error of the
-/// multipliers is about the square root of this relative reduction.
+/// A run ends when the relative reduction of the goal is below this fraction of [`Options::reduction_below`]. The relative
+/// error of the multipliers is about the square root of this relative reduction.
 const NEGLIGIBLE: f64 = 1e-2;
 /// Largest imbalance with which the multipliers count as those of a minimum. The error of the goal is about the square of the
 /// imbalance.
@@ -32,8 +32,8 @@ const WHOLE: f64 = 4.0;
 const ACCEPTABLE: f64 = 1e-4;
 const POOR: f64 = 0.25;
 const GOOD: f64 = 0.75;
-/// Largest distance of a refused trial from the current point, in half ranges, for which the slopes at the trial are used.
-/// They are then the slopes on the other side of a kink.
+/// Largest distance of a refused trial from the current point, in half ranges, for which the slopes at the trial are used. So
+/// near to the current point, different slopes are those on the other side of a kink.
 const BESIDE: f64 = 1e-6;
 /// Largest number of stored refused trials.
 const SIDES: usize = 4;
@@ -66,7 +66,7 @@ pub struct ConstrainedFit {
     pub alternatives: Option<Vec<f64>>,
     /// Imbalance of the optimality conditions (slopes plus multipliers times gradients), relative to the sizes of the terms.
     pub imbalance: f64,
-    /// Rows that cannot be met together near `x`, if there are any.
+    /// Rows and bounds that cannot be met together near `x`, if there are any.
     pub culprits: Vec<Held>,
     /// Reason for the end of the run.
     pub termination: Termination,
@@ -192,7 +192,7 @@ impl SequentialConvex<'_> {
         }
     }
 
-    /// Residuals that a run reports: those of the first level if there are levels, otherwise those of the goal.
+    /// Residuals that a run reports: the residuals of the first level, or the residuals of the goal if there are no levels.
     fn reported(&self) -> &Linearisation {
         self.current.levels.first().unwrap_or(&self.current.goal)
     }

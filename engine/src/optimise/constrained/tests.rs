@@ -294,8 +294,8 @@ fn curvature_is_learnt_where_residuals_are_large() {
     assert!(fit.evaluations() < 60, "{}", fit.evaluations());
 }
 
-/// Rosenbrock's valley in a disc, with added constant rows. Their values are at the limit or beyond, and their slopes are only
-/// rounding errors.
+/// Rosenbrock's valley in a disc, with added constant rows. The values of these rows are at the limit or beyond it, and their
+/// slopes are only rounding errors.
 fn beside_still_rows(noise: f64, missed: f64, equalities: usize) -> ConstrainedFit {
     let at = move |x: &[f64]| {
         let goal = vec![
@@ -404,7 +404,7 @@ fn evaluations_end_at_a_request_and_at_their_budget() {
             let (flag, count) = (AtomicBool::new(false), Cell::new(0_u64));
             let at = |x: &[f64]| {
                 count.set(count.get() + 1);
-                // The first evaluation only determines the shape.
+                // The first evaluation only determines the shape of the problem. It is not part of the run.
                 if by_flag && count.get() == stop_at + 1 {
                     flag.store(true, Ordering::Relaxed);
                 }

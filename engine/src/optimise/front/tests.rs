@@ -116,7 +116,7 @@ fn a_broken_front_is_found_piece_by_piece() {
             let (u, v) = (x[0], x[1]);
             let slope = -0.5 / (u + 0.02).sqrt() - (turn * u).sin() - u * turn * (turn * u).cos();
             let second = 2.0 - (u + 0.02).sqrt() - u * (turn * u).sin();
-            // Only the second criterion depends on this variable. Its best value is 0.
+            // Only the second criterion depends on this variable. The best value of the variable is 0.
             let idle = (0.0, vec![0.0; 2]);
             vec![
                 (u, vec![1.0, 0.0]),

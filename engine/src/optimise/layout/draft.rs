@@ -21,9 +21,9 @@ pub(super) struct Draft {
     drive: Drive,
     rack: f64,
     pub values: Vec<f64>,
-    /// Row, target, station and target value of each target sample.
+    /// For each target sample: the indices of its row, target and station, and its target value.
     pub targets: Vec<(usize, usize, usize, Sample)>,
-    /// Part and station of each check of a constraint.
+    /// Constraint parts to check: the indices of the part and of the station.
     pub checks: Vec<(usize, usize)>,
     /// Parts whose limits also apply to extremes between the stations.
     pub extremes: Vec<usize>,
@@ -48,7 +48,7 @@ impl Draft {
         self.values = used.iter().map(|station| self.values[*station]).collect();
     }
 
-    /// Makes the leg with this index, with its rows.
+    /// Converts the draft into the leg with this index, and numbers the rows of its constraints.
     pub(super) fn into_leg(
         self,
         number: usize,

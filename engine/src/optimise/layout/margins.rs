@@ -98,8 +98,8 @@ impl TargetLayout {
         margins
     }
 
-    /// Returns true if the value of a row belongs to the design position, as the length of a rigid part, or if it is the same
-    /// at all stations of its leg.
+    /// Returns true if the value of a row is constant along the motion. It is constant if it belongs to the design position,
+    /// if it cannot change (as the length of a rigid part), or if it is the same at all stations.
     fn is_constant(&self, row: usize, values: &[f64]) -> bool {
         let own = self.labels[row];
         let mut ends = [f64::INFINITY, f64::NEG_INFINITY];

@@ -39,7 +39,7 @@ impl Check {
     }
 }
 
-/// Limit of one value of elastic parts at a station.
+/// Limits of one value at a station of an axle or of a wheel with elastic parts.
 #[derive(Clone, Debug)]
 pub(in crate::optimise) struct LimitedValue {
     /// Index of the part of a constraint.
@@ -146,7 +146,7 @@ impl<'p> RowNumbers<'p> {
         }
     }
 
-    /// Returns the meaning of each row, and the number of equalities.
+    /// Returns the constraint, station and limit of each row, and the number of equalities.
     pub(super) fn into_labels(self) -> (Vec<RowLabel>, usize) {
         (self.labels, self.equalities)
     }

@@ -1,10 +1,11 @@
 //! Gradients with respect to the hardpoints in a pose of the closed form.
 //!
-//! As everywhere (module `sensitivity`), an output with derivative y_x with respect to the pose has dy/dp = y_p - mu .
-//! F_p with J^T mu = y_x. The mu are constraint forces that balance the wrench y_x: a force f at the lower ball joint
-//! and a moment m about it. Here each mu has an explicit formula. v is the velocity of the ball joint and w the angular
-//! velocity, both per unit of travel. Levers start at the ball joint: d to the upper end, t to the tie rod's outer end,
-//! q to the wheel centre. The vector l = t - g is along the tie rod.
+//! Let y be an output, x the pose and p the hardpoints. F are the closure equations with the Jacobian J. Indices x and p
+//! denote derivatives. As in module `sensitivity`, dy/dp = y_p - mu . F_p with J^T mu = y_x. The mu are constraint
+//! forces that balance the wrench y_x: a force f at the lower ball joint and a moment m about it. Here each mu has an
+//! explicit formula. v is the velocity of the ball joint and w the angular velocity, both per unit of travel. Levers
+//! start at the ball joint: d to the upper end, t to the tie rod's outer end, q to the wheel centre. The vector l = t - g
+//! is along the tie rod.
 //!
 //! ```text
 //! travel      mu6 = f.v + m.w                                   virtual work
@@ -144,7 +145,8 @@ impl<T: Real> Legs<T> {
     /// joint.
     #[inline(always)]
     fn add(&self, at: &Joint<T>, force: Vector3<T>, rest: Vector3<T>, sink: &mut impl Sink<T>) {
-        // The forces in the two legs add up to `force`. Each is divided by the length of its leg.
+        // `front` and `rear` are the forces in the two legs, each divided by the length of its leg. The vector sum of both forces
+        // is `force`.
         let both = force.dot(at.radius);
         let rear = (both * self.along) - force.dot(self.axis);
         let front = both - rear;

@@ -3,8 +3,8 @@
 
 use crate::number::{Real, Vector3};
 
-/// Scalar products of a knuckle vector x0 with m, u, t0, m x t0 and u x t0, where v = m + s u. They determine the vector
-/// x into which a pose rotates x0.
+/// Scalar products of a knuckle vector x0 with m, u, t0, m x t0 and u x t0 (symbols as in module `closed_form`). They
+/// determine the vector x into which a pose rotates x0.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Carried<T> {
     pub(super) by_m: T,

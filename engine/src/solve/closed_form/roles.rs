@@ -92,7 +92,7 @@ impl Roles {
 }
 
 impl ClosedForm<f64> {
-    /// Refuses a degenerate design. The error names the cause.
+    /// Returns an error for a degenerate design. The error names the cause.
     pub(crate) fn check(&self, roles: &Roles, design: &[Vector3<f64>]) -> Result<(), DesignFault> {
         let ball_joint = design[roles.lower_arm.outer.0];
         let to_upper = design[roles.upper_end().0] - ball_joint;
@@ -129,7 +129,8 @@ impl ClosedForm<f64> {
                 end: roles.tie_rod_outer,
             });
         }
-        // In the design position the height of the tie rod's end is known without a square root.
+        // `height` is |normal| times the distance of the tie rod's outer end from the plane through steering axis and
+        // rack joint. In the design position it is known without a square root.
         let height = tie.dot(normal).abs();
         let longest = (self.tie_squared * normal.norm_squared()).sqrt();
         if !exceeds(height, DEGENERATE * longest) {

@@ -8,8 +8,8 @@
 //! d_k = (z_k(s) - [sum_(j >= 2) z_j d^j]_k) / z1                                  (1)
 //! ```
 //!
-//! The bracket contains only coefficients of lower order than d_k. The pose along the motion is its Taylor series at
-//! d(s).
+//! [..]_k is the coefficient of s^k. This bracket contains only coefficients of lower order than d_k. The pose along the
+//! motion is the Taylor series of the pose in t, evaluated at t0 + d(s).
 
 use super::{ArmState, ClosedForm};
 use crate::derive::MotionPoint;
@@ -19,8 +19,8 @@ use crate::number::Jet;
 use crate::number::Real;
 
 impl ClosedForm<f64> {
-    /// Pose as a Taylor series along a motion with the rack fixed, from the tangent of half the arm's angle. Also returns
-    /// its first state. `None` if the series does not exist.
+    /// Pose as a Taylor series along a motion with the rack fixed, from the tangent of half the arm's angle. Also returns the state
+    /// of the closed form at the start of the series. `None` if the rack moves, or if the series does not exist.
     pub(crate) fn pose_series<const N: usize>(
         &self,
         tangent: f64,

@@ -39,7 +39,7 @@ pub struct Solver<'m> {
     pub(crate) closure: Closure<f64>,
     form: Option<ClosedForm<f64>>,
     tracker: Option<PoseTracker<'m>>,
-    /// Poses of the tracker from the last visit.
+    /// Poses that the tracker found in the last visit.
     tracked: TrackedPoses,
     /// Taylor series of the design, for predictions of the continuation. Made when first needed.
     design_series: Option<DesignSeries<3>>,
@@ -55,7 +55,7 @@ pub struct Solver<'m> {
 type Visitor<'v, 'm> =
     dyn FnMut(&Solver<'m>, usize, Result<&Pose<f64>, Failure>) -> ControlFlow<()> + 'v;
 
-/// A point on the path: a pose with its motion point.
+/// A point on the path: a pose with its motion point (values of drive and rack).
 pub(crate) type Station = (Pose<f64>, MotionPoint<f64>);
 
 impl<'m> Solver<'m> {
@@ -137,7 +137,7 @@ impl<'m> Solver<'m> {
         self
     }
 
-    /// Counts of the work done since the solver was made.
+    /// Counts of the solver's steps since the solver was made.
     pub fn work(&self) -> Work {
         self.work.work()
     }

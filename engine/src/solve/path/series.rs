@@ -121,7 +121,7 @@ impl Solver<'_> {
     }
 }
 
-/// Replaces the constant term of the Taylor series.
+/// Replaces the constant terms of the Taylor series of a vector by `value`.
 #[inline]
 fn with_constant<const N: usize>(
     series: Vector3<Jet<f64, N>>,

@@ -23,9 +23,9 @@ pub(super) use wheel::ArmWheel;
 #[derive(Clone, Debug)]
 pub(crate) struct ByArm {
     roles: Roles,
-    /// Slope of the half tangent with respect to the drive, in the base design.
+    /// Derivative of tan(angle/2) of the arm with respect to the drive, in the base design.
     slope: f64,
-    /// Largest slope that the tracker accepts.
+    /// Largest accepted absolute value of the derivative of tan(angle/2) with respect to the drive.
     steepest: f64,
 }
 
@@ -39,7 +39,7 @@ pub(crate) struct ArmDesign<'d, B> {
 }
 
 impl<B: SimdReal> ArmDesign<'_, B> {
-    /// Slope of the half tangent with respect to the travel.
+    /// Slope of the half tangent, tan(angle/2) of the arm, with respect to the travel.
     #[inline(always)]
     fn slope(&self, state: &ArmState<B>, tangent: B) -> B {
         let velocity = self.form.velocity(state, tangent);
@@ -49,9 +49,9 @@ impl<B: SimdReal> ArmDesign<'_, B> {
     }
 }
 
-/// Largest slope of the half tangent with respect to the travel, in 1/size. An arm as long as the size has a slope of one half.
-/// A larger slope means that a fold is near. Rounding errors of the pose grow with the slope. Rounding errors of rates grow
-/// with the cube of the slope.
+/// Largest slope of the half tangent, tan(angle/2), with respect to the travel, in 1/size. An arm as long as the size has a slope
+/// of one half. A larger slope means that a fold is near. Rounding errors of the pose grow with the slope. Rounding errors of rates
+/// grow with the cube of the slope.
 pub(crate) const STEEPEST: f64 = 3.0;
 /// Largest rotation of the arm from the design position, as the tangent of half the angle.
 pub(crate) const FARTHEST: f64 = 0.7;
@@ -111,7 +111,7 @@ impl ByArm {
         Members::of(&self.roles, &design.form, design.design)
     }
 
-    /// Passes the poses at these half tangents to a visitor.
+    /// Passes the poses to a visitor. `tangent` is the tangent of half the arm's angle in each pose.
     #[inline(always)]
     pub(crate) fn visit_stations_in_lanes<B: SimdReal>(
         &self,
@@ -155,8 +155,8 @@ impl ByArm {
     }
 
     /// Accepts lanes in which the closed form is well conditioned and the arm is on its solution branch. `inverse_step` is 1
-    /// divided by the change of the drive since the previous check. The caller passes `inverse_step` only on the legs that
-    /// contain the stations.
+    /// divided by the change of the drive since the previous check. The caller passes `inverse_step` only on the legs of the route
+    /// that contain the stations.
     #[inline(always)]
     fn guard<B: SimdReal>(
         &self,
@@ -187,19 +187,19 @@ impl ByArm {
     }
 }
 
-/// Numbers of a waypoint. The checks compare these numbers between consecutive waypoints.
+/// Values at a waypoint. The checks compare them with the values at the next waypoint.
 #[derive(Clone, Copy)]
 pub(super) struct BranchGuard<B> {
     tangent: B,
-    /// Slope of the half tangent with respect to the drive over the last step.
+    /// Slope of the half tangent, tan(angle/2) of the arm, with respect to the drive over the last step.
     rate: B,
     /// Product of all divisors and radicands of the closed form.
     margin: B,
 }
 
 impl<B: SimdReal> BranchGuard<B> {
-    /// Numbers for the checks at a waypoint at zero drive. `rate` is the slope of the half tangent in this design. Near a
-    /// fold, `rate` differs much from the slope of the base design.
+    /// Values for the checks at a waypoint at zero drive. `rate` is the slope of the half tangent in this design. Near a fold,
+    /// `rate` differs much from the slope of the base design.
     #[inline(always)]
     fn start(state: &ArmState<B>, tangent: B, rate: B) -> Self {
         let [a, b, c] = state.squares();
@@ -210,8 +210,8 @@ impl<B: SimdReal> BranchGuard<B> {
         }
     }
 
-    /// Numbers for the checks at the next waypoint on this leg of the route. The slope is the change of the half tangent
-    /// divided by the step.
+    /// Values for the checks at the next waypoint on this leg of the route. The slope is the change of the half tangent divided by
+    /// the step.
     #[inline(always)]
     fn next(&self, state: &ArmState<B>, tangent: B, inverse_step: B) -> Self {
         BranchGuard::start(state, tangent, (tangent - self.tangent) * inverse_step)

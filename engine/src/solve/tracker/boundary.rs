@@ -18,7 +18,7 @@ impl Visit<f64> for Nothing {
     fn pose(&mut self, _: usize, _: &impl AdjointPose<f64>, _: Acceptance<f64>) {}
 }
 
-/// Tracks a design. If a leg ends early, returns the reason. `history` receives the unknowns.
+/// Tracks a design. Returns the reason if a leg of the route ends early, `None` otherwise. `history` receives the unknowns.
 pub(super) fn rejection(
     tracker: &CornerTracker<'_>,
     rack: usize,

@@ -295,7 +295,7 @@ impl<'a> CornerTracker<'a> {
         self.routes.iter().all(|route| route.is_complete)
     }
 
-    /// Drive of the tracker.
+    /// Coordinate that drives the mechanism.
     pub fn drive(&self) -> Drive {
         self.drive
     }
@@ -308,7 +308,7 @@ impl<'a> CornerTracker<'a> {
         }
     }
 
-    /// Allocates the history for [`CornerTracker::solve`].
+    /// Allocates the memory for the unknowns at all waypoints, which is the `history` of [`CornerTracker::solve`].
     pub fn history<B: SimdReal>(&self, like: B) -> Vec<B> {
         let places = self.routes.iter().map(|route| route.places.len());
         vec![like.zero(); self.unknowns() * places.max().unwrap_or(0)]

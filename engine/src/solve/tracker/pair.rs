@@ -58,7 +58,7 @@ pub enum PairDrive {
     },
 }
 
-/// Stations that are visited together. For a rigid axle in roll, the mean travel replaces the rack displacement.
+/// Stations that are visited together. For a rigid axle in roll, the mean travel takes the place of the rack displacement.
 #[derive(Clone, Debug)]
 pub struct PairStations {
     /// Mean travel in roll. 0 in heave.
@@ -111,7 +111,8 @@ pub(super) struct Linear<B: SimdReal> {
     pub centre: Vector3<B>,
     /// Unit vector along the spin axis.
     pub axis: Vector3<B>,
-    /// Displacement of the wheel centre and rotation, from the unknowns to the pose at the required travel.
+    /// Remaining displacement of the wheel centre, and remaining rotation, from the pose of these unknowns to the pose at the
+    /// required travel.
     pub rest: [Vector3<B>; 2],
     /// Velocity of the wheel centre and angular velocity, both per unit of travel.
     pub rate: [Vector3<B>; 2],
@@ -133,19 +134,20 @@ pub(super) struct Corrected<B: SimdReal, const N: usize> {
 
 /// One wheel of a pair, with `N` unknowns.
 pub(super) trait Wheel<B: SimdReal, const N: usize> {
-    /// Numbers of a waypoint. The checks compare these numbers between consecutive waypoints.
+    /// Values at a waypoint. The checks compare them with the values at the next waypoint.
     type Guard: Copy;
 
     /// Derivatives of the unknowns with respect to travel and to the rack in the base design.
     fn slopes(&self) -> [[f64; N]; 2];
-    /// Linearises about unknowns near the pose at a travel. Lanes that have converged keep the numbers for their checks.
+    /// Linearises about unknowns near the pose at a travel. In lanes that have converged (`settled`), the values for
+    /// [`Wheel::check`] do not change.
     fn linear(&mut self, unknowns: &[B; N], rack: B, travel: B, settled: B::Mask) -> Linear<B>;
-    /// Returns the unknowns at the travel of the linearisation plus `further`.
+    /// Returns the unknowns at a travel. This travel is the travel of the linearisation plus `further`.
     fn moved(&self, unknowns: &[B; N], further: B) -> [B; N];
     /// Checks the residuals of the predicted unknowns at a travel, and corrects the unknowns.
     fn corrected(&mut self, unknowns: &[B; N], rack: B, travel: B) -> Corrected<B, N>;
     /// Accepts lanes that are well conditioned and on their solution branch. `step` is the change of travel since the previous
-    /// check. The caller passes `step` only on the legs that contain the stations.
+    /// check. The caller passes `step` only on the legs of the route that contain the stations.
     fn check(
         &self,
         unknowns: &[B; N],
@@ -229,7 +231,7 @@ impl<'a> AxleTracker<'a> {
         &self.wheels[side]
     }
 
-    /// Allocates the history for [`AxleTracker::solve`].
+    /// Allocates the memory for the unknowns at all waypoints, which is the `history` of [`AxleTracker::solve`].
     pub fn history<B: SimdReal>(&self, like: B) -> Vec<B> {
         let places = self.routes.iter().map(|route| route.places.len());
         let unknowns = if self.is_one_body {
@@ -240,9 +242,9 @@ impl<'a> AxleTracker<'a> {
         vec![like.zero(); unknowns * places.max().unwrap_or(0)]
     }
 
-    /// Visits the stations of entry `stations` in the list given to [`AxleTracker::new`]. The designs, left and right, must be
-    /// made by [`AxleTracker::wheel`], and `points` must be their points. `rest` is the lift of the wheel centres by a steering
-    /// gear. Its first number is the mean lift, its second number half the difference of both lifts.
+    /// Visits the stations with index `stations` in the list that [`AxleTracker::new`] received. [`AxleTracker::wheel`] must have
+    /// made the designs (left, right) from `points`. `rest` is the lift of the wheel centres by a steering gear: first the mean
+    /// lift, then half the difference of both lifts.
     #[inline(always)]
     pub fn solve<B: SimdReal>(
         &self,

@@ -18,7 +18,8 @@ const NEIGHBOURS_OF_SLOPE: usize = 4;
 /// Largest number of steps to a value. The route leaves out values that need more steps. The continuation solves these
 /// values.
 const MOST_STEPS: f64 = 1e3;
-/// Visited waypoints with their weights. If there are fewer waypoints, the other entries have weight 0.
+/// Indices of visited waypoints, each with its weight. If there are fewer than `PLACES` waypoints, the unused elements have weight
+/// 0.
 pub(crate) type Stencil<const PLACES: usize> = [(usize, f64); PLACES];
 
 /// Part of the route to which a waypoint belongs.
@@ -57,8 +58,8 @@ pub(crate) struct RouteStep {
     pub lead: f64,
     /// Change of the drive since the previous waypoint on this leg.
     pub step: f64,
-    /// Stencil that predicts the unknowns here. The prediction also adds the steps in the fields `along_...`, multiplied by
-    /// slopes of the unknowns.
+    /// Stencil (earlier waypoints with weights) that predicts the unknowns here. The prediction also adds the steps in the fields
+    /// `along_...`, multiplied by slopes of the unknowns.
     pub prediction: Stencil<NEIGHBOURS>,
     /// Step of the drive. The prediction adds it, multiplied by the slope with respect to the drive. Only the first
     /// step uses it.

@@ -29,7 +29,7 @@ pub(super) trait PlaceEquations<B: SimdReal, const N: usize> {
     /// True if rejected lanes count as converged. This setting is useful if a round makes corrections until all lanes
     /// have converged. If a round makes one correction, the loop is faster without it.
     const LEAVES_REJECTED: bool = false;
-    /// Numbers of a waypoint. The checks compare these numbers between consecutive waypoints.
+    /// Values at a waypoint. The checks compare them with the values at the next waypoint.
     type Guard: Copy;
 
     /// Predicts the unknowns from the previous waypoints.
@@ -62,7 +62,7 @@ pub(super) trait PlaceEquations<B: SimdReal, const N: usize> {
     );
 }
 
-/// Visits every waypoint. `history` must hold the unknowns of all waypoints.
+/// Visits every waypoint. `history` receives the unknowns and must have space for the unknowns of all waypoints.
 #[inline(always)]
 pub(super) fn track<B: SimdReal, const N: usize, E: PlaceEquations<B, N>>(
     equations: &mut E,

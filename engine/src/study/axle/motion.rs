@@ -48,8 +48,8 @@ fn at_load(
     problems.refuse(text.span(), message)
 }
 
-/// Time law of the coordinate that moves over time, and its values in units of the study. `Some(None)` if there is no time
-/// law.
+/// Time law of the coordinate that moves over time, and its values in units of the study. `Some(None)` if there is no time law,
+/// `None` if it has an error.
 fn over_time(
     section: &file::Motion,
     axle: &Axle,
@@ -302,7 +302,7 @@ pub(super) fn motion(
         time: time.map(|(time, _)| time),
     };
     if has_rows {
-        // A coordinate that the study does not give is 0 in every row.
+        // A coordinate that the study does not give is 0 at every station.
         for coordinate in Coordinate::ALL {
             if let Some(values) = motion.along(coordinate).filter(|own| own.len() != rows) {
                 *values = vec![values[0]; rows];

@@ -9,7 +9,7 @@ use crate::axle::{BumpStop, ForceCurve, Law, SpringLaw};
 use crate::model::Suspension;
 use toml::Spanned;
 
-/// Force laws of the springs of both wheels. The inner `None` means that the axle has no springs.
+/// Force laws of the springs of both wheels. `Some(None)` if the axle has no springs, `None` if they have an error.
 pub(in crate::study) fn springs(
     file: &File,
     left: &Suspension,

@@ -8,7 +8,7 @@ use super::super::resolve::Context;
 use super::super::value::Text;
 use crate::axle::AxleMotion;
 
-/// Motion of a target or a band: the motion that the entry names, or `[motion]`.
+/// Motion of a target or a band: the motion that the target or band names, or `[motion]`.
 pub(super) struct TargetMotion<'m> {
     pub(super) name: Option<&'m str>,
     pub(super) written: &'m file::Motion,

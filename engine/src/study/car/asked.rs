@@ -17,10 +17,10 @@ use toml::Spanned;
 /// Largest number of builds. The values of all builds are kept in memory.
 const MOST_BUILDS: i64 = 100_000;
 
-/// Difference between the seeds of the front axle, the rear axle and the values of the car.
+/// Difference between successive seeds: those of the front axle, of the rear axle and of the values of the car.
 const STREAM: u32 = 0x9e37_79b9;
 
-/// `between`, `at_least` and `at_most` of an entry.
+/// `between`, `at_least` and `at_most` of a target, a constraint or a band.
 type Limits<'a> = (
     Option<&'a Spanned<Vec<Number>>>,
     Option<&'a Number>,
@@ -53,7 +53,7 @@ impl Resolver<'_> {
         if met.is_empty() {
             let mut needs: Vec<&str> = Vec::new();
             for need in found.iter().flat_map(|q| q.info().needs) {
-                // A result of both axles needs the same keys at each axle.
+                // A result of both axles needs the same keys at each axle, so each key is listed only once.
                 if !needs.contains(&need.key()) {
                     needs.push(need.key());
                 }
@@ -99,7 +99,7 @@ impl Resolver<'_> {
         Some(case)
     }
 
-    /// Lower and upper limit of an entry at `place`.
+    /// Lower and upper limit of a target, a constraint or a band. `place` is its position in the file.
     pub(super) fn limits(
         &mut self,
         (between, at_least, at_most): Limits<'_>,

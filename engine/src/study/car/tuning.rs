@@ -23,7 +23,7 @@ use toml::Spanned;
 /// Largest number of starts.
 const MOST_STARTS: i64 = 10_000;
 
-/// Subject of an entry: a case or an axle.
+/// Part of the study to which a target or a constraint applies: a case or an axle.
 enum Place {
     /// A case, by its name. Its index is looked up later.
     Case(Text),
@@ -126,7 +126,7 @@ impl Resolver<'_> {
         })
     }
 
-    /// Finds the case or the axle that an entry names.
+    /// Finds the case or the axle that a target or a constraint names.
     fn place(&mut self, [case, axle]: [&Option<Text>; 2], place: Span<usize>) -> Option<Place> {
         match (case, axle) {
             (Some(case), None) => Some(Place::Case(case.clone())),
@@ -142,7 +142,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Refuses keys that an entry for a case does not accept.
+    /// Refuses keys that a target or a constraint of a case does not accept.
     fn refuse_rig_keys<const N: usize>(
         &mut self,
         given: [(&str, Option<Span<usize>>); N],
@@ -161,7 +161,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Reads the targets of one case from an entry of the file.
+    /// Reads the targets of one case from an element of `targets`.
     fn target(
         &mut self,
         car: &Car,
@@ -267,7 +267,7 @@ impl Resolver<'_> {
         self.limits((between.as_ref(), low.as_ref(), high.as_ref()), place)
     }
 
-    /// Reads the constraints of one case from an entry of the file.
+    /// Reads the constraints of one case from an element of `constraints`.
     fn constraint(
         &mut self,
         car: &Car,

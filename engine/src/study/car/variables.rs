@@ -27,7 +27,7 @@ pub(super) struct Written<'a> {
     percent: Option<&'a Number>,
 }
 
-/// Macro that copies the keys of a part from an entry of a file. The entry must have all of these keys.
+/// Macro that copies the keys of a variable from the file as written. The type of the variable must have all of these keys.
 macro_rules! moved_by {
     ($written:expr) => {{
         let own = $written.get_ref();
@@ -84,7 +84,7 @@ impl<'a> Written<'a> {
 }
 
 impl Resolver<'_> {
-    /// Indices of the axles that an entry names.
+    /// Indices of the axles that a variable or a scatter entry names.
     fn ends(&mut self, own: &Written<'_>) -> Option<Vec<usize>> {
         let Some((place, names)) = &own.axle else {
             return Some(Vec::new());
@@ -102,7 +102,8 @@ impl Resolver<'_> {
         Some(ends)
     }
 
-    /// Finds the part of the car that an entry changes: hardpoints with a direction, a rate, or a value of the car.
+    /// Finds the part of the car that a variable or a scatter entry changes: hardpoints with a direction, a rate, or a value of
+    /// the car.
     pub(super) fn moves(&mut self, car: &Car, own: &Written<'_>) -> Option<Moves> {
         let ends = self.ends(own)?;
         let has_points = own.hardpoint.is_some() || own.hardpoints.is_some();
@@ -131,8 +132,8 @@ impl Resolver<'_> {
         }
     }
 
-    /// Coordinates of hardpoints. If an entry names two axles, both must have points with these names. The factors are those
-    /// of the first axle's points, then those of the second axle's points.
+    /// Coordinates of hardpoints. If the variable names two axles, both axles must have points with these names. The factors
+    /// are those of the first axle's points, then those of the second axle's points.
     fn points(&mut self, car: &Car, ends: &[usize], own: &Written<'_>) -> Option<Moves> {
         if own.axis.is_none() && own.direction.is_none() {
             let message = "a hardpoint needs axis = \"x\", \"y\" or \"z\", or a direction";

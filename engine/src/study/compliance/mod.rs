@@ -133,7 +133,7 @@ struct WheelParts {
     relaxed: Relaxed,
 }
 
-/// Reads the bushings, except those at these mounts, and the links.
+/// Reads the links, and the bushings that are not one of these mounts of the subframe.
 fn wheel_parts(
     file: &File,
     section: &Spanned<file::Compliance>,
@@ -192,7 +192,7 @@ fn check_design_load(
     Some(())
 }
 
-/// Rate of the tyre. The inner `None` means that the study does not give it.
+/// Rate of the tyre. `Some(None)` if the study does not give it, `None` if it has an error.
 fn tyre_rate(file: &File, problems: &mut Problems) -> Option<Option<f64>> {
     let rate = file.tyre.as_ref().map(|tyre| tyre.get_ref().rate.clone());
     positive(&rate, problems)

@@ -16,7 +16,7 @@ fn is_single_link(mechanism: &Mechanism, part: &LinkPart) -> bool {
 }
 
 impl WheelParts {
-    /// Moves the parts that exist only once to the end. Then the other parts have the same numbers in both halves.
+    /// Moves the parts that exist only once to the end. Then the other parts have the same indices in both halves.
     pub(super) fn order(&mut self, mechanism: &Mechanism) {
         sort_by_key(&mut self.bushings, |part| mechanism.is_single(part.point));
         sort_by_key(&mut self.links, |(_, part)| is_single_link(mechanism, part));

@@ -12,7 +12,7 @@ use crate::number::Vector3;
 use std::path::Path;
 use toml::Spanned;
 
-/// Reads the subframe. The inner `None` means that the study has no subframe.
+/// Reads the subframe. `Some(None)` if the study has no subframe, `None` if the subframe has an error.
 pub(super) fn subframe(
     file: &File,
     suspension: &Suspension,

@@ -11,7 +11,7 @@ use crate::model::{Side, Suspension};
 use crate::number::Each;
 use toml::Spanned;
 
-/// Largest number of load levels in a test.
+/// Largest number of load values in a test.
 const MOST_LEVELS: i64 = 1001;
 
 /// Tests of `[compliance]` for one wheel, or the default tests.

@@ -34,8 +34,8 @@ impl Reader<'_> {
         let angle = most.value.to_radians();
         let degree = 1.0_f64.to_radians();
         let of = joint_angle(name, self.context.file, self.suspension(), problems)?;
-        // The versine 1 - cos a = 2 sin^2(a/2) is smooth at a = 0, where the angle itself has a kink. The scale is such that
-        // the constraint's value changes by 1 per degree at the limit, so that multipliers are per degree. Elsewhere
+        // The versine 1 - cos a = 2 sin^2(a/2) is smooth at a = 0, where the angle itself has a kink. With this scale, the
+        // constraint's value changes by 1 per degree at the limit, so that Lagrange multipliers are per degree. Elsewhere
         // `Limited::margin` converts to degrees.
         let (lower, upper, scale) = if of.is_versine() {
             let most = 2.0 * (0.5 * angle).sin().powi(2);

@@ -172,7 +172,7 @@ impl Reader<'_> {
         self.context.suspension
     }
 
-    /// Length of 1 mm in the study's unit: the smallest visible length.
+    /// Length of 1 mm in the study's unit: the smallest change of a length that a user would notice.
     fn length_scale(&self) -> f64 {
         self.suspension().length_unit.per_metre() / 1000.0
     }

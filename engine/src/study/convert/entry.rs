@@ -1,4 +1,5 @@
-//! Units and directions of numbers that depend on other keys of their entry.
+//! Units and directions of numbers in entries such as targets and variables. These units and directions depend on other keys of
+//! the same entry.
 
 use super::super::{CarStudy, Constraint, Study, Target, TargetKind};
 use super::scale::{Conversion, Measured};
@@ -50,7 +51,7 @@ fn refused<T>(key: &'static str, reason: impl Into<String>) -> Result<T, Refused
     Err(Refused { key, reason })
 }
 
-/// Units and directions of an entry's numbers.
+/// Units and directions of the numbers in an entry, such as a target.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Entry {
     pub(super) conversion: Conversion,
@@ -78,7 +79,7 @@ fn drive(name: &str, conversion: &Conversion) -> Measured {
     }
 }
 
-/// Powers of the unit of a spring, a bar or a part of the steering.
+/// Unit of the rate with this name, as powers of the units of length, force and mass. `None` for an unknown name.
 fn rate(name: &str) -> Option<Powers> {
     match name {
         "spring" | "heave_spring" | "tyre" | "rack" => Some(Powers::RATE),
@@ -97,7 +98,8 @@ fn sign_of_name(name: &str, conversion: &Conversion) -> f64 {
     }
 }
 
-/// Number of entries that precede an entry in its list: all entries, and entries of each axle of a car.
+/// Number of entries before an entry of a list, such as a target. `all` counts every entry. `of_axle` counts only the entries
+/// for the front axle, and only those for the rear axle, of a car.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Before {
     pub(super) all: usize,

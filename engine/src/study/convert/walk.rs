@@ -448,7 +448,7 @@ fn renamed(name: &str, conversion: &Conversion, trails: &[f64]) -> String {
     };
     match trail.parse() {
         Ok(trail) => {
-            // The name has fewer digits than the trail of the test.
+            // The name has fewer digits than the trail of the test, so `trails` gives the exact trail.
             let mut all = trails.iter().copied();
             let exact = all.find(|own| six_digits(*own) == trail).unwrap_or(trail);
             let new = conversion.scaled(exact, Scale::Powers(Powers::LENGTH));

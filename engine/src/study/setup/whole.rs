@@ -14,7 +14,7 @@ use crate::sorting::sort_by_key;
 use crate::study::names::choose;
 use toml::Spanned;
 
-/// Adjustments of an entry: one for each half, or one for a part that exists only once.
+/// Adjustments that an element of `adjust` describes: one for each half, or one for a part that exists only once.
 pub(super) fn adjustments(
     written: &Spanned<file::Adjustment>,
     both: &AxleStudy,

@@ -136,6 +136,6 @@ impl Reader<'_> {
 /// Station of a row in the motion of an axle.
 pub(super) struct AxlePlace {
     pub(super) site: AxleSite,
-    /// Keys of a target with numbers that describe the station.
+    /// Keys of a target that describe the station by numbers.
     pub(super) numbers: Vec<(&'static str, f64)>,
 }

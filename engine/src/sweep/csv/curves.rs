@@ -8,7 +8,7 @@ use crate::sweep::SweepPlan;
 /// Writer of curves as CSV. It holds the header, and the cells of each row that are the same for all designs.
 #[derive(Clone, Debug)]
 pub struct CurvesCsv {
-    /// First line.
+    /// Header line of the CSV file.
     pub header: Vec<u8>,
     /// For each station of the motion: its index in a block, and the cells with its coordinates.
     stations: Vec<(usize, Vec<u8>)>,

@@ -1,4 +1,4 @@
-//! Writes finished blocks as CSV, and reads rows back. The workers write on all threads while the sweep runs. So this
+//! Writes finished blocks as CSV, and reads rows back. The workers write on all CPU threads while the sweep runs. So this
 //! code is in the engine, which is compiled with full optimisation, and not with the code for other result files.
 
 mod cells;

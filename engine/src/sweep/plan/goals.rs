@@ -1,8 +1,9 @@
-//! Goals of a sweep that its stations do not give: targets in other motions, loads, lengths, and all constraints.
+//! Goals of a sweep whose stations are not stations of the sweep: targets in other motions or at other rack displacements,
+//! targets of quantities without a curve (for example loads and lengths), and all constraints.
 //!
-//! Each design is assessed after its stations, as a tuning assesses a design: at the stations of each target and each
-//! constraint, and at extremes between them. The goals of each motion are assessed separately. So a design that does not reach
-//! a station of one motion keeps the values of the other motions.
+//! For each design, the worker first solves the stations of the sweep. Then it assesses the design as a tuning does: at the
+//! stations of each target and each constraint, and at extremes between them. The goals of each motion are assessed
+//! separately. So a design that does not reach a station of one motion keeps the values of the other motions.
 
 use super::{DesignFault, Failing, OutputColumn, Sweep};
 use crate::model::Mechanism;
@@ -11,7 +12,7 @@ use crate::optimise::{DesignAssessor, TargetLayout};
 use crate::study::{Constraint, Optimise, Rate, Site, Study, Target, Variable};
 use crate::sweep::margins::{distinguish, margin_columns};
 
-/// Goals of a sweep, with the stations at which a design is assessed.
+/// Targets and constraints (goals) of a sweep, with the stations at which a design is assessed.
 #[derive(Clone, Debug)]
 pub(super) struct Goals {
     groups: Vec<Group>,
@@ -60,7 +61,7 @@ impl Place {
     }
 }
 
-/// Goals at the same stations.
+/// Targets and constraints at the same stations.
 #[derive(Clone, Debug)]
 struct Group {
     place: Place,
@@ -122,7 +123,7 @@ impl Goals {
         })
     }
 
-    /// Makes the assessor of the designs. Each thread has one.
+    /// Makes the assessor of the designs. Each CPU thread has one assessor.
     pub(super) fn assessor<'a>(
         &'a self,
         study: &'a Study,
@@ -141,7 +142,7 @@ impl Goals {
     }
 }
 
-/// Assessor of the designs of one thread.
+/// Assessor of the designs that one CPU thread solves.
 pub(super) struct GoalAssessor<'a> {
     goals: &'a Goals,
     groups: Vec<(&'a Group, DesignAssessor<'a>)>,

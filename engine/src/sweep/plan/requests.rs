@@ -3,11 +3,12 @@
 use super::*;
 use crate::sorting::sort_by_key;
 
-/// Request of a sweep, then the derivatives of each column in the design position, then the target values of each target.
+/// Three results of planning: the request of a sweep, the derivatives of each column in the design position, and the target
+/// values of each target.
 type Planned<'s> = (Request<'s>, Vec<Vec<Gain>>, Vec<Vec<SweptWish>>);
 
-/// Plans the sweep of a study with the target values of `swept`, the targets at stations of the sweep. `samples` are the
-/// designs of the sweep.
+/// Plans the sweep of a study. `swept` contains the targets that are compared at stations of the sweep, `samples` the designs
+/// of the sweep.
 pub(super) fn of_study<'s>(
     study: &'s Study,
     sweep: &Sweep,
@@ -42,7 +43,7 @@ pub(super) fn of_study<'s>(
     }
 }
 
-/// Plans the sweep of one wheel with the target values.
+/// Plans the sweep of one rigid wheel. `wanted` contains the target values of each target.
 fn of_corner<'s>(
     suspension: &'s Suspension,
     plan: &Plan,
@@ -139,8 +140,8 @@ fn of_elastic<'s>(
 }
 
 /// Lists the additional values that a sweep must read, as pairs of value and station. Each target needs its value at its
-/// stations. With `curves`, every value is needed at every station. The last argument holds the number of values and the
-/// number of stations.
+/// stations. With `curves`, the sweep reads every value at every station. The last argument holds the number of values and
+/// the number of stations.
 fn read_further(
     wishes: &[Vec<SweptWish>],
     curves: bool,
@@ -159,7 +160,8 @@ pub(super) fn is_figure(quantity: &crate::axle::Quantity) -> bool {
     matches!(quantity, crate::axle::Quantity::Figure(_))
 }
 
-/// Plans the sweep of an axle with the target values. With `curves`, the sweep also reads test results over the motion.
+/// Plans the sweep of an axle. `samples` contains the target values of each target. With `curves`, the sweep also reads test
+/// results over the motion.
 fn of_axle<'s>(
     both: &'s AxleStudy,
     mut plan: AxlePlan,
@@ -200,7 +202,8 @@ fn of_axle<'s>(
     (Request::of_axle(stations), gains, wishes)
 }
 
-/// Plans the outputs of a study and its targets. Each output has its first derivative with respect to the drive.
+/// Plans the outputs of a study and the quantities of its targets. For each output, the sweep also computes the first
+/// derivative with respect to the drive value.
 fn with_gains(own: &WheelStudy, optimise: Option<&Optimise>) -> Plan {
     let plan = Plan::with_targets(own, optimise);
     let is_swept = |quantity: Quantity| !quantity.is_rate();

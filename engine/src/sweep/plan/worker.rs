@@ -1,8 +1,8 @@
-//! Worker of one thread, which solves blocks of designs and writes their rows.
+//! Worker of one CPU thread, which solves blocks of designs and writes their rows.
 
 use super::*;
 
-/// Worker that solves blocks of designs and writes their rows. Each thread has one.
+/// Worker that solves blocks of designs and writes their rows. Each CPU thread has one worker.
 pub struct Worker<'p> {
     pub(super) plan: &'p SweepPlan<'p>,
     pub(super) evaluator: Evaluator<'p>,
@@ -10,7 +10,7 @@ pub struct Worker<'p> {
     pub(super) designs: Vec<Vector3<f64>>,
     /// Rates of elastic parts that the sweep varies, design after design.
     pub(super) rates: Vec<f64>,
-    /// Assessor of targets and constraints that need stations of their own. `None` if there are none.
+    /// Assessor of the targets and constraints whose stations are not stations of the sweep. `None` if there are none.
     pub(super) goals: Option<GoalAssessor<'p>>,
     pub(super) rows: Rows,
 }

@@ -134,8 +134,8 @@ fn gaps_stay_gaps() {
     assert!(svg.contains("not solved"));
 }
 
-/// If a title such as "rise by vertical force" is longer than its axis, the words after "by" are omitted, because the
-/// other axis names this load. The unit stays.
+/// If a title such as "rise by vertical force" is longer than its axis, the words after "by" are omitted. The other axis names this
+/// load. The unit stays.
 #[test]
 fn a_long_title_keeps_its_unit() {
     let titled = |name: &str| {

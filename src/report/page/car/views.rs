@@ -202,8 +202,8 @@ pub(super) fn side(record: &CarRecord, state: &CarStateRecord) -> String {
     svg + "</svg>"
 }
 
-/// Draws the roll axis between the axles, and the arm of the centre of gravity. The first pair of numbers has the positions of
-/// the axles along the car, the second pair the heights.
+/// Draws the roll axis between the axles, and the arm of the centre of gravity. The two pairs of numbers are the positions of the
+/// axles along the car, and the heights of the roll axis at the axles.
 fn roll_axis(
     svg: &mut String,
     scale: &Scale,

@@ -70,7 +70,7 @@ pub(super) fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<S
     notes
 }
 
-/// Sentence about constraints that best designs and designs on the front may violate.
+/// Sentence about constraints that the sweep does not check. The best designs may violate them.
 fn unchecked(record: &SweepRecord, statistics: &SweepStatistics) -> Option<String> {
     let constraints = &record.unchecked_constraints;
     (!constraints.is_empty() && !statistics.best.is_empty()).then(|| {

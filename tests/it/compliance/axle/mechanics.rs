@@ -45,9 +45,9 @@ fn wheels_that_share_nothing_are_single_wheels() {
     }
 }
 
-/// With `at_design_load` the nominal design is the equilibrium. Of all sets of bushing forces that balance the loads,
-/// the actual one has the least elastic energy. Force divided by stiffness is then a displacement. These displacements
-/// belong to one small rigid motion of all bodies, without torsion.
+/// With `at_design_load` the nominal design is the equilibrium. Of all sets of bushing forces that balance the loads, the
+/// actual one has the least elastic energy. For this set, force divided by stiffness is the displacement at each mount.
+/// These displacements belong to one small rigid motion of all bodies, without torsion.
 #[test]
 fn the_drawing_is_the_equilibrium_at_the_design_load() {
     let mut random = Random(22);
@@ -284,7 +284,7 @@ fn inputs(case: &Case) -> Vec<Parameter> {
     ]
 }
 
-/// Returns the case with a hardpoint moved by a length, or with a rate changed by a fraction.
+/// Returns the axle with a hardpoint moved by a length, or with a rate changed by a fraction.
 fn varied(case: &Case, parameter: Parameter, by: f64) -> Case {
     let mut changed = Case {
         suspension: case.suspension.clone(),
@@ -346,7 +346,7 @@ fn rate_of(case: &Case, parameter: Parameter) -> f64 {
     }
 }
 
-/// Derivatives with respect to hardpoints, rates, mounts, rack and bar equal differences of eighth order. The test
+/// Derivatives with respect to hardpoints, rates, mounts, rack and bar equal finite differences of eighth order. The test
 /// compares states, and their derivatives with respect to loads.
 #[test]
 fn derivatives_by_the_design_agree_with_differences() {

@@ -121,7 +121,7 @@ fn mirrored(v: Vector3<f64>) -> Vector3<f64> {
     Vector3::new(v.x, -v.y, v.z)
 }
 
-/// Second formulation of a case, with the indices of its bodies.
+/// Second formulation of an axle, with the indices of its bodies.
 struct Built {
     world: World,
     carriers: [usize; 2],
@@ -300,7 +300,7 @@ impl Builder<'_> {
     }
 }
 
-/// Makes the second formulation of a case.
+/// Makes the second formulation of an axle.
 fn build(case: &Case, command: f64) -> Built {
     let mut world = World::new();
     let mut subframe = GROUND;

@@ -61,7 +61,7 @@ fn value_of(values: &[(String, f64)], name: &str) -> f64 {
     found.unwrap_or_else(|| panic!("{name} in {values:?}")).1
 }
 
-/// Derivative from differences of fourth order.
+/// Derivative from finite differences of fourth order.
 fn difference(step: f64, at: impl Fn(f64) -> f64) -> f64 {
     fourth_order([-2.0, -1.0, 1.0, 2.0].map(|steps| at(steps * step)), step)
 }
@@ -398,8 +398,8 @@ fn rates_of_springs_bar_and_steering_vary() {
         found.unwrap().unwrap().goal
     };
     assert_slopes(at, &x, &[0.5, 0.01, 0.01, 2.0e4], 4);
-    // If the rack is locked, the stiffnesses of rack and steering column have no effect. So their derivatives in row 3
-    // are zero.
+    // If the rack is locked, the stiffnesses of rack and steering column have no effect. So the derivatives of the
+    // residual with index 3 (`..._locked_rack`) are zero.
     let slopes = at(&x).jacobian;
     assert_eq!([slopes[(3, 2)], slopes[(3, 3)]], [0.0; 2]);
     assert!(slopes[(2, 2)] != 0.0 && slopes[(2, 3)] != 0.0);
@@ -646,7 +646,7 @@ fn rows_of_a_sweep_are_those_of_single_designs() {
                     .map(|s| of(s, &name))
                     .fold(f64::NEG_INFINITY, f64::max)
             } else {
-                // The slope column contains the value in the design position.
+                // A column without these suffixes contains a slope or a test result in the design position.
                 of(1, name)
             };
             assert!(

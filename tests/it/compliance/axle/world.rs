@@ -83,7 +83,7 @@ struct Moved<'t> {
     at: Vector3<Tracked<'t>>,
     columns: [Vector3<Tracked<'t>>; 3],
     slide: Tracked<'t>,
-    /// Positions of the body's inputs on the tape.
+    /// Indices of the body's inputs on the tape, which records all operations of the automatic differentiation.
     inputs: Vec<usize>,
 }
 

@@ -55,7 +55,7 @@ fn on(_: u64) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// Scattered parts with one random number each, and their difference steps.
+/// Scattered parts with one random number each, and the steps of the difference quotients.
 fn entries(kind: Kind) -> Vec<(&'static str, f64)> {
     let mut entries = vec![
         (
@@ -397,7 +397,7 @@ const SCATTER: &str = "{ hardpoints = [\"lower_link_axle\", \"upper_link_chassis
                        { hardpoint = \"wheel_centre\", axis = \"z\", sigma = 0.2 }";
 
 /// For small scatter, the first-order standard deviations agree with those of the Monte Carlo analysis. The results do
-/// not depend on SIMD lanes or on the number of threads.
+/// not depend on SIMD lanes or on the number of CPU threads.
 #[test]
 fn first_order_is_the_monte_carlo_where_scatter_is_small() {
     for kind in KINDS {

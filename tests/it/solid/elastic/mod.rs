@@ -19,7 +19,7 @@ use second::{Axle, Link, Spring};
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// Kinds of axles. Lengths of links and heights of both wheels together give 6, 6 and 7 equations.
+/// Kinds of axles. The link lengths and the heights of both wheels together give these kinds 6, 6 and 7 equations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
     FourLink,
@@ -27,7 +27,7 @@ pub enum Kind {
     FiveLink,
 }
 
-/// Inputs of a study.
+/// Axle as the text of a study, and in vehicle coordinates for the second formulation.
 #[derive(Clone, Debug)]
 pub struct Made {
     pub text: String,

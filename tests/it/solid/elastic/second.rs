@@ -7,6 +7,8 @@
 //! ```text
 //! dE/dx = V_l dC_l/dx + V_r dC_r/dx,   W_l = z_l,   W_r = z_r
 //! ```
+//!
+//! V are the vertical forces of the ground on the discs, z the prescribed heights of the wheel centres; l is left, r is right.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -1,5 +1,5 @@
-//! Numbers with first derivatives along two directions and the mixed second derivative. With these numbers, the other
-//! formulation has exact derivatives.
+//! Numbers with first derivatives along two directions and the mixed second derivative. With these numbers, the
+//! independent formulation has exact derivatives.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

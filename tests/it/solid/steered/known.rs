@@ -58,7 +58,7 @@ const STEER: [Quantity; 4] = [
     Quantity::Axle(A::AckermannError),
 ];
 
-/// Calls `look` with the level axle, with the steering gear displaced by this distance.
+/// Calls `look` with the axle of `world`, with the steering gear displaced by `rack`.
 fn steered<R>(
     world: &World,
     rack: f64,

@@ -193,8 +193,8 @@ fn name_ends(axles: usize) {
     );
 }
 
-/// Some ends of the range are folds: turning points where the motion of the drag link reverses. Derivatives of such
-/// ends with respect to every point of the axle equal differences of fourth order between other designs. The points of
+/// Some ends of the range are folds: turning points where the motion of the drag link reverses. Derivatives of such ends
+/// with respect to every point of the axle equal finite differences of fourth order between other designs. The points of
 /// the other designs move along random directions.
 #[test]
 fn a_fold_along_the_drag_link_has_exact_derivatives() {

@@ -1,5 +1,5 @@
 //! Tests of forces in links, drag link and tie rod. The whole axle is in balance (three forces, three moments), and each
-//! knuckle is in balance about its kingpin. Positions come from the other formulation.
+//! knuckle is in balance about its kingpin. Positions come from the independent formulation.
 
 use super::{Place, World, at, axle, random, study};
 use crate::support::random::Random;

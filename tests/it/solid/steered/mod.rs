@@ -134,8 +134,8 @@ fn note(worst: &mut (f64, String), found: f64, expected: f64, what: impl FnOnce(
     }
 }
 
-/// Returns the quantities of the other formulation, and the columns `roll_steer`: the derivatives of steer with respect
-/// to roll. Roll is the second direction of the derivatives.
+/// Returns the quantities of the independent formulation, and the columns `roll_steer`: the derivatives of steer with
+/// respect to roll. Roll is the second direction of the derivatives.
 fn expected(world: &World, place: Place, first: Option<usize>) -> Option<Vec<(String, Hyper)>> {
     let solved = world.solve(&at(place, first, Some(1)))?;
     let mut all = solved.quantities();

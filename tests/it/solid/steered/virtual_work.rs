@@ -1,6 +1,6 @@
-//! Tests of roll centres and anti-dive against velocities of the other formulation. Values that are based on forces use
-//! the velocities of the knuckle points at the contact points. The kinematic roll centre uses the velocity of the axle
-//! point midway between the contact points.
+//! Tests of roll centres and anti-dive against velocities of the independent formulation. Values that are based on
+//! forces use the velocities of the knuckle points at the contact points. The kinematic roll centre uses the velocity
+//! of the axle point midway between the contact points.
 
 use super::hyper::{Hyper, Point, cross, dot, minus, plus};
 use super::world::{At, Solved, Travels, World};

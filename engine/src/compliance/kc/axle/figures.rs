@@ -60,7 +60,8 @@ impl AxleKcRun<'_> {
         secants: Option<[WheelFigures<T>; 2]>,
     ) -> Vec<AxleFigure<T>> {
         let one = here.axle.travel(&here.at, Side::Left).one();
-        // Factors on the derivatives. The products are derivatives per unit of the load on the wheel itself.
+        // Factors on the derivatives with respect to the test load. Each product is a derivative per unit of the load
+        // on the wheel itself.
         let units = match test.load {
             TestLoad::Heave | TestLoad::Steering => [one; 2],
             TestLoad::Roll => match &by {
@@ -124,7 +125,7 @@ impl AxleKcRun<'_> {
             });
         };
         let steer = |by: &[WheelFigures<T>; 2]| (by[1].toe - by[0].toe).scaled(0.5);
-        // Loads on the left wheel act to the right.
+        // The unit load acts on the left wheel to the right. So the sign changes for a load to the left.
         let to_left = |by: &[WheelFigures<T>; 2]| -steer(by);
         let position = self.vehicle.suspensions[0].vehicle.position;
         let understeer = match position {

@@ -6,7 +6,7 @@ use crate::compliance::{AxleOnTape, AxleParameter, Parameter, WheelFigures};
 use crate::model::Side;
 use crate::number::{Each, Tape, Tracked};
 
-/// Derivatives of a test result, and of its secant. An entry is `None` if the result has no value.
+/// Derivatives of a test result and of its secant, in this order. `None` for a result or a secant without a value.
 pub type FigureGradients = [Option<Vec<f64>>; 2];
 
 impl AxleKcRun<'_> {
@@ -114,7 +114,7 @@ impl AxleKcRun<'_> {
         })
     }
 
-    /// Returns the secants over the window of a test. They contain the derivatives of both ends of the window.
+    /// Returns the secants over the window of a test. These secants include the derivatives of both ends of the window.
     pub(crate) fn secants_on_tape<'t>(
         &self,
         plain: &Here,

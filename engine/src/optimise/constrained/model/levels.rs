@@ -1,10 +1,10 @@
-//! Smallest weights with which a step meets the levels of earlier goals.
+//! Smallest weights with which a step meets the levels, which are upper limits for the norms of some residuals.
 
 use super::super::super::active_set::Outcome;
 use super::ConvexModel;
 
-/// Relative accuracy to which a level is met. A tenth of the largest violation that still counts as satisfied is always accurate
-/// enough.
+/// Largest relative deviation from a level that counts as met. For a high level the deviation must be even smaller: at most a
+/// tenth of the largest violation that still counts as satisfied.
 pub(super) const LEVEL_MET: f64 = 1e-7;
 /// Number of successive moves of one end of a bracket after which the excess at the other end counts half (Illinois
 /// method).
@@ -15,7 +15,7 @@ const SECANTS: usize = 30;
 impl<'a> ConvexModel<'a> {
     /// Logarithm of the ratio between the norm after the step and the level.
     fn excess(&mut self, k: usize) -> f64 {
-        // A level of zero could be approached but never reached.
+        // A norm can approach zero but not reach it. So a level of zero is replaced by a small number.
         let goal = self.levels[k].max(1e-12);
         let norm = self.held[k].norm_after(&self.step, &mut self.scratch);
         (norm / goal).ln()

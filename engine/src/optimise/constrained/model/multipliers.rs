@@ -16,7 +16,7 @@ const ON_BOUND: f64 = 1e-12;
 enum Push {
     Row(usize),
     Level(usize),
-    /// A variable at a bound: -1 at the lower bound, 1 at the upper bound.
+    /// A variable at a bound: the index of the variable, and -1 for the lower bound or 1 for the upper bound.
     Bound(usize, f64),
 }
 
@@ -26,7 +26,8 @@ impl ConvexModel<'_> {
         [&self.row_multipliers, &self.level_multipliers]
     }
 
-    /// Returns the imbalance of the multipliers and the goal's slope, relative to the sizes of the terms: 0 at a minimum.
+    /// Returns the imbalance between the slope of the goal and the gradients of the constraints times their multipliers. It
+    /// is relative to the sizes of the terms, and 0 at a minimum.
     pub(in super::super) fn imbalance(&self) -> f64 {
         let n = self.half.len();
         let (mut left, mut size) = (0.0_f64, 0.0_f64);

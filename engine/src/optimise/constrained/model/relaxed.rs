@@ -18,8 +18,9 @@ impl ConvexModel<'_> {
         })
     }
 
-    /// Makes the largest violation as small as possible within the bounds. Returns this violation and the rows that limit
-    /// it. Relaxes the rows to their values at the point found. Only rows that a step can violate count.
+    /// Makes the largest violation as small as possible within the bounds. Returns this violation, and the rows and bounds
+    /// that prevent a smaller violation. Relaxes the rows to their values at the point found. Only rows that a step can
+    /// violate count.
     pub(super) fn relax(&mut self) -> (f64, Vec<Held>) {
         let n = self.half.len();
         let worst = self.worst();
@@ -28,8 +29,8 @@ impl ConvexModel<'_> {
             self.relaxed.fill(0.0);
             return (self.relax_rows(), Vec::new());
         }
-        // The variables are d and t. Each violation may be at most t times the largest violation at this point. Minimise
-        // |t|^2 + (small |d|)^2.
+        // A quadratic program for d and t: each violation may be at most t times the largest violation at the current point.
+        // The program minimises |t|^2 + (small |d|)^2.
         let small = 1e-5;
         let mut triangle = vec![0.0; (n + 1) * (n + 1)];
         for k in 0..n {

@@ -11,7 +11,7 @@ use nalgebra::DVector;
 pub(super) struct Trials {
     /// Goal and violation of the current point.
     pub from: [f64; 2],
-    /// True if the model has curvature.
+    /// True if the model includes the estimate of the curvature.
     pub curved: bool,
     /// Largest reduction of the goal that counts as zero.
     pub negligible: f64,
@@ -40,7 +40,7 @@ pub(super) enum Trial {
     Refused,
     /// The run ends at the current point.
     Ended,
-    /// Accepted, with the size of the step.
+    /// Accepted, with the length of the step in fractions of the ranges.
     Accepted(f64),
 }
 
@@ -88,7 +88,7 @@ impl SequentialConvex<'_> {
             }
         }
         if !accepted && self.pair(&self.trial)[1] > trials.from[1].max(KEPT) {
-            // The proposed step fails because of the curvature of the rows, so a corrected step is tried.
+            // The trial has a larger violation. The reason can be the curvature of the rows, so a corrected step is tried.
             match self.try_corrected(problem, x, predicted, trials) {
                 Some(is_better) => accepted = is_better,
                 None => return self.try_with_new_rows(x, trials),
@@ -138,7 +138,7 @@ impl SequentialConvex<'_> {
         false
     }
 
-    /// Continues with rows that were constant so far.
+    /// Includes the rows that were constant so far, and refuses the trial. The next trial considers these rows.
     fn try_with_new_rows(&mut self, x: &DVector<f64>, trials: &mut Trials) -> Trial {
         self.count_new_rows(x);
         trials.from = self.pair(&self.current);
@@ -171,7 +171,8 @@ impl SequentialConvex<'_> {
         }
     }
 
-    /// Moves to the trial, and adapts the radius to the accuracy of the prediction. Returns the size of the step.
+    /// Moves to the trial, and adapts the radius to the accuracy of the prediction. Returns the length of the step in
+    /// fractions of the ranges.
     fn accept(&mut self, x: &mut DVector<f64>, step: &Step, from: [f64; 2]) -> f64 {
         let &Step {
             length, predicted, ..

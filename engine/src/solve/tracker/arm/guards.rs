@@ -17,7 +17,8 @@ fn reason(check: impl FnOnce(&mut Acceptance<f64>)) -> Option<Rejection> {
     accepted.reason(0)
 }
 
-/// Slope of the half tangent with respect to the travel, from differences of the travel that the closed form computes.
+/// Derivative of the half tangent, tan(angle/2) of the arm, with respect to the travel. Computed from finite differences of the
+/// travel in the closed form.
 fn slope_by_travel(form: &ClosedForm<f64>, tangent: f64, rack: f64) -> f64 {
     let travel = |t: f64| form.travel(&form.at_half_tangent(t, rack));
     let h = 1e-3;
@@ -187,8 +188,8 @@ fn an_arm_is_followed_to_seventy_degrees() {
     assert!(ends > 0, "only the check limits one direction");
 }
 
-/// The limit of the slope is relative to the size: the half tangent may change by 3 per travel of one size. If the arm's angle is
-/// the drive, there is no limit.
+/// The limit of the slope is relative to the size: the half tangent, tan(angle/2), may change by 3 per travel of one size. If the
+/// arm's angle is the drive, there is no limit.
 #[test]
 fn steepness_is_measured_in_sizes() {
     for topology in ["macpherson", "double_wishbone"] {

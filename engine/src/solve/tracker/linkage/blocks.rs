@@ -3,7 +3,7 @@
 use crate::mechanism::{Twist, Wrench};
 use crate::number::{Each, Matrix3, Real, Vector3, array_of, outlined};
 
-/// Smallest pivot of the base design.
+/// Smallest pivot that the base design may have.
 const LEAST_PIVOT: f64 = 1e-3;
 
 /// Order of the rows and columns of the Jacobian.
@@ -88,7 +88,7 @@ impl<B: Real> Inverse<B> {
     }
 }
 
-/// Three entries of a row, from place `first` on, in the given order of columns.
+/// Three elements of a row, in the given order of columns. `first` is the position of the first of them in this order.
 #[inline(always)]
 fn three<B: Copy>(row: &[B; 6], columns: &[usize; 6], first: usize) -> Vector3<B> {
     Vector3::new(
@@ -125,8 +125,8 @@ impl<B: Real> Blocks<B> {
         }
     }
 
-    /// Converts the square of a rotation for a travel equal to the mechanism's size. The result is the square of the rotation
-    /// per unit of travel.
+    /// Returns the square of a rotation per unit of travel. `square` is the square of the rotation for a travel equal to the
+    /// mechanism's size.
     #[inline(always)]
     pub(super) fn per_size(&self, square: f64) -> B {
         self.inverse_size * self.inverse_size * self.inverse_size.constant(square)

@@ -8,10 +8,10 @@ use crate::mechanism::{Configuration, Driver, Twist};
 use crate::number::{SimdReal, Vector3};
 use std::cell::{Cell, RefCell};
 
-/// Smallest determinant of a block, divided by the determinant in the base design.
+/// Smallest accepted determinant of a block, divided by the determinant in the base design.
 const LEAST: f64 = 0.25;
 
-/// Largest correction of a prediction, relative to the mechanism's size.
+/// Largest accepted correction of a prediction, relative to the mechanism's size.
 const LARGEST_CORRECTION: f64 = 0.02;
 /// Largest rotation of the knuckle in one step, as the tangent of half the angle. Together with the limits of the determinants
 /// this keeps Newton's method on the solution branch. `tests/it/lanes.rs` compares every lane with the continuation.
@@ -169,7 +169,7 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
     }
 }
 
-/// Numbers of a waypoint. The checks compare these numbers between consecutive waypoints.
+/// Values at a waypoint. The checks compare them with the values at the next waypoint.
 #[derive(Clone, Copy)]
 pub(in crate::solve::tracker) struct BranchGuard<B> {
     /// Rotation of the knuckle, as tan(angle/2) times the axis.

@@ -127,7 +127,7 @@ impl<'w, 'd, B: SimdReal, V> OneBody<'w, 'd, B, V> {
         }
     }
 
-    /// Input values of the closure equations at a waypoint: the mean travel, which is fixed, and the drive value. `half` is
+    /// Input values of the closure equations at a waypoint: first the fixed mean travel, then the value of the drive. `half` is
     /// half the difference of the travels.
     #[inline(always)]
     fn motion(&self, place: &RouteStep, half: B) -> [B; 2] {

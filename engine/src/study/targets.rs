@@ -281,7 +281,10 @@ impl TargetContext<'_> {
             return problems.refuse(place, message);
         }
         if samples.is_empty() {
-            return problems.refuse(place, "no row of the motion is within the range of this target's curve");
+            return problems.refuse(
+                place,
+                "no row of the motion is within the range of this target's curve",
+            );
         }
         Some(())
     }

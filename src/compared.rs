@@ -118,8 +118,8 @@ fn check_drive(motion: &Motion, own: &WheelStudy) -> Result<(), String> {
     }
 }
 
-/// Returns the curves and points of a study, and true if every curve is complete. `first` is the motion of the first study. If
-/// `first` is `None`, this call sets it to the motion of this study.
+/// Returns the curves and points of a study. `first` is the motion of the first study. If `first` is `None`, this call sets it
+/// to the motion of this study.
 ///
 /// # Errors
 /// Returns the reason in words if the study cannot follow the first motion, or cannot be solved in its design position.
@@ -127,7 +127,7 @@ pub fn of_study(
     mut study: Study,
     label: String,
     first: &mut Option<FirstMotion>,
-) -> Result<(Compared, bool), String> {
+) -> Result<Compared, String> {
     match first {
         None => *first = Some(FirstMotion::of(&study)),
         Some(first) => first.replace_in(&mut study)?,
@@ -135,12 +135,10 @@ pub fn of_study(
     let solved = Solved::of(&study)?;
     let table = CurveTable::read(&solved.csv()).expect("written curves can be read");
     let record = Solved::record("compare", &[(&label, "", &solved)])?;
-    let is_complete = solved.is_complete();
-    let compared = Compared {
+    Ok(Compared {
         mechanism: Some(Box::new(record)),
         ..compared(label, &study, table)
-    };
-    Ok((compared, is_complete))
+    })
 }
 
 /// Makes a design for a comparison from a study and its curves. For an axle whose right wheel is not mirrored, the design has the

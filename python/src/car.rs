@@ -106,7 +106,7 @@ impl Car {
         self.columns()
     }
 
-    /// Columns of the variables of [optimise], or of [sweep] if there is no [optimise].
+    /// Columns of the variables of `[optimise]`, or of `[sweep]` if there is no `[optimise]`.
     #[getter]
     fn variables(&self) -> Vec<String> {
         let variables = self.own_variables().iter();

@@ -56,15 +56,12 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
     let mut designs: Vec<Compared> = Vec::new();
     // All studies are solved over the motion of the first study.
     let mut motion = None;
-    let mut is_complete = true;
     for (path, label) in arguments.sources.iter().zip(labels) {
-        let (compared, complete) = if path.is_dir() {
+        designs.push(if path.is_dir() {
             of_run(path, label, designs.first(), &mut motion)?
         } else {
             of_study(path, label, &mut motion)?
-        };
-        is_complete &= complete;
-        designs.push(compared);
+        });
     }
     let comparison = Comparison::of(&designs).map_err(Stop::wrong_input)?;
     let mut topologies: Vec<String> = designs.iter().filter_map(|d| d.topology.clone()).collect();
@@ -85,8 +82,9 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
         tables.push("moved", moved);
     }
     print_tables(arguments, &tables)?;
-    if let Some(missing) = comparison.missing_stations() {
-        note(&format!("\n{missing}\n"));
+    let unsolved = comparison.unsolved_stations(&designs);
+    for stations in comparison.missing_stations().into_iter().chain(unsolved) {
+        note(&format!("\n{stations}\n"));
     }
     if let Some(out) = arguments.directory() {
         note(&format!(
@@ -97,7 +95,7 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
     for (column, labels) in &comparison.partial {
         note(&format!("{column}: only in {}\n", labels.join(", ")));
     }
-    Ok(Exit::of(is_complete))
+    Ok(Exit::of(designs.iter().all(|own| own.curves.is_complete())))
 }
 
 /// Writes `comparison.csv` and the page, if there is one. The CSV may go to standard output.
@@ -209,34 +207,30 @@ pub(super) fn labels(sources: &[PathBuf]) -> Vec<String> {
     labels
 }
 
-fn of_study(
-    path: &Path,
-    label: String,
-    first: &mut Option<FirstMotion>,
-) -> Result<(Compared, bool), Stop> {
+fn of_study(path: &Path, label: String, first: &mut Option<FirstMotion>) -> Result<Compared, Stop> {
     let study = Study::read_elastic(path, &[])?;
     crate::compared::of_study(study, label, first).map_err(|why| Stop::in_file(path, why))
 }
 
-/// Returns the results of a finished run, and a flag. If the run has other stations than the first design, the study of the run
-/// is solved again over the motion of the first design. The flag is false if this solution has incomplete curves.
+/// Returns the results of a finished run. If the run has other stations than the first design, the study of the run is solved
+/// again over the motion of the first design.
 fn of_run(
     path: &Path,
     label: String,
     first: Option<&Compared>,
     motion: &mut Option<FirstMotion>,
-) -> Result<(Compared, bool), Stop> {
+) -> Result<Compared, Stop> {
     let study = kept_study(path, &[])?;
     let compared = curves_of_run(path, label.clone(), study.as_ref())?;
     let Some(first) = first else {
         *motion = study.as_ref().map(FirstMotion::of);
-        return Ok((compared, true));
+        return Ok(compared);
     };
     let Some(study) = study.filter(|_| motion.is_some()) else {
-        return Ok((compared, true));
+        return Ok(compared);
     };
     if Comparison::has_all_stations(first, &compared) {
-        return Ok((compared, true));
+        return Ok(compared);
     }
     match crate::compared::of_study(study, label, motion) {
         Ok(solved) => {
@@ -249,7 +243,7 @@ fn of_run(
         }
         // A study that cannot follow the motion of the first design keeps the curves of its own run. These curves may have
         // some stations in common with the first design.
-        Err(_) => Ok((compared, true)),
+        Err(_) => Ok(compared),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Rounds hardpoints to a grid with the smallest increase of the misfit.
 //!
-//! Let r be the residuals of a study's targets, divided by the tolerances ([`Objective`]), and J their derivatives with
+//! Let r be the residuals of a study's targets, divided by the tolerances (`Objective` of the engine), and J their derivatives with
 //! respect to all coordinates x. Let g be the step of the grid, and d the moves that round the coordinates, in steps. Then the
 //! residuals after rounding are
 //!

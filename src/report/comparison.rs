@@ -220,6 +220,21 @@ impl Comparison {
         })
     }
 
+    /// Note on the stations at which some designs lack values. `None` if every design has all its values.
+    pub fn unsolved_stations(&self, designs: &[Compared]) -> Option<String> {
+        let lacking = designs.iter().filter_map(|design| {
+            let (rows, lacking) = (design.curves.rows(), design.curves.incomplete_rows());
+            (lacking > 0).then(|| format!("{} {lacking} of {rows}", design.label))
+        });
+        let lacking: Vec<String> = lacking.collect();
+        (!lacking.is_empty()).then(|| {
+            format!(
+                "Stations without all values: {}. Minima, maxima and differences cover the other stations.",
+                lacking.join(", ")
+            )
+        })
+    }
+
     /// Indices of the moving columns of the motion, at least one. The first one is the horizontal axis of curves.
     fn moving(&self) -> Vec<usize> {
         let mut moving: Vec<usize> = (0..self.motion.len()).collect();

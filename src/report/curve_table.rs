@@ -1,6 +1,7 @@
 //! Reads a CSV file of a run.
 
 use super::figure::to_digits;
+use crate::curves::Status;
 use serde::{Deserialize, Serialize};
 
 /// Columns of numbers, and the column `status` if there is one.
@@ -63,6 +64,19 @@ impl CurveTable {
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.columns.first().map_or(0, Vec::len)
+    }
+
+    /// Number of rows whose station is not solved, or lacks a defined value.
+    pub fn incomplete_rows(&self) -> usize {
+        let whole = [Status::Ok, Status::IllConditioned].map(|status| status.word());
+        let incomplete = |word: &&String| !whole.contains(&word.as_str());
+        self.status.iter().filter(incomplete).count()
+    }
+
+    /// True if every station is solved with all its defined values, and every column has a value at some station.
+    pub fn is_complete(&self) -> bool {
+        let has_value = |column: &Vec<Option<f64>>| column.iter().any(Option::is_some);
+        self.incomplete_rows() == 0 && self.columns.iter().all(has_value)
     }
 
     /// Column with this name.

@@ -260,6 +260,18 @@ fn a_sweep_refuses_a_variable_that_moves_no_coordinate() {
     );
 }
 
+/// A sweep accepts a variable that changes a rate instead of a coordinate.
+#[test]
+fn a_sweep_varies_a_rate() {
+    let sweep = "sweep={ method = \"sobol\", samples = 4, variables = [{ bushing = \"lower_arm_rear\", stiffness = \"y\", \
+                 range = [0.5, 2.0], relative = true }] }";
+    let path = Path::new("studies/macpherson_compliance.toml");
+    let study = Study::read(path, &[sweep.to_owned()]).unwrap();
+    let factors = designs(&study).unwrap();
+    assert_eq!(factors.len(), 4);
+    assert!(factors.iter().all(|row| (0.5..=2.0).contains(&row[0])));
+}
+
 #[test]
 fn the_builder_names_what_there_is() {
     let topology = |name: &str| words(Suspension::builder(name).build());

@@ -6,7 +6,7 @@ use crate::mechanism::DesignFault;
 use crate::optimise::{
     Assessment, Constrained, Deviation, Infeasible, Linearisation, Objective, Shape, TargetLayout,
 };
-use crate::study::Vehicle;
+use crate::study::{Constraint, Vehicle};
 use nalgebra::DVector;
 
 /// Residuals and constraint rows of one axle in the tuning problem of the car.
@@ -59,7 +59,7 @@ impl<'a> RigRows<'a> {
     /// constraint.
     pub(super) fn visible_units(&self) -> impl Iterator<Item = f64> {
         let constraints = self.goals.optimise.constraints.iter();
-        constraints.map(|own| own.parts.last().map_or(1.0, |part| part.visible))
+        constraints.map(Constraint::visible)
     }
 
     /// Number of the axle's targets.

@@ -26,7 +26,7 @@ pub(super) struct Floating<T> {
     pub(super) outer: Bushing<T>,
     /// Vector from the carrier's reference point to the outer end.
     pub(super) joint: Vector3<T>,
-    /// Vector along the link's line. The square of the vector's length is a stiffness, as in [`Swinging::spin`].
+    /// Vector along the link's line. The square of the vector's length is a stiffness, as in `Swinging::spin`.
     pub(super) spin: Vector3<T>,
 }
 

@@ -165,7 +165,10 @@ fn refuse_wrong(sampled: &Sampled) -> Result<(), Error> {
     if variables.is_empty() {
         return Err(Error::Empty("variable to sweep over"));
     }
-    if let Some(still) = variables.iter().find(|v| v.moves.is_empty()) {
+    if let Some(still) = variables
+        .iter()
+        .find(|v| v.moves.is_empty() && v.rate.is_none())
+    {
         return Err(Error::MovesNothing(still.name.clone()));
     }
     let count = variables.len() as u64;

@@ -378,7 +378,7 @@ impl<'a> Tuner<'a> {
         let labels = layout.labels().iter().enumerate();
         let own = labels.filter(|(_, label)| label.constraint == number);
         let rows: Vec<usize> = own.map(|(row, _)| row).collect();
-        let visible = rows.last().map_or(1.0, |row| layout.visible(*row));
+        let visible = self.optimise.constraints[number].visible();
         let values = state.values.as_slice();
         let limits = rows.iter().filter_map(|row| {
             let violation = |row, value| layout.violation(row, value);

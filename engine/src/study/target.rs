@@ -268,6 +268,13 @@ pub struct Constraint {
     pub site: Option<Site>,
 }
 
+impl Constraint {
+    /// Visible change of the measures, as in [`Limited::visible`]. All parts of a constraint have the same unit.
+    pub fn visible(&self) -> f64 {
+        self.parts.first().map_or(1.0, |part| part.visible)
+    }
+}
+
 /// A measure that must be within limits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Limited {

@@ -9,10 +9,9 @@ use crate::study::{Constraint, Limited};
 pub(super) fn margin_columns(constraints: &[Constraint], prefix: &str) -> Vec<OutputColumn> {
     let column = |constraint: &Constraint| {
         let is_limit = !constraint.parts.iter().any(fixes_value);
-        let (unit, visible) = match constraint.parts.first() {
-            Some(part) if part.unit != "1" => (&part.unit[..], part.visible),
-            part => ("", part.map_or(1.0, |part| part.visible)),
-        };
+        let units = constraint.parts.first().map(|part| &part.unit[..]);
+        let unit = units.filter(|unit| *unit != "1").unwrap_or_default();
+        let visible = constraint.visible();
         let name = [prefix, &constraint.name].join(" ");
         margin_column(name.trim(), unit, is_limit.then_some(visible))
     };

@@ -2,7 +2,7 @@
 //!
 //! Deviations of the parts of one side move only the built design of this side ([`crate::assembly`]). Values of the axle have
 //! gradients with respect to every hardpoint coordinate of both sides. The gradients include the ground conditions, which
-//! determine both travels ([`AxleSolver::gradients`]):
+//! determine both travels (`AxleSolver::gradients`):
 //!
 //! ```text
 //! dy/dx = (dy/dp_left) (dp_left/dx) + (dy/dp_right) (dp_right/dx)

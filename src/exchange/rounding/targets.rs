@@ -47,7 +47,7 @@ impl Targets<'_> {
         let constraints = margins.iter().zip(&self.optimise.constraints);
         Some(Candidate {
             violation: constraints
-                .map(|(own, of)| missed(own) / of.parts[0].visible)
+                .map(|(own, of)| missed(own) / of.visible())
                 .sum(),
             misfit,
             margins,

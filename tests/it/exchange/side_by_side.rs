@@ -593,3 +593,33 @@ fn another_comparison_replaces_no_earlier_one() {
         0,
     );
 }
+
+/// A comparison of runs says at how many stations each design has no values, and exits with 1, like a comparison of studies.
+#[test]
+fn runs_with_unsolved_stations_are_incomplete() {
+    let directory = tempfile::tempdir().unwrap();
+    let study = changed(
+        &sample("double_wishbone_solve.toml"),
+        &[("travel = ", "travel = [-250.0, 0.0, 40.0, 250.0]")],
+    );
+    fs::write(directory.path().join("a.toml"), &study).unwrap();
+    for run_name in ["first", "second"] {
+        run(directory.path(), &["solve", "a.toml", "--out", run_name], 1);
+    }
+    for sources in [["first", "second"], ["first", "a.toml"]] {
+        let arguments = [
+            &["compare"],
+            &sources[..],
+            &["--out", "compared", "--force"],
+        ]
+        .concat();
+        let [_, noted] = run(directory.path(), &arguments, 1);
+        let [first, second] = sources.map(|name| name.trim_end_matches(".toml"));
+        assert!(
+            noted.contains(&format!(
+                "Stations without all values: {first} 1 of 4, {second} 1 of 4."
+            )),
+            "{noted}"
+        );
+    }
+}

@@ -131,11 +131,6 @@ impl TargetLayout {
         }
     }
 
-    /// Change of a row's limit, in the constraint's unit, that changes the value of the row by 1 if the limit binds.
-    pub fn visible(&self, row: usize) -> f64 {
-        self.parts[self.labels[row].part].limited.visible
-    }
-
     /// Absolute values of the limits of the constraints' rows, in the rows' unit.
     pub(in crate::optimise) fn row_limits(&self) -> Vec<f64> {
         let limit = |label: &RowLabel| {

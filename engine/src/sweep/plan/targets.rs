@@ -17,7 +17,7 @@ pub(super) struct SweptTarget {
 pub(super) enum TargetStations {
     /// Stations of the sweep.
     OfSweep(Vec<SweptWish>),
-    /// Stations outside the sweep. Contains the index of the target among the targets of [`Goals`].
+    /// Stations outside the sweep. Contains the index of the target among the targets of [`Goals`](super::goals::Goals).
     Own(usize),
 }
 

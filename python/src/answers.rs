@@ -323,7 +323,7 @@ pub(crate) fn compare<'py>(
         for (label, study) in &studies {
             let own = study.get().study.clone();
             let compared = compared::of_study(own, label.clone(), &mut motion);
-            designs.push(compared.map_err(|why| format!("{label}: {why}"))?.0);
+            designs.push(compared.map_err(|why| format!("{label}: {why}"))?);
         }
         let comparison = Comparison::of(&designs)?;
         let mut topologies: Vec<String> =

@@ -266,7 +266,7 @@ fn a_sweep_varies_a_rate() {
     let sweep = "sweep={ method = \"sobol\", samples = 4, variables = [{ bushing = \"lower_arm_rear\", stiffness = \"y\", \
                  range = [0.5, 2.0], relative = true }] }";
     let path = Path::new("studies/macpherson_compliance.toml");
-    let study = Study::read(path, &[sweep.to_owned()]).unwrap();
+    let study = Study::read_elastic(path, &[sweep.to_owned()]).unwrap();
     let factors = designs(&study).unwrap();
     assert_eq!(factors.len(), 4);
     assert!(factors.iter().all(|row| (0.5..=2.0).contains(&row[0])));

@@ -92,7 +92,7 @@ impl Driving {
         }
     }
 
-    /// Value of the drive that has this `parameter`.
+    /// Inverse of [`Driving::parameter`]: the value of the drive for this parameter.
     pub(crate) fn value(&self, parameter: f64) -> f64 {
         match self.kind {
             Drive::PaperTheta => parameter.acos(),

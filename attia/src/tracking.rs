@@ -197,8 +197,8 @@ impl PointCoordinates {
     /// Applies Newton's method from the position `start`. `None` if the iteration does not contract from the first step on, or
     /// if it arrives on another solution branch.
     ///
-    /// The iteration always ends: every step is at most a quarter of the previous one, until the equations hold to rounding. The
-    /// method makes at least one step, so that it does not accept a double root as a solution.
+    /// The iteration always ends: every step is at most a quarter of the previous one, until the equations hold up to rounding
+    /// errors. The method makes at least one step, so that it does not accept a double root as a solution.
     fn corrected(&self, fixed: &Fixed, start: &Moving, driver: &Driver) -> Option<Moving> {
         let mut moving = *start;
         let (mut last, mut orientation, mut contracted) = (f64::INFINITY, 0.0, false);
@@ -238,10 +238,10 @@ impl PointCoordinates {
         (self.is_clear_of_rounding(&factors) && branch(&moving) == branch(start)).then_some(moving)
     }
 
-    /// True if a position that satisfies the equations to rounding is a true solution.
+    /// True if a position that satisfies the equations up to rounding errors is a true solution.
     ///
-    /// Near the end of a branch, the equations also hold to rounding beyond the end. There the Jacobian J has a unit vector v
-    /// nearly in its kernel. With w = J^-T v, the equations F = 0 become, for a step t along v,
+    /// Near the end of a branch, the equations also hold beyond the end, up to rounding errors. There the Jacobian J has a unit
+    /// vector v nearly in its kernel. With w = J^-T v, the equations F = 0 become, for a step t along v,
     ///
     /// - t + c t^2/2 + w.F = 0, where c = w.F''(v, v).
     ///

@@ -19,7 +19,7 @@ const AY: [f64; 2] = [0.0, 0.6];
 /// Computing times of the states of a car.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cars {
-    /// One time per job.
+    /// Measured time of each job.
     pub measurements: Vec<JobTime>,
 }
 
@@ -165,9 +165,12 @@ fn neighbour_jobs<'a>(
         }
     };
     Ok(vec![
-        ("state started at its neighbour", each(followers, alone)),
         (
-            "state started at its neighbour with all results",
+            "state, started from the neighbouring state",
+            each(followers, alone),
+        ),
+        (
+            "state with all results, started from the neighbouring state",
             each(followers, with_results),
         ),
     ])

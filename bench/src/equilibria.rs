@@ -20,7 +20,7 @@ const LARGEST: f64 = 2000.0;
 /// Computing times of the equilibria of a study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Equilibria {
-    /// One time per job.
+    /// Measured time of each job.
     pub measurements: Vec<JobTime>,
 }
 

@@ -47,7 +47,7 @@ fn other_program(names: Names) -> Result<OtherProgram, Stop> {
     }
 }
 
-/// Writes the tables, the summary for programs and, if `report` is true, the page. Returns the names of the files.
+/// Writes the tables, the machine-readable summary and, if `report` is true, the page. Returns the names of the files.
 fn write_files(
     output: &Output,
     study: &Study,

@@ -68,7 +68,7 @@ const TOLERANCE_FILES: [&str; 9] = [
 pub(super) struct Output {
     directory: Option<RunDirectory>,
     format: Format,
-    /// Tables for programs. They are printed at the end.
+    /// Machine-readable tables. They are printed at the end.
     tables: RefCell<Tables>,
     /// Directory of the pictures, and their names. Empty without pictures.
     pictures: RefCell<Option<(PathBuf, Vec<String>)>>,
@@ -285,7 +285,7 @@ impl Output {
         Ok(())
     }
 
-    /// Prints text between tables for people only. Programs identify tables by their names.
+    /// Prints text between tables, but only if the output is text. In other formats, the tables have names instead.
     pub(super) fn text_only(&self, text: &str) -> Result<(), Stop> {
         if self.is_text() {
             self.say(text)

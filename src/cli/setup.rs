@@ -72,7 +72,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     Ok(Exit::of(complete && found.met()))
 }
 
-/// Prints the summary of a wheel for people, in narrow tables.
+/// Prints the summary of a wheel as text, in narrow tables.
 fn print(output: &Output, summary: &SetUpSummary) -> Result<(), Stop> {
     let width = terminal::width();
     output.text_only(&format!(

@@ -51,7 +51,7 @@ pub struct Rounded {
     pub coordinates: Vec<[f64; 3]>,
     /// Grid of the coordinates.
     pub grid: Grid,
-    /// Change of the misfit by rounding, if the study has targets.
+    /// Change of the misfit because of the rounding, if the study has targets.
     pub loss: Option<Loss>,
     /// Constraints that the rounded design violates, and ranges that contain no multiple of the grid.
     pub broken: Vec<Broken>,

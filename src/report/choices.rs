@@ -46,7 +46,7 @@ pub fn front_csv(study: &Study, optimise: &Optimise, front: &Front) -> Vec<u8> {
     })
 }
 
-/// Table of a Pareto front for people: some of its points, including the first and the last.
+/// Table of a Pareto front: some of its points, including the first and the last.
 pub fn front_table(optimise: &Optimise, front: &Front) -> Table {
     let names: Vec<&str> = optimise
         .front
@@ -208,7 +208,8 @@ impl FrontRecord {
 /// One design of the price list (smallest misfit for each size of the change).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PriceRecord {
-    /// Size of the change: root of the sum of squares of the offsets, each divided by its range.
+    /// Size of the change: root of a sum over the variables. Each term is the cost of the variable, times the square of (offset /
+    /// range).
     pub moved: f64,
     /// Smallest misfit with a change of this size, as a multiple of the tolerances.
     pub misfit: f64,
@@ -252,7 +253,7 @@ impl PriceRecord {
         list.iter().filter_map(record).collect()
     }
 
-    /// Table of a price list for people.
+    /// Table of a price list (smallest misfit for each size of the change).
     pub fn table(list: &[PriceRecord]) -> Table {
         let mut table = Table::new(["moved", "misfit", "gain", "most moved", "by", "kept"]);
         for step in list {

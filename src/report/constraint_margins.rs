@@ -15,7 +15,7 @@ pub(crate) struct ConstraintMargin {
     pub margin: f64,
     /// Unit of the margin.
     pub unit: String,
-    /// True if the constraint is violated by more than rounding.
+    /// True if the constraint is violated by more than rounding errors.
     pub is_violated: bool,
 }
 

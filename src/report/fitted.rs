@@ -50,7 +50,7 @@ impl From<ConfidenceInterval> for FittedOffset {
 }
 
 impl FittedOffset {
-    /// Word for programs: `two_sided`, `at_most`, `at_least` or `not_determined`.
+    /// Machine-readable word: `two_sided`, `at_most`, `at_least` or `not_determined`.
     pub fn word(&self) -> &'static str {
         match self {
             FittedOffset::TwoSided { .. } => "two_sided",

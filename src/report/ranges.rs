@@ -32,7 +32,7 @@ impl Range {
         }
     }
 
-    /// Table of the ranges for people.
+    /// Table of the ranges. Machine-readable formats also have a column with the unit.
     pub(super) fn table(ranges: &[Range]) -> Table {
         let unit = Column::for_programs("unit");
         let columns = ["output", "at design", "min", "max"].map(Column::from);

@@ -176,7 +176,8 @@ impl SetUpSummary {
         }
     }
 
-    /// Table of effects for programs: one row per adjustment, with its effects per length unit and per turn.
+    /// Machine-readable table of the effects of the adjustments. Each adjustment has a row with effects per length unit, and a row
+    /// with effects per turn if its `per_turn` is known.
     pub fn effects_table(&self) -> Table {
         let columns = ["adjustment", "per"].map(str::to_owned);
         let statics = self.statics.iter().map(|s| s.column.clone());
@@ -195,7 +196,8 @@ impl SetUpSummary {
         table.keyed(2)
     }
 
-    /// Table of effects for people: one row per static value of each adjustment, so that no name needs a line break.
+    /// Table of the effects for the text output and the page: one row per static value of each adjustment, so that no name needs a
+    /// line break.
     pub fn effects_for_readers(&self) -> Table {
         let has_turns = self.adjustments.iter().any(|a| a.by_turn.is_some());
         let mut header = vec!["adjustment".to_owned(), "static value".to_owned()];
@@ -231,7 +233,7 @@ impl SetUpSummary {
         )
     }
 
-    /// Table of steps for programs: the adjustments in order, with the static values after each.
+    /// Machine-readable table of the steps: the adjustments in order, with the static values after each.
     pub fn steps_table(&self) -> Table {
         let amount = format!("amount {}", self.unit);
         let columns = ["step".to_owned(), amount, "turns".into(), "shims".into()];

@@ -162,8 +162,8 @@ pub fn visible_side_effects(effects: &[SideEffect]) -> Vec<SideEffect> {
     changed
 }
 
-/// Side effects for people: first the flagged ones, then other visible changes. Also returns the number of visible changes that
-/// are left out.
+/// Side effects that tables show: first the flagged ones, then other visible changes. Also returns the number of visible changes
+/// that are left out.
 pub fn shown_side_effects(effects: &[SideEffect]) -> (Vec<SideEffect>, usize) {
     let changed = visible_side_effects(effects);
     let flagged = changed.iter().filter(|e| e.flagged).count();

@@ -66,7 +66,8 @@ impl Slip {
     }
 }
 
-/// Number with its decimal point moved. It keeps the digits exactly. Multiplication by 10 may change them by rounding.
+/// Number with its decimal point moved. The digits stay exactly the same. A multiplication by 10 could change them, because it is
+/// rounded.
 fn shifted(number: f64, places: i32) -> f64 {
     let text = format!("{number:e}");
     let (digits, exponent) = text.split_once('e').expect("scientific notation");

@@ -144,7 +144,7 @@ impl SolveSummary {
         table
     }
 
-    /// Table of the stations without a pose, for programs.
+    /// Machine-readable table of the stations without a pose.
     pub fn failures_table(&self) -> Table {
         let mut columns = vec!["station", "at"];
         if self.axle.is_none() {
@@ -161,7 +161,7 @@ impl SolveSummary {
         table
     }
 
-    /// Table with the number of stations for each status, for programs.
+    /// Machine-readable table with the number of stations for each status.
     pub fn stations_table(&self) -> Table {
         self.completeness.table()
     }

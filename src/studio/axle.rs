@@ -68,7 +68,7 @@ pub(super) fn slider_of(motion: &AxleMotion, coordinate: Coordinate) -> Option<u
     coordinates(motion).iter().position(|c| *c == coordinate)
 }
 
-/// Sliders, and the index of the slider that is on the horizontal axis of curves at first.
+/// Sliders, and the index of the slider whose coordinate is initially on the horizontal axis of the curves.
 pub(super) fn sliders(both: &AxleStudy) -> (Vec<Slider>, usize) {
     let (motion, axle) = (&both.plan.motion, &both.axle);
     let left = &axle.left;

@@ -1,4 +1,4 @@
-//! Possible changes of a design: moves that leave the targets unchanged, and the limits of the mechanism.
+//! Directions in which a design can change while the targets keep their values, and the limits of the mechanism.
 
 use super::message::{Designed, DirectionsAnswer, FreeDirection, LimitsAnswer, VariableOverview};
 use super::overview::variable;

@@ -1,6 +1,6 @@
 //! Groups of stations that belong to the same curve.
 
-/// Groups of stations. Stations of one group differ only in the slider on the horizontal axis.
+/// Groups of stations. Stations of one group differ only in the coordinate on the horizontal axis.
 pub(super) struct Groups {
     /// Group of each station.
     pub of_stations: Vec<usize>,
@@ -11,7 +11,8 @@ pub(super) struct Groups {
 }
 
 impl Groups {
-    /// Groups the stations at `places`. `over` is the slider on the horizontal axis; `at` has the present values of the sliders.
+    /// Groups the stations at `places`. `over` is the index of the slider whose coordinate is on the horizontal axis. `at` has the
+    /// present values of the sliders.
     pub(super) fn of(places: &[Vec<f64>], over: usize, at: &[f64]) -> Self {
         let others = |k: &usize| *k != over;
         let mut found: Vec<Vec<f64>> = Vec::new();

@@ -50,7 +50,7 @@ pub(super) struct Overview {
     pub is_car: bool,
     /// One slider for each coordinate of the motion.
     pub sliders: Vec<Slider>,
-    /// Index of the slider that is on the horizontal axis of curves at first.
+    /// Index of the slider whose coordinate is initially on the horizontal axis of the curves.
     pub main: usize,
     /// Named motions with their sliders.
     pub motions: Vec<MotionOverview>,
@@ -69,7 +69,7 @@ pub(super) struct MotionOverview {
     pub name: String,
     /// One slider for each coordinate of the motion.
     pub sliders: Vec<Slider>,
-    /// Index of the slider that is on the horizontal axis of curves at first.
+    /// Index of the slider whose coordinate is initially on the horizontal axis of the curves.
     pub main: usize,
 }
 

@@ -228,7 +228,7 @@ fn catalogue(own: &WheelStudy, optimise: Option<&Optimise>) -> Vec<Characteristi
     all.chain(figures).collect()
 }
 
-/// Sliders of a study's own motion, and the index of the slider that is on the horizontal axis of curves at first.
+/// Sliders of a study's own motion, and the index of the slider whose coordinate is initially on the horizontal axis of the curves.
 fn sliders(study: &Study) -> (Vec<Slider>, usize) {
     match study.axle() {
         None => of_corner(study),
@@ -236,7 +236,7 @@ fn sliders(study: &Study) -> (Vec<Slider>, usize) {
     }
 }
 
-/// Sliders of one wheel, and the index of the slider that is on the horizontal axis of curves at first.
+/// Sliders of one wheel, and the index of the slider whose coordinate is initially on the horizontal axis of the curves.
 fn of_corner(study: &Study) -> (Vec<Slider>, usize) {
     let motion = study.motion();
     let (key, name, unit) = match motion.drive {

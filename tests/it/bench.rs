@@ -59,7 +59,7 @@ fn errors_are_what_arithmetic_and_method_promise() {
     assert!((1e-7..1e-3).contains(&single), "{single:e}");
     assert!((1e-17..1e-12).contains(&double), "{double:e}");
     assert!(twice < 1e-27, "{twice:e}");
-    // The other two formulations give the same poses to rounding: six equations, and point coordinates.
+    // Two other formulations give the same poses up to rounding errors: six equations, and point coordinates.
     assert!(rounding("six equations, f64") < 1e-12);
     assert!(rounding("point coordinates (paper)") < 1e-11);
 
@@ -247,8 +247,8 @@ fn cars_and_equilibria_are_timed() {
             "cars",
             "car.toml",
             &[
-                "state started at its neighbour",
-                "state started at its neighbour with all results",
+                "state, started from the neighbouring state",
+                "state with all results, started from the neighbouring state",
                 "state without a neighbour",
                 "all results of a state",
                 "member loads of a state",

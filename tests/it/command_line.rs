@@ -555,7 +555,7 @@ fn an_unreachable_target_travel_is_a_reason_not_a_crash() {
     assert!(summary["misfit_after"].is_null());
 }
 
-/// Every station of an ordinary study is certified to rounding, on one solution branch. `check` names the key that
+/// Every station of an ordinary study is certified up to rounding errors, on one solution branch. `check` names the key that
 /// requests certificates.
 #[test]
 fn a_certificate_covers_the_whole_curve() {

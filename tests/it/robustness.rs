@@ -374,7 +374,7 @@ fn examine(number: u64, tally: &mut Tally) {
                     None => tally.ordinary_unproved += trial.ordinary as usize,
                 }
                 match (small_steps.follow(&point), proof) {
-                    // Both poses differ from a solution by rounding only, and the certificate allows only one solution so
+                    // Both poses differ from a solution by rounding errors only, and the certificate allows only one solution so
                     // close. So both poses belong to the same solution.
                     (Some(slow), Some(proof)) => {
                         let apart = apart(pose, &slow, size);

@@ -269,7 +269,7 @@ pub fn rows_by_column(csv: &[u8]) -> Vec<BTreeMap<String, String>> {
 }
 
 /// Asserts that all numbers in two SVG pictures differ by at most one pixel, and that the other text is equal. The
-/// tolerance allows for rounding on another platform, or for a slightly better optimum.
+/// tolerance allows for rounding errors on another platform, or for a slightly better optimum.
 pub fn assert_same_picture(kept: &str, made: &str, name: &str) {
     let pieces = |svg: &str| -> Vec<String> {
         let parts = svg.split_inclusive(|c: char| !(c.is_ascii_digit() || ".-".contains(c)));

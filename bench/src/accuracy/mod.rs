@@ -66,7 +66,7 @@ impl Family {
 /// All measurements of one study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Accuracy {
-    /// One measurement per method and setting.
+    /// Measurement of each method with each setting.
     pub measurements: Vec<Measurement>,
 }
 

@@ -10,7 +10,7 @@ pub enum Combine {
     /// All combinations of the values.
     #[default]
     All,
-    /// Rows of a table: the n-th station has the n-th value of every coordinate. All lists of values have the same
+    /// Rows of a table: station n has value n of every coordinate, for each n. All lists of values have the same
     /// length.
     Rows,
 }
@@ -92,7 +92,7 @@ impl AxleMotion {
         !matches!(self.wheels, WheelMotion::Travels { .. })
     }
 
-    /// Returns true if the stations are rows of a table: the n-th station has the n-th value of every coordinate. False
+    /// Returns true if the stations are rows of a table: station n has value n of every coordinate, for each n. False
     /// if the stations are all combinations of the values.
     pub fn has_rows(&self) -> bool {
         self.combine == Combine::Rows

@@ -193,9 +193,9 @@ impl Axle {
         )
     }
 
-    /// Completes the left design of a rigid axle after points of its left half have moved. The right half moves by the
-    /// mirror image of this displacement. Points that the study does not give are computed again. Independent wheels do
-    /// not change.
+    /// Completes the design of a rigid axle after points of its left half have moved. `left` contains the points of
+    /// both halves. The right half moves by the mirror image of the displacement. Points that the study does not give
+    /// are computed again. Designs of independent wheels do not change.
     pub fn complete(&self, left: &mut [Vector3<f64>]) {
         let Some(rigid) = &self.left.mechanism.rigid_axle else {
             return;

@@ -209,7 +209,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         columns: impl Iterator<Item = &'c AxleColumn>,
     ) -> Option<Vec<ByGear>> {
         let position = self.series_position(placed, read)?;
-        // In these designs, the end of the drag link is at its hardpoint. Its displacement from there is a series.
+        // `designs` has the body end of the drag link at its hardpoint. `gear` is the series of this end's displacement.
         let designs = self.designs().map(|design| {
             let series = design.iter().map(|place| place.map(Jet::constant));
             series.collect::<Vec<_>>()

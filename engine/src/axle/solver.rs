@@ -116,8 +116,8 @@ const MOST_STEPS: usize = 80;
 const TERMS: usize = 4;
 /// Largest number of rounds that solve all open placements together. The remaining placements are then solved one by one.
 const MOST_ROUNDS: usize = 4;
-/// Largest step along the series of a pose, relative to the mechanism's size. Up to this step, the error of four terms
-/// is smaller than rounding.
+/// Largest step along the series of a pose, relative to the mechanism's size. Up to this step, the error of four terms is smaller
+/// than rounding errors.
 const NEAR: f64 = 1e-4;
 
 /// Number whose gradient is requested.

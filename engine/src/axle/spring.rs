@@ -26,8 +26,8 @@ pub struct SpringLaw<T = f64> {
     /// Rebound stop. The abscissa of its curve is the deformation of the stop: the spring's extension minus the gap.
     pub rebound_stop: Option<BumpStop>,
     /// Length of the spring from which its deflection and the gaps of its stops are measured. `None` means the length
-    /// in the design position: the force then stays the same if hardpoints move. The springs of an assembled car keep a
-    /// fixed length.
+    /// in the design position: the force then stays the same if hardpoints move. For the springs of an assembled car,
+    /// this length is fixed.
     pub own_length: Option<f64>,
 }
 
@@ -182,8 +182,8 @@ impl SpringLaw {
         spring + touched(&self.bump_stop, shortened) + touched(&self.rebound_stop, -shortened)
     }
 
-    /// Returns a law with the same force-length curve, for another design. `length` is the length of the spring in the
-    /// present design.
+    /// Returns a law with the same force-length curve for a new design. `length` is the length of the spring in the old
+    /// design, to which this law belongs.
     pub fn kept_from(&self, length: f64) -> SpringLaw {
         let mut kept = self.clone();
         kept.own_length.get_or_insert(length);

@@ -15,7 +15,7 @@
 //! D_k is the k-th coefficient of f at the second node minus that of the cubic c_0 + c_1 t + c_2 t^2 + c_3 t^3. The
 //! error (4) and the error of the first derivative fall with the eighth power of h. The error of the first derivative
 //! is largest near t = 0.31. At this t, each piece is compared with one more pose: value and derivative must agree. If
-//! they differ by more than rounding, the length of all pieces is halved.
+//! they differ by more than rounding errors, the length of all pieces is halved.
 
 use super::reading::{Reading, WheelParts};
 use super::solver::AxleSolver;
@@ -316,7 +316,8 @@ impl WheelCurve {
         self.nodes.resize(pieces + 1, Known::NotYet);
     }
 
-    /// Writes the wheel at a travel to `into`. `None` if no piece of the curve at this travel is exact to rounding.
+    /// Writes the wheel at a travel to `into`. `None` if no piece of the curve at this travel is exact up to rounding
+    /// errors.
     pub(crate) fn at<const N: usize>(
         &mut self,
         solver: &mut AxleSolver<'_, N>,
@@ -423,7 +424,7 @@ impl WheelCurve {
     }
 
     /// Returns true if a polynomial piece is inexact: at one travel inside the piece, it differs from the solved pose
-    /// by more than rounding.
+    /// by more than rounding errors.
     fn is_inexact<const N: usize>(
         &self,
         solver: &mut AxleSolver<'_, N>,

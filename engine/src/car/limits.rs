@@ -225,8 +225,8 @@ impl CarSolver<'_> {
     }
 
     /// Describes the lift in a state, if the smallest wheel load in this state is zero. One last step by equation (1)
-    /// solves the exact poses, instead of the interpolated curves of the wheels. This step reduces the load to rounding
-    /// error.
+    /// solves the exact poses, instead of the interpolated curves of the wheels. After this step, the load is zero up
+    /// to rounding errors.
     fn lift(&mut self, ray: &Ray<'_>, at: &At) -> Option<Lift> {
         let (part, wheel) = at.least();
         let none = 1e3 * NO_LOAD;

@@ -254,7 +254,7 @@ impl<T: Copy> Parameters<T> {
 }
 
 impl<T: Real> Parameters<T> {
-    /// Origin of an axle.
+    /// Position of an axle's origin: its coordinates forward, to the left and upward.
     #[inline(always)]
     pub(super) fn offset(&self, axle: usize) -> Vector3<T> {
         use AxleParameter::{OffsetX, OffsetY, OffsetZ};

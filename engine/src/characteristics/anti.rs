@@ -72,7 +72,7 @@ formulas! {
     AntiLift {
         name: "anti_lift",
         unit: Unit::Percent,
-        positive: "the rear resists lifting in braking, or a driven front under drive",
+        positive: "the rear resists lifting in braking, or a driven front axle resists lifting under drive",
         formula: "-100 p (L/h) B_x'/B_z' at the rear, 100 d (L/h) D_x'/D_z' in front",
         source: SOURCE,
         reads: CONTACT_VELOCITY,

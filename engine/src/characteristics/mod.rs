@@ -161,7 +161,7 @@ impl Characteristic {
         Self::ALL.iter().find(|c| c.info().name == name).copied()
     }
 
-    /// Characteristics whose parts and inputs a suspension has.
+    /// Characteristics that can be computed for a suspension, because it has all parts and inputs that they need.
     pub fn available(suspension: &Suspension) -> impl Iterator<Item = Characteristic> {
         let all = Self::ALL.iter().copied();
         all.filter(|c| c.info().needs.iter().all(|need| need.met_by(suspension)))
@@ -184,8 +184,8 @@ fn gradient_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> Gradient<T> {
     let mut seeded = if size_of::<T>() > size_of::<f64>() {
         constants(inputs, F::INFO.reads)
     } else {
-        // With inlining, the compiler drops numbers that are not read, and a Jacobian takes a fifth less time. For long
-        // series, inlining would add seconds of compile time.
+        // With inlining, the compiler drops numbers that the formula does not read, and a Jacobian takes a fifth less time. For
+        // long series, inlining would add seconds of compile time.
         constants_inline(inputs, F::INFO.reads)
     };
     let mut gradient = [inputs.turn.zero(); Slot::MOST];
@@ -197,13 +197,14 @@ fn gradient_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> Gradient<T> {
     gradient
 }
 
-/// Inputs of a formula as constants. This separate function is compiled once for all formulas.
+/// Inputs that a formula reads, as dual numbers with zero derivatives. Other inputs are NaN. This function is not inlined, so all
+/// formulas share its compiled code.
 #[inline(never)]
 fn constants<T: Real>(inputs: &Inputs<T>, reads: &[Slot]) -> Inputs<Dual<T, 3>> {
     constants_inline(inputs, reads)
 }
 
-/// Inputs of a formula as constants, computed inside the calling function.
+/// Inputs that a formula reads, as dual numbers with zero derivatives. Other inputs are NaN. This function is always inlined.
 #[inline(always)]
 fn constants_inline<T: Real>(inputs: &Inputs<T>, reads: &[Slot]) -> Inputs<Dual<T, 3>> {
     let nothing = Dual::constant(inputs.turn.x.constant(f64::NAN));

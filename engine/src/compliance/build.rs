@@ -25,7 +25,7 @@ pub(super) struct Built<T> {
     pub(super) reference: Vector3<T>,
     pub(super) bushings: Vec<BushingPlace>,
     pub(super) links: Vec<LinkPlace>,
-    /// Names of the parts with own degrees of freedom, for messages.
+    /// Names of the parts with their own degrees of freedom, for messages.
     pub(super) names: Vec<String>,
     pub(super) places: Places,
 }

@@ -20,7 +20,7 @@ pub(crate) enum MemberPart {
     Rod(usize),
     /// Tension of a rod with axial stiffness, with its index.
     ElasticRod(usize),
-    /// Tension of a link with bushings, with the index of the link among the parts with own degrees of freedom.
+    /// Tension of a link with bushings, with the index of the link among the parts with their own degrees of freedom.
     Link(usize),
     /// Component of the force on the wheel carrier at a joint.
     Joint(PointId, Axis),

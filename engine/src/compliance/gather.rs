@@ -22,7 +22,7 @@ pub(super) struct Gathered<T> {
 impl<T: Valued> System<T> {
     /// Sums the forces and tangents of elastic parts and joints, each relative to the body that holds the part. If
     /// `is_apart` is true, body, subframe and rack have separate sums. Otherwise the first sum contains all parts. The
-    /// function writes the responses of parts with own degrees of freedom to `equations`.
+    /// function writes the responses of parts with their own degrees of freedom to `equations`.
     #[inline(always)]
     pub(super) fn gather(
         &self,

@@ -158,7 +158,7 @@ pub(super) struct Coupling<T> {
     pub(super) own: [[T; SHARED]; SHARED],
     pub(super) by_corner: [[T; MOST]; SHARED],
     pub(super) corner_by: [[T; SHARED]; MOST],
-    /// Responses of those parts with own degrees of freedom that also depend on the coordinates in `Beside`. Each
+    /// Responses of those parts with their own degrees of freedom that also depend on the coordinates in `Beside`. Each
     /// response is stored with the index of its part.
     pub(super) beside: Vec<(usize, [[T; BESIDE]; 6])>,
 }
@@ -254,7 +254,7 @@ impl<T: Scalar> System<T> {
     }
 
     /// Returns the step of the carrier, and the step of the coordinates in [`Beside`]. Both steps are relative to the
-    /// body that holds the part `limb` (a part with own degrees of freedom).
+    /// body that holds the part `limb` (a part with its own degrees of freedom).
     pub(super) fn seen_step(
         &self,
         limb: usize,

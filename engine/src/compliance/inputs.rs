@@ -42,7 +42,7 @@ pub enum Parameter {
     ColumnRate,
     /// Rate of the anti-roll bar.
     BarRate,
-    /// Wheel travel, for an equilibrium whose height is held.
+    /// Wheel travel. The equilibrium must be at a given wheel height.
     Travel,
     /// Displacement of the rack along the kernel's +y.
     Rack,

@@ -1,4 +1,4 @@
-//! Equilibria of several wheels at once. Each SIMD lane contains the numbers of one wheel.
+//! Equilibria of several wheels at once. Each SIMD lane contains the values of one wheel.
 //!
 //! Each lane solves the equations of one wheel (`system.rs`) with the convergence check of `solve.rs`. A lane that has
 //! converged keeps its state while other lanes continue. So the results of a lane do not depend on the content or the
@@ -31,10 +31,10 @@ const PARTS: [usize; 3] = [2, 4, 8];
 /// Memory that collects the values of several wheels before they are loaded into SIMD lanes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LaneMemory {
-    /// Values of each number in all SIMD lanes. The numbers are in the order in which the conversion of a wheel visits
-    /// them.
+    /// Stored values. Each array has one quantity of the wheels, with its value in every SIMD lane. The quantities are
+    /// in the order in which the conversion of a wheel visits them.
     numbers: RefCell<Vec<[f64; MOST_LANES]>>,
-    /// Index of the next number.
+    /// Index of the next quantity.
     next: Cell<usize>,
 }
 
@@ -43,7 +43,7 @@ impl LaneMemory {
         self.next.set(0);
     }
 
-    /// Moves to the next number and returns its index. The memory grows if necessary.
+    /// Moves to the next quantity and returns its index. The memory grows if necessary.
     fn advance(&self) -> usize {
         let number = self.next.get();
         self.next.set(number + 1);
@@ -54,14 +54,14 @@ impl LaneMemory {
         number
     }
 
-    /// Writes the next number in one lane.
+    /// Writes the value of the next quantity in one lane.
     fn put(&self, lane: usize, value: f64) -> f64 {
         let number = self.advance();
         self.numbers.borrow_mut()[number][lane] = value;
         value
     }
 
-    /// Reads the next number in all lanes.
+    /// Reads the values of the next quantity in all lanes.
     fn load<B: SimdReal>(&self, like: B) -> B {
         let number = self.advance();
         like.load(&self.numbers.borrow()[number])
@@ -87,7 +87,7 @@ pub(crate) struct EquilibriaInLanes<B> {
     task: Task<B>,
     /// Number of Newton steps in each lane; `None` for a lane without a result.
     steps: [Option<usize>; MOST_LANES],
-    /// Number of parts with own degrees of freedom.
+    /// Number of parts with their own degrees of freedom.
     limbs: usize,
 }
 
@@ -366,7 +366,7 @@ impl<B: SimdReal> EquilibriaInLanes<B> {
     }
 }
 
-/// Returns the equilibrium in a lane. Its numbers are read in the order of [`visit`].
+/// Returns the equilibrium in a lane. Its values are read in the order of [`visit`].
 fn in_lane<B>(
     numbers: &[[f64; MOST_LANES]; NUMBERS],
     lane: usize,
@@ -391,7 +391,8 @@ fn in_lane<B>(
 /// Largest number of values that [`visit`] can visit.
 const NUMBERS: usize = 12 + 15 * MOST_LIMBS + MOST_JOINTS + 1 + 11 + 2;
 
-/// Calls `f` for all numbers of an equilibrium. `limbs` is the number of parts with own degrees of freedom.
+/// Calls `f` for every value that is stored in an equilibrium. `limbs` is the number of parts with their own degrees of
+/// freedom.
 #[inline(always)]
 fn visit<T>(state: &mut State<T>, task: &mut Task<T>, limbs: usize, mut f: impl FnMut(&mut T)) {
     visit_placed(&mut state.carrier, &mut f);

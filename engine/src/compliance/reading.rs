@@ -38,7 +38,7 @@ pub(super) enum SteeringJoints<T> {
     Strut {
         lower: Vector3<T>,
         top: Vector3<T>,
-        /// For an elastic mount: its index among the parts with own degrees of freedom, and the direction of the strut.
+        /// For an elastic mount: its index among the parts that have their own degrees of freedom, and the direction of the strut.
         /// `None` for a rigid mount.
         mount: Option<(usize, Vector3<T>)>,
     },

@@ -35,7 +35,7 @@ use crate::number::{Each, Real, Scalar, SimdReal, Valued, Vector3, larger, outli
 pub(super) use equations::{Equations, Singular};
 pub(super) use state::{State, Step};
 
-/// Largest number of parts with own degrees of freedom: five links and a spring on the carrier.
+/// Largest number of parts with their own degrees of freedom: five links and a spring on the carrier.
 pub(super) const MOST_LIMBS: usize = 6;
 /// If a pivot is below this fraction of the largest pivot, a motion has no stiffness.
 pub(super) const LOOSE: f64 = 1e-9;
@@ -292,8 +292,8 @@ impl<T: Valued> System<T> {
         )
     }
 
-    /// Adds the loads. If the height is held, the function also adds the vertical force as an unknown, and the equation
-    /// that holds the height.
+    /// Adds the loads. If the wheel height is fixed, the function also adds the vertical force as an unknown, and the equation for
+    /// this height.
     #[inline(always)]
     pub(super) fn add_loads(&self, equations: &mut Equations<T>, state: &State<T>, task: &Task<T>) {
         let mut loads = task.loads;
@@ -424,7 +424,7 @@ fn largest_of<T: Valued, const N: usize>(known: T::Plain, numbers: [T; N]) -> T:
 }
 
 impl<T: Scalar> System<T> {
-    /// States of the bushings of a part with own degrees of freedom, in the order of its ends.
+    /// States of the bushings of a part with its own degrees of freedom, in the order of its ends.
     pub(super) fn limb_bushings(
         &self,
         limb: usize,

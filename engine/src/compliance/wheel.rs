@@ -33,7 +33,7 @@ pub enum HeldQuantity {
 pub enum Change<T = f64> {
     /// Load on the wheel. The trail of the load applies to its side force.
     Load(WheelLoads<T>),
-    /// Wheel travel, in an equilibrium whose height is held.
+    /// Wheel travel. The equilibrium must be at a given wheel height ([`HeldQuantity::WheelHeight`]).
     Travel,
     /// Displacement of the rack along the kernel's +y.
     Rack,
@@ -103,8 +103,8 @@ pub struct ElasticWheel<T = f64> {
     pub(super) start: State<T>,
 }
 
-/// Makes the inputs of an equilibrium with a held height, without given loads. Only the vertical force that keeps the
-/// wheel at this height acts.
+/// Makes the inputs of an equilibrium at a given wheel height, without given loads. Only the vertical force that keeps
+/// the wheel at this height acts.
 #[inline(always)]
 pub(super) fn level_task<T: Valued>(travel: T, rack: T) -> Task<T> {
     Task {
@@ -186,7 +186,7 @@ impl<T: Scalar> ElasticWheel<T> {
         }
     }
 
-    /// Checks that every motion has a stiffness while the height is held.
+    /// Checks that every motion has a stiffness while the wheel height stays fixed.
     fn check_held(&self) -> Result<(), ElasticFault> {
         let equations = self
             .built

@@ -12,13 +12,13 @@ use crate::number::Each;
 use crate::plan::Plan;
 use crate::study::{ComplianceStudy, ElasticFigure};
 
-/// Origin of a column: the value to read, and the reason to report if the value does not exist.
+/// Value that a column shows, and the reason to report if this value does not exist.
 struct Read {
     value: KcValue,
     undefined: NoValue,
 }
 
-/// Columns of a plan's characteristics, then of its test results, each with its origin.
+/// Columns of a plan's characteristics, then of its test results, each with the value that it shows.
 fn columns(length: LengthUnit, plan: &Plan) -> Vec<(Column, Read)> {
     let mut found = Vec::new();
     for column in Column::all(plan, length) {

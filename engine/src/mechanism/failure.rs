@@ -174,7 +174,7 @@ pub struct PartMeasure {
 /// A toggle of a rocker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Toggle {
-    /// Travel at the toggle, accurate to rounding.
+    /// Travel at the toggle, exact up to rounding errors.
     pub travel: f64,
     /// Rod that is in line with its lever: the rod of the rocker, or the rod of another rocker that moves this rocker.
     pub rod: Rod,

@@ -51,9 +51,9 @@ pub struct Rows<'a> {
     pub offsets: &'a [f64],
     /// Number of rows that must be zero. All other rows must be at most zero.
     pub equalities: usize,
-    /// Largest violation, in the unit of the rows, with which a row still counts as satisfied. This limit applies only to
-    /// rows whose gradient is a linear combination of the gradients of the held constraints. Without this limit, duplicate
-    /// rows would contradict one another, because they are equal only up to rounding.
+    /// Largest violation, in the unit of the rows, with which a row still counts as satisfied. This limit applies only to rows
+    /// whose gradient is a linear combination of the gradients of the held constraints. Without this limit, duplicate rows would
+    /// contradict one another, because they are equal only up to rounding errors.
     pub slack: f64,
 }
 
@@ -100,7 +100,7 @@ const ROUNDING: f64 = 1e-13;
 /// outside their span.
 const DEPENDENT: f64 = 1e-25;
 /// Replaces the threshold [`DEPENDENT`] for a row that is violated by no more than [`Rows::slack`], because the gradients of
-/// duplicate rows differ by rounding.
+/// duplicate rows differ by rounding errors.
 const NEARLY_DEPENDENT: f64 = 1e-18;
 /// An inequality row also counts as satisfied if its violation is at most this fraction of [`Rows::slack`].
 const UNFELT: f64 = 1e-2;

@@ -132,7 +132,7 @@ impl BoundedLeastSquares {
                 self.descend(damping, lower, upper);
                 self.turned_back.fill(false);
             } else {
-                // The multiplier of this variable was zero except for rounding (Stark and Parker, step 6).
+                // The multiplier of this variable was zero except for a rounding error (Stark and Parker, step 6).
                 self.active_bounds[j] = held;
                 self.turned_back[j] = true;
             }
@@ -402,7 +402,7 @@ mod tests {
             least
         }
 
-        /// Asserts that the solution satisfies the Kuhn-Tucker conditions up to rounding. The test computes the conditions
+        /// Asserts that the solution satisfies the Kuhn-Tucker conditions up to rounding errors. The test computes the conditions
         /// from J itself, not from the triangle.
         fn assert_optimal(&self, solver: &BoundedLeastSquares) {
             let s = DVector::from_column_slice(solver.step());

@@ -1,4 +1,5 @@
-//! Alternatives to the tuned design: the trade-off between a study's goals, and the price list (misfit against size of change).
+//! Alternatives to the tuned design: the trade-off between a study's goals, and the price list (smallest misfit for each size of
+//! the design change).
 
 use super::constrained::Constrained;
 use super::front::{Found, Tracer};
@@ -13,7 +14,7 @@ use nalgebra::DVector;
 /// Limit for the misfit of each target outside the Pareto front, as a multiple of the target's misfit after the tuning of
 /// all targets. If this limit is below one tolerance, the limit is one tolerance.
 const AS_GOOD: f64 = 1.01;
-/// Number of steps in a price list.
+/// Number of sizes of the design change for which a price list has the smallest misfit.
 const STEPS: usize = 10;
 
 /// A design that the user can choose.
@@ -59,7 +60,7 @@ pub fn price_list(
     tuning: &Tuning,
     control: Control<'_>,
 ) -> Result<Vec<Choice>, DesignFault> {
-    // In a study that is tuned for yield, the choices use the misfits of the nominal design.
+    // If a study maximises the yield, the price list uses the misfits of the nominal design.
     let drawing = Optimise {
         scatter: optimise.scatter.clone().filter(Scatter::lowers_misfit),
         ..optimise.clone()

@@ -1,4 +1,4 @@
-//! Trade-off between goals: the Pareto front of two or three goals, and the price list of the design change.
+//! Trade-off between goals: the Pareto front of two or three goals, and the price list (misfit against size of the design change).
 //!
 //! A design is on the *Pareto front* (here: front) of some criteria f_1, f_2, ... if no other design within ranges and
 //! constraints is better in one criterion and no worse in the others. The front consists of minima of one criterion with bounds

@@ -55,8 +55,8 @@ const ACCEPTABLE: f64 = 1e-4;
 /// Ratios below which the damping rises for the next step, and above which it falls.
 const POOR: f64 = 0.25;
 const GOOD: f64 = 0.75;
-/// Length of a step, as a fraction of the range, up to which the residuals count as linear. Along such a step, curvature
-/// changes the residuals by less than rounding. A kink changes them by little more than rounding.
+/// Length of a step, as a fraction of the range, up to which the residuals count as linear. Along such a step, curvature changes
+/// the residuals by less than the rounding errors. A kink changes them by little more than the rounding errors.
 const STRAIGHT: f64 = 1e-11;
 /// Largest number of corrections of a trial. Each correction is at most half as long as the previous correction. Most trials
 /// converge quadratically.

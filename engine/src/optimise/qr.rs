@@ -22,11 +22,11 @@ pub(super) fn scale_columns(jacobian: &DMatrix<f64>, by: &[f64], rows: usize, to
     }
 }
 
-/// Applies the reflections that make the matrix `a` upper triangular to `a` and to `b`.
+/// Makes the matrix `a` upper triangular by reflections, and applies the same reflections to `b`.
 ///
-/// `a` holds columns of `rows` entries, at most `rows` of them; `b` has `rows` entries. Afterwards the upper triangle of `a`
-/// is R and `b` is Q^T b. The entries below the diagonal are undefined. The method is backward stable for any rank: dependent
-/// columns give small diagonal entries.
+/// `a` is stored by columns, each with `rows` entries. It has at most `rows` columns; `b` has `rows` entries. Afterwards the upper
+/// triangle of `a` is R, and `b` is Q^T b. The entries of `a` below the diagonal are undefined. The method is backward stable for
+/// any rank. Dependent columns give small diagonal entries.
 pub(super) fn triangularise(a: &mut [f64], rows: usize, b: &mut [f64]) {
     triangularise_within(a, rows, |_| rows, b);
 }

@@ -32,14 +32,14 @@ impl<'a> Robust<'a> {
         Ok(Robust { builds, lanes })
     }
 
-    /// Number of builds that were solved in lanes.
+    /// Number of builds that were solved in SIMD lanes.
     pub(super) fn builds_in_lanes(&self) -> usize {
         let is_accepted = |b: &usize| self.lanes.as_ref().is_some_and(|l| l.is_accepted(*b));
         (0..self.builds.count()).filter(is_accepted).count()
     }
 
-    /// Writes the residuals of all builds of the moved nominal design of `problem`. Builds that cannot be solved in lanes are
-    /// solved one by one.
+    /// Writes the residuals of all builds to `into`. The builds scatter about the nominal design, which `problem` has already moved
+    /// to the variables `x`. Builds that cannot be solved in SIMD lanes are solved one by one.
     pub(super) fn evaluate(
         &mut self,
         problem: &mut Objective<'a>,

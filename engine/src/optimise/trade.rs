@@ -1,11 +1,11 @@
-//! Problems that lower one criterion with limits on the others. Used for the smallest change, the Pareto front and the price
-//! list.
+//! Problems that lower one criterion with limits on the others. Used for the smallest change, the Pareto front and the price list
+//! (misfit against size of change).
 
 use super::constrained::{Assessment, Constrained, Shape};
 use super::{Bounds, Infeasible, Linearisation};
 use nalgebra::DVector;
 
-/// A quantity that is lowered, or limited by a level.
+/// A quantity that a problem minimises or limits.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Criterion {
     /// Indices of the criterion's residuals. `None` if the criterion is the distance by which the variables move from the design.
@@ -100,12 +100,12 @@ impl<'a, P: Constrained> ConstrainedTrade<'a, P> {
         }
     }
 
-    /// Stores residuals that are already known at a point `x`. Use only for problems without rows of constraints.
+    /// Stores residuals that are already known at a point `x`. Use only for problems without constraints.
     pub(super) fn knowing(mut self, x: &DVector<f64>, residuals: &Linearisation) -> Self {
         assert_eq!(
             self.assessment.rows.residuals.len(),
             0,
-            "rows are not known"
+            "residuals are given, but not the values of the constraints"
         );
         self.assessment.goal.clone_from(residuals);
         self.known = Some(x.clone());

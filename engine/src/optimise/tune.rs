@@ -269,7 +269,7 @@ impl<'a> Tuner<'a> {
         tuning.best = Some(self.best(&fit));
     }
 
-    /// Measure of the move from the design: fractions of the ranges, weighted with the costs.
+    /// Function that measures the distance of the variables from the design: fractions of the ranges, weighted with the costs.
     pub(super) fn distance(&self) -> Distance<'_> {
         let costs: Vec<f64> = self.optimise.variables.iter().map(|v| v.cost).collect();
         Distance::new(&self.design, &self.bounds, &costs)

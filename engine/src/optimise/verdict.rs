@@ -5,7 +5,7 @@ use super::constrained::KEPT;
 use super::fixed::{MISSED, moves};
 use super::{Bounds, Fit, Linearisation};
 
-/// Relative difference up to which prices of constraints count as equal.
+/// Relative difference up to which two computed prices of the same constraint count as equal.
 const SAME_PRICE: f64 = 0.05;
 /// Smallest effect of the variables on a target, as a share of the target's deviation. If moves across all ranges change
 /// the deviation by less, the variables hardly affect the target.
@@ -16,13 +16,14 @@ const HARDLY: f64 = 0.05;
 pub(crate) struct Limit {
     /// Row of the limit, and the row of the second component if the limit is on the length of a vector.
     pub rows: [Option<usize>; 2],
-    /// Violation in visible units.
+    /// Violation in visible units (1 mm or 1 degree).
     pub violation: f64,
 }
 
 impl Limit {
-    /// Limit of a row, and of the row of the other component of its distance. `values` are the values of all rows. `violation`
-    /// returns the violation of a row with a value. `None` for the second component, because the first one counts for both.
+    /// Makes the limit of a row. If the row is a component of a distance, `other` is the row of the second component. `values` has
+    /// the values of all rows. `violation` returns the violation of a row with a value. The result is `None` for the second
+    /// component, because the first one counts for both.
     pub(crate) fn of_row(
         row: usize,
         other: Option<usize>,
@@ -41,12 +42,12 @@ impl Limit {
     }
 }
 
-/// Price of a limit: reduction of the misfit, in multiples of the tolerance, if the limit moves outwards by one unit.
+/// Price of a limit: reduction of the misfit if the limit moves outwards by one unit. The misfit is a multiple of the tolerances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Price {
     /// The limit does not bind, or the misfit is good enough despite the limit.
     Nothing,
-    /// Price, in multiples of the tolerance, per unit of the constraint.
+    /// Reduction of the misfit if the limit moves outwards by one unit of the constraint.
     PerUnit(f64),
     /// The limit binds together with other limits, and the gradients of these limits are linearly dependent. The share of
     /// each limit in the price is not determined.
@@ -54,8 +55,8 @@ pub enum Price {
 }
 
 impl Price {
-    /// Price, in multiples of the tolerance, per unit of the constraint. `None` if there is no price, or if the price is not
-    /// determined.
+    /// Reduction of the misfit if the limit moves outwards by one unit of the constraint. `None` if there is no price, or if the
+    /// price is not determined.
     pub fn per_unit(self) -> Option<f64> {
         match self {
             Price::PerUnit(price) => Some(price),

@@ -12,8 +12,8 @@
 //! in the arc length, and corrects in the plane normal to the tangent. Where two paths nearly meet, a step that is too long ends
 //! on the other path. There the sign of the determinant gives the tangent the opposite direction, and the step is refused.
 //!
-//! At a fold, the derivative q' with respect to the arc length is 0. Newton's method finds the fold from the q'' of
-//! the Taylor series. Since q is stationary there, its value is exact to rounding.
+//! At a fold, the derivative q' with respect to the arc length is 0. Newton's method finds the fold from the q'' of the Taylor
+//! series. Since q is stationary there, its value is exact up to rounding errors.
 
 use super::conditioning::magnitude;
 use crate::derive::{DesignSeries, MotionPoint};

@@ -1,4 +1,4 @@
-//! Comparison of drive values, with an allowance for rounding.
+//! Comparison of drive values, with an allowance for rounding errors.
 //!
 //! The program computes the stations of a range, converts angles, and rounds numbers in a conversion of units. A station and
 //! a drive value that denote the same pose can therefore differ in their last digits.

@@ -266,7 +266,7 @@ impl Load {
 /// A sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
-    /// Origin of the designs.
+    /// Source of the designs.
     pub designs: Designs,
     /// True if results contain the curves of every design.
     pub curves: bool,
@@ -276,7 +276,7 @@ pub struct Sweep {
     pub constraints: bool,
 }
 
-/// Origin of the designs of a sweep.
+/// Source of the designs of a sweep: ranges of variables, a file, or rows from the caller.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Designs {
     /// Samples of variables over their ranges.

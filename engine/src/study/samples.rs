@@ -141,7 +141,7 @@ impl Interpolation {
     }
 }
 
-/// Value of the curve at `x`, between its first and last point, or outside by rounding only.
+/// Value of the curve at `x`. `x` lies between the first and the last point, or outside by a rounding error only.
 fn at(points: &[[f64; 2]], slopes: Option<&[f64]>, x: f64) -> f64 {
     let right = points
         .partition_point(|p| p[0] <= x)

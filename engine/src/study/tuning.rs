@@ -73,7 +73,8 @@ pub struct Scatter {
 }
 
 impl Scatter {
-    /// True if the tuning lowers the mean squared misfit of the builds.
+    /// True if the tuning minimises the mean squared misfit of the builds. False if it maximises the share of builds within the
+    /// bands.
     pub fn lowers_misfit(&self) -> bool {
         self.aim == RobustAim::Misfit
     }

@@ -33,7 +33,7 @@
 use super::{SweepRecord, SweepStatistics};
 use nalgebra::{DMatrix, DVector};
 
-/// Relative spread below which an output is constant except for rounding.
+/// Relative spread below which an output is constant except for rounding errors.
 const CONSTANT: f64 = 1e-12;
 
 /// Effects of the variables on one output.

@@ -5,7 +5,7 @@ use crate::model::Frame;
 use crate::number::Vector3;
 use crate::study::{DesignTable, Rate, Sampled, Sampling, SweepVariable};
 
-/// Origin of the designs of a sweep.
+/// Source of the designs of a sweep: ranges of variables, or a table.
 #[derive(Clone, Debug)]
 pub enum Samples {
     /// Designs sampled from ranges.

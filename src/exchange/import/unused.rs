@@ -7,7 +7,7 @@ use super::super::roles::{Role, end_of_drop_link};
 use super::super::table::{Marks, PointTable};
 use super::{Hardpoint, ImportOptions};
 
-/// Parts of the file that may be unused.
+/// Data of a file, from which the import finds the points and values that the study does not use.
 pub(super) struct Unused<'a> {
     pub(super) table: &'a PointTable,
     pub(super) options: &'a ImportOptions<'a>,
@@ -35,7 +35,7 @@ impl Unused<'_> {
         (table, roles)
     }
 
-    /// Lists unused points, each with the reason.
+    /// Lists unused points and values, with the reasons.
     pub(super) fn say(
         &self,
         hardpoints: &[Hardpoint],

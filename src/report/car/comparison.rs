@@ -91,7 +91,8 @@ impl CarComparison {
         csv_of_rows(std::iter::once(header).chain(rows))
     }
 
-    /// Table of wheel loads and results of the whole car that differ by more than rounding. `comparison.csv` has all results.
+    /// Table of wheel loads and results of the whole car that differ by more than rounding errors. `comparison.csv` has all
+    /// results.
     pub fn table(&self) -> Table {
         let is_key = |row: &&Row| {
             matches!(
@@ -139,7 +140,7 @@ impl CarResults<'_> {
     }
 }
 
-/// True if values differ by more than rounding in their unit.
+/// True if values differ by more than rounding errors in their unit.
 fn differ(values: &[Option<f64>], unit: &str) -> bool {
     let mut known = values.iter().flatten();
     let Some(first) = known.next() else {

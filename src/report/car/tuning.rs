@@ -1,4 +1,4 @@
-//! Targets, constraints and variables of a tuned car, for people and for programs.
+//! Targets, constraints and variables of a tuned car, as tables and as JSON.
 
 use super::record::{CarConstraintRecord, CarTargetRecord, CarVariableRecord};
 use super::{CarResults, CarState};
@@ -51,7 +51,7 @@ pub fn car_constraint_names(records: &[CarConstraintRecord], numbers: &[usize]) 
     numbers.iter().map(name).collect()
 }
 
-/// Table of the targets with their values, for people.
+/// Table of the targets with their values.
 pub fn car_targets_table(records: &[CarTargetRecord]) -> Table {
     let mut table = Table::new(["target", "case", "wanted", "before", "after", "tolerance"]);
     for target in records {
@@ -73,7 +73,7 @@ pub fn car_targets_table(records: &[CarTargetRecord]) -> Table {
     table
 }
 
-/// Targets with their values, for programs.
+/// Targets with their values, as JSON.
 pub fn car_targets_json(records: &[CarTargetRecord]) -> Value {
     let targets = records.iter().map(|target| {
         json!({
@@ -92,7 +92,7 @@ pub fn car_targets_json(records: &[CarTargetRecord]) -> Value {
     targets.collect()
 }
 
-/// Table of the constraints with their margins, for people. `None` without constraints.
+/// Table of the constraints with their margins. `None` without constraints.
 pub fn car_constraints_table(records: &[CarConstraintRecord]) -> Option<Table> {
     if records.is_empty() {
         return None;
@@ -258,7 +258,7 @@ impl CarResults<'_> {
     }
 }
 
-/// Table of the variables of a tuning, for people.
+/// Table of the variables of a tuning.
 pub fn car_variables_table(records: &[CarVariableRecord]) -> Table {
     let names = ["variable", "lowest", "highest", "before", "after", "bound"];
     let mut table = Table::new(names);

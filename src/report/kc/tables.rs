@@ -25,7 +25,7 @@ fn unit_shown(unit: Unit, length: LengthUnit) -> String {
 }
 
 impl KcResults<'_> {
-    /// Table of the results of all stations, for programs.
+    /// Machine-readable table of the results of all stations.
     pub fn table(&self) -> Table {
         let u = self.length().symbol();
         let mut columns = vec!["test".to_owned()];
@@ -56,8 +56,8 @@ impl KcResults<'_> {
         table
     }
 
-    /// Tables for people. Each station with results has a table of the tests with their results, and the position of the station in
-    /// words.
+    /// Tables for the text output and the page. Each station with results has a table of the tests with their results, and the
+    /// position of the station in words.
     pub fn tables_for_readers(&self) -> Vec<(String, Table)> {
         let mut tables = Vec::new();
         for station in &self.stations {

@@ -34,7 +34,7 @@ fn shown(value: f64, unit: &str) -> String {
     with_minus_signs(&text)
 }
 
-/// Name of a load case for people.
+/// Displayed name of a load case.
 fn titled(case: &CarCase) -> String {
     html(&case.name.replace('_', " "))
 }

@@ -53,7 +53,7 @@ impl SweepDirectory {
         names
     }
 
-    /// Names of the files with the parts, for people. A star represents their numbers.
+    /// Names of the files with the parts, as lists of files show them. A star represents the numbers of the parts.
     pub fn part_files(record: &SweepRecord) -> Vec<String> {
         let mut names = vec![record.rows_name(0), record.statistics_name(0)];
         names.extend(record.curves.then(|| record.curves_name(0)));

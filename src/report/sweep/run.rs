@@ -96,8 +96,9 @@ impl SweepRun {
             let mut reader = directory.rows(part)?;
             for block in record.blocks_of(part) {
                 let rows = reader.block(block).map_err(|e| wrong(e.to_string()))?;
-                let rows =
-                    rows.ok_or_else(|| wrong("it has fewer rows than its part".to_owned()))?;
+                let rows = rows.ok_or_else(|| {
+                    wrong("it has fewer rows than this part of the sweep has designs".to_owned())
+                })?;
                 shown.take(&rows, &choice);
             }
         }

@@ -204,7 +204,7 @@ impl SweepSummary {
         table
     }
 
-    /// Table with the effect of each variable on each output, for programs.
+    /// Machine-readable table with the effect of each variable on each output.
     pub fn effects_table(&self) -> Table {
         let mut table = Table::new(["output", "variable", "change", "share", "total"]);
         for output in &self.outputs {

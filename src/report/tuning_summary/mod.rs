@@ -253,7 +253,7 @@ struct DeviationSummary {
 }
 
 impl TuningSummary {
-    /// Misfit before and after, as a multiple of the tolerances, for people.
+    /// Misfit before and after in words, as a multiple of the tolerances.
     pub fn misfits(&self) -> [Option<String>; 2] {
         [self.misfit_before, self.misfit_after].map(|m| m.map(misfit_in_words))
     }
@@ -356,7 +356,7 @@ fn with_unit(value: f64, unit: &str) -> String {
     }
 }
 
-/// Misfit for people: two decimals, or its order of magnitude if it is small.
+/// Misfit in words: two decimals, or its order of magnitude if it is small.
 pub fn misfit_in_words(value: f64) -> String {
     if value == 0.0 {
         "0".to_owned()

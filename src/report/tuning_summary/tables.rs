@@ -15,7 +15,7 @@ impl TuningSummary {
         (!self.prices.is_empty()).then(|| PriceRecord::table(&self.prices))
     }
 
-    /// Table of the misfits for programs.
+    /// Machine-readable table of the misfits before and after the tuning, as multiples of the tolerances.
     pub fn misfit_table(&self) -> Table {
         misfit_table(self.misfit_before, self.misfit_after)
     }

@@ -62,7 +62,7 @@ pub(in crate::studio) struct SolveRequest {
     pub at: Vec<f64>,
     /// Rack displacement of the curves. `None` for the displacements of the study.
     pub curves_rack: Option<f64>,
-    /// Index of the slider on the horizontal axis of curves.
+    /// Index of the slider whose coordinate is on the horizontal axis of the curves.
     pub over: usize,
     /// Name of the motion. `None` for the study's own motion.
     #[serde(default)]

@@ -15,7 +15,7 @@ export const state = {
   motion: null,
   // A value for each slider.
   at: [],
-  // Index of the slider on the horizontal axis, and of the slider with one line per value.
+  // Index of the slider whose coordinate is on the horizontal axis, and index of the slider with one line per value.
   over: 0,
   family: null,
   step: 0.1,

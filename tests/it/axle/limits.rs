@@ -68,8 +68,8 @@ fn positions_beyond_the_ends_are_refused_the_same_in_any_order() {
             let after_others = solver.place(placement);
             match (&after_others, &alone) {
                 (Ok(after_others), Ok(alone)) => assert_eq!(after_others, alone, "{placement}"),
-                // If both searches fail, both report the same limit, because the solver finds a limit to rounding from any
-                // start.
+                // If both searches fail, both report the same limit. From any start, the solver finds the limit up to rounding
+                // errors.
                 (Err(after_others), Err(alone)) => {
                     let [one, other] = [after_others, alone]
                         .map(|f| f.describe(axle.left.length_unit, axle.left.frame));

@@ -21,7 +21,7 @@ fn value(found: &SetUp, of: Static) -> f64 {
     found.last().values[place]
 }
 
-/// With as many adjustments as targets, the set-up meets all targets to rounding, and the spring keeps its nominal
+/// With as many adjustments as targets, the set-up meets all targets up to rounding errors, and the spring keeps its nominal
 /// length.
 #[test]
 fn wishes_are_met_exactly_where_there_are_as_many_adjustments() {
@@ -109,8 +109,8 @@ fn shims_come_whole_and_what_cannot_be_met_is_named() {
     assert!((ratio - by[0][1] / by[1][1]).abs() < 0.01, "{ratio}");
 }
 
-/// Whole shims may leave a camber error of at most half a shim step. The threaded adjusters still meet toe and ride height
-/// to rounding. The set-up adjusts toe last.
+/// Whole shims may leave a camber error of at most half a shim step. The threaded adjusters still meet toe and ride height up to
+/// rounding errors. The set-up adjusts toe last.
 #[test]
 fn shims_never_spoil_what_threads_can_meet() {
     let adjust = "setup.adjust=[{length=\"tie_rod\",per_turn=2.0},{length=\"pushrod\",per_turn=2.5},\
@@ -380,8 +380,8 @@ fn values(study: &Study, built: &Built) -> [f64; 3] {
     [0, 1, 2].map(|k| values[k].unwrap())
 }
 
-/// The set-up finds rod and shim amounts that the test applied before, at both wheels, in every frame and unit. It
-/// finds shims exactly, and rods to rounding.
+/// The set-up finds rod and shim amounts that the test applied before, at both wheels, in every frame and unit. It finds shims
+/// exactly, and rods up to rounding errors.
 #[test]
 fn planted_set_ups_are_recovered() {
     let mut random = Random(20);

@@ -155,8 +155,8 @@ fn shares_and_their_remainder_make_one() {
     assert!(needed > 0);
 }
 
-/// Aligned builds have the nominal toe and camber at rest, to rounding. In other positions, the first-order scatter
-/// equals that of the builds.
+/// Aligned builds have the nominal toe and camber at rest, up to rounding errors. In other positions, the first-order
+/// scatter equals that of the builds.
 #[test]
 fn aligned_builds_have_the_drawn_toe_and_camber() {
     let study = study(
@@ -358,7 +358,7 @@ fn a_value_held_at_a_limit_keeps_its_band() {
     for (number, band) in inside.iter().enumerate() {
         assert_eq!([band.monte_carlo, band.linear], [1.0; 2], "band {number}");
     }
-    // A limit that excludes the value by more than rounding excludes every build.
+    // A limit that excludes the value by more than a rounding error excludes every build.
     assert_eq!([outside.monte_carlo, outside.linear], [0.0; 2]);
 }
 

@@ -209,7 +209,8 @@ fn a_shim_without_visible_effect_is_left_out() {
     assert!(left_out > 0);
 }
 
-/// If whole shims can meet the targets exactly, the set-up finds these shims. It then meets the targets to rounding.
+/// If whole shims can meet the targets exactly, the set-up finds these shims. It then meets the targets up to rounding
+/// errors.
 #[test]
 fn planted_whole_shims_are_found() {
     let adjust = "setup.adjust=[{shim=\"upper_ball_joint\",axis=\"y\",step=0.5}]";

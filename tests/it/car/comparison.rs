@@ -54,8 +54,8 @@ fn changes_and_differences_are_listed() {
     assert!(text(&refused.get_output().stderr).contains("a car can be compared with cars only"));
 }
 
-/// A car in other units is the same car: no change is listed, and the results differ only by rounding. A change is
-/// stated in the units of the first car.
+/// A car in other units is the same car: no change is listed, and the results differ only by rounding errors. A change
+/// is stated in the units of the first car.
 #[test]
 fn cars_in_other_units_are_compared() {
     let directory = tempfile::tempdir().unwrap();

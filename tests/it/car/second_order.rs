@@ -125,8 +125,8 @@ fn bends(problem: &CarProblem<'_>, sources: &[usize]) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Compares all second-order terms of single tolerance sources and of pairs with finite differences. Returns the number
-/// of results whose second derivative is far above rounding, and the number of results without second-order terms.
+/// Compares the second-order terms with finite differences, for two single tolerance sources and for the pair. Returns
+/// two counts: results with a second derivative far above the rounding errors, and results without second-order terms.
 fn compare(study: &CarStudy) -> [usize; 2] {
     let problem = problem(study);
     let nominal = problem.nominal().unwrap();
@@ -263,7 +263,7 @@ fn builds_confirm_the_second_order() {
             .unwrap();
         let (spread, estimate) = (&builds.spreads[place], expansion[place].estimate);
         let [mean, growth] = estimate.second;
-        // A slope that is exactly zero is computed as about 1e-12, because of rounding of the state.
+        // A slope that is exactly zero is computed as about 1e-12, because of rounding errors of the state.
         assert!(
             estimate.sigma() < 1e-6 * growth.sqrt(),
             "{name}: {estimate:?}"

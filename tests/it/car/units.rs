@@ -154,7 +154,7 @@ fn inches_and_pounds_give_the_same_car() {
                 continue;
             };
             let expected = metric * factor;
-            // Both equilibria are accurate to rounding errors of the largest wheel load.
+            // Both equilibria are exact up to rounding errors of the largest wheel load.
             let scale = 1.0 + expected.abs();
             assert!(
                 (imperial - expected).abs() < 1e-8 * scale,

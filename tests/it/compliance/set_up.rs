@@ -238,7 +238,7 @@ fn at_the_design_load_the_set_up_is_that_of_the_rigid_mechanism() {
     }
 }
 
-/// A pushrod sets the ride height. The spring then keeps its length in the nominal equilibrium. So it also keeps the
+/// A pushrod sets the ride height. The spring then keeps the length that it has in the nominal equilibrium. So it also keeps the
 /// force that carries the car.
 #[test]
 fn the_spring_keeps_the_length_of_the_nominal_equilibrium() {

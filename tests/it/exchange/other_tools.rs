@@ -222,8 +222,8 @@ fn heights_of_suspensions_ini_are_from_the_centre_of_gravity() {
 }
 
 /// After an export to OptimumKinematics and an import, double wishbones have the same points in the file's unit. The
-/// file gives the contact point instead of the wheel centre, so the wheel centre is equal only to rounding. The angles
-/// have the signs of the study.
+/// file gives the contact point instead of the wheel centre, so the wheel centre is equal only up to rounding errors.
+/// The angles have the signs of the study.
 #[test]
 fn double_wishbones_come_back_from_optimum_k() {
     let directory = tempfile::tempdir().unwrap();

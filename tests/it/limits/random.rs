@@ -1,5 +1,6 @@
-//! Tests of random double wishbones and struts. If a limit names a part, the independent measure of this part is zero,
-//! so the part is singular. If a limit names no part, no part is singular.
+//! Tests of random double wishbones and struts. For each part, `measures.rs` computes the distance from a singular
+//! position, independently of the program. If a limit names a part, this part is singular. If a limit names no part, no
+//! part is singular.
 
 use super::measures::Points;
 use super::sample;
@@ -8,7 +9,7 @@ use hardpoint::analyse::{Range, RangeEnd};
 use hardpoint::mechanism::LimitCause;
 use hardpoint::solve::Solver;
 
-/// Measure below which a part is singular.
+/// Threshold: a part is singular if its measure from `measures.rs` is smaller.
 const SINGULAR: f64 = 1e-6;
 
 #[derive(Debug, Default)]

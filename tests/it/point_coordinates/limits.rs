@@ -75,9 +75,9 @@ fn where_the_arm_is_shorter_than_d51_stations_near_pi_are_refused() {
     assert!(last.station().value > PI && last.moving()[0].y > strut.lower_arm_front.y);
 }
 
-/// Near the end of a solution branch, the equations are satisfied to rounding even slightly beyond the end. This zone
-/// grows with the coordinates. The solver returns no pose beyond the end, however close to the end and from whatever
-/// start. Before the end, the error of a returned pose is within the conditioning of the equations.
+/// Near the end of a solution branch, the equations are satisfied up to rounding errors even slightly beyond the end.
+/// This zone grows with the coordinates. The solver returns no pose beyond the end, however close to the end and from
+/// whatever start. Before the end, the error of a returned pose is within the conditioning of the equations.
 #[test]
 fn what_rounding_alone_solves_is_refused() {
     for distance in [0.0, 1.0, 128.0, 8192.0] {

@@ -146,7 +146,7 @@ fn angular_velocity_in_the_plane_of_6_7_8_is_no_obstacle() {
 }
 
 /// Equation (25) fails if omega lies in the plane of points 6, 7 and 8, because it then divides about 1e-16 by about
-/// 1e-16. The method of least squares finds omega from the same velocities, to rounding.
+/// 1e-16. The method of least squares finds omega from the same velocities, up to rounding errors.
 #[test]
 fn equation_25_fails_where_omega_lies_in_the_plane_of_6_7_8() {
     let case = reference("angular-velocity-in-plane");

@@ -66,8 +66,8 @@ fn ten_thousand_planted_poses_are_found() {
 
 /// The test chooses a pose of the knuckle, and then moves the chassis end of every rod. Afterwards, the rod has the
 /// same length in the design position and in the chosen pose. For this, the chassis end moves to the nearest point with
-/// equal distances to both positions of the knuckle end. So the pose is known except for rounding of the chassis ends.
-/// The test counts a design if small steps from the design position reach the chosen pose.
+/// equal distances to both positions of the knuckle end. So the pose is known except for rounding errors of the chassis
+/// ends. The test counts a design if small steps from the design position reach the chosen pose.
 fn planted_poses(designs: usize) {
     let suspension = template("five_link");
     let mechanism = &suspension.mechanism;

@@ -21,7 +21,7 @@ fn turned<T: Real>(p: &[Vector3<T>], travel: T) -> [Vector3<T>; 2] {
     let (a, b) = (lever(centre), axis.cross(lever(centre)));
     let height = a.z + travel;
     let h = a.z * a.z + b.z * b.z;
-    // This root has the angle zero at travel zero. The other root has not.
+    // With this root, the arm angle is zero at travel zero. With the other root, it is not zero.
     let root = (h - height * height).sqrt();
     let root = root * b.z.sign();
     let (cosine, sine) = (

@@ -221,9 +221,9 @@ mod tests {
         assert_eq!(step(5e-9)[1], 0.0);
     }
 
-    /// The solver tries a full step, then halves it down to a thousandth. It does not try a step below 1e-14 of the
-    /// suspension's size. If no fraction of a step reduces the errors, a step up to 1e-7 of the size counts as
-    /// rounding. A longer step means that the solver is stuck.
+    /// The solver tries a full step, then halves it down to a thousandth. It does not try a step below 1e-14 of the suspension's
+    /// size. If no fraction of a step reduces the errors, a step up to 1e-7 of the size counts as a rounding error. A longer step
+    /// means that the solver is stuck.
     #[test]
     fn steps_are_halved_and_end_at_their_thresholds() {
         let size = 400.0;

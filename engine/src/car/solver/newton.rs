@@ -8,7 +8,7 @@
 //! e <= L (|x - y| + |s|) |s|                                                                                    (1)
 //! ```
 //!
-//! A step is the last one if this error is below rounding. L is [`CURVATURE`], or ten times the value of L that the
+//! A step is the last one if this error is smaller than rounding errors. L is [`CURVATURE`], or ten times the value of L that the
 //! previous steps show by equation (1), if that is larger.
 
 use super::super::equations::{GROUND, Held, LOADS, PITCH, ROLL, TRAVELS, UNKNOWNS};

@@ -160,8 +160,8 @@ impl<T: Scalar> ElasticAxle<T> {
         })
     }
 
-    /// Returns two numbers for a side: the parts with own degrees of freedom, and the rigid joints. Tests check the
-    /// size of the system with these numbers.
+    /// Returns two numbers for a side: the parts with their own degrees of freedom, and the rigid joints. Tests check
+    /// the size of the system with these numbers.
     pub fn parts(&self, side: Side) -> [usize; 2] {
         let system = &self.wheels[side as usize].built.system;
         [system.limbs.len(), system.joints.len()]

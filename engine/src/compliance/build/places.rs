@@ -5,7 +5,7 @@ use crate::model::{PointId, Rod};
 /// Location of a bushing in the system of equations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::compliance) enum BushingPlace {
-    /// End of a part with own degrees of freedom.
+    /// End of a part with its own degrees of freedom.
     Limb {
         /// Index of the part.
         limb: usize,
@@ -29,7 +29,7 @@ pub(in crate::compliance) enum LinkPlace {
     RockerRod,
 }
 
-/// Points of a part with own degrees of freedom (see `limb.rs`).
+/// Points of a part with its own degrees of freedom (see `limb.rs`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::compliance) enum LimbPlace {
     /// Arm with bushings. Its outer joint identifies the arm.

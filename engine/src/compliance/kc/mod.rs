@@ -1,6 +1,6 @@
 //! Tests of a kinematics and compliance rig, on one wheel or on both wheels of an axle (`axle.rs`).
 //!
-//! At a station (travel, rack) the wheel is in equilibrium without horizontal loads, with its height held. A test
+//! At a station (travel, rack), the wheel is in equilibrium without horizontal loads, and its height is fixed. A test
 //! starts from this equilibrium and changes a load, the travel or the rack. Its results are derivatives with respect to
 //! this change. The window of a test is the range of its load. The results also contain secants over this window. The
 //! levels of a test are equilibria at equally spaced loads in the window. All results are those of a left wheel in ISO

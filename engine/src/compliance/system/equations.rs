@@ -145,8 +145,8 @@ impl<T: Valued> Equations<T> {
         self.step_seen(solution, |_, limb| limb.step(&carrier, None, is_rate))
     }
 
-    /// Works like `step`, but `of_limb` returns the step of each part with own degrees of freedom. Its argument is the
-    /// index of the part.
+    /// Works like `step`, but `of_limb` returns the step of each part with its own degrees of freedom. Its argument is
+    /// the index of the part.
     #[inline(always)]
     pub(in crate::compliance) fn step_seen(
         &self,

@@ -18,7 +18,7 @@ pub struct Margin {
     pub is_upper: bool,
 }
 
-/// Largest difference between values of a row at several stations that counts as rounding, in the row's unit.
+/// Largest difference between values of a row at several stations that counts as a rounding error, in the row's unit.
 const CONSTANT: f64 = 1e-6;
 
 /// For each row that is a component of a distance, finds the row of the other component.

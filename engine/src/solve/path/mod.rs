@@ -199,8 +199,8 @@ impl<'m> Solver<'m> {
                     rack,
                 };
                 let here = match tracked.poses[station] {
-                    // The design pose is known exactly. The tracker's pose differs by rounding, which matters near a
-                    // rocker's toggle.
+                    // The design pose is known exactly. The tracker's pose has rounding errors, which matter near a rocker's
+                    // toggle.
                     _ if point == design.1 => Ok(design),
                     Ok(pose) => Ok((pose, point)),
                     Err(_) => {

@@ -1,8 +1,8 @@
 //! Search for designs at the boundary between designs that the tracker accepts and designs that it rejects.
 //!
-//! On a line between an accepted and a rejected design, bisection ends at two neighbouring designs. Between these two, the
-//! inputs of a check differ only by rounding. A check that accepts the first design with some slack also accepts the second
-//! one. So the check that rejects the second design is the one without slack.
+//! On a line between an accepted and a rejected design, bisection ends at two neighbouring designs. Between these two, the inputs
+//! of a check differ only by rounding errors. A check that accepts the first design with some slack also accepts the second one. So
+//! the check that rejects the second design is the one without slack.
 
 use super::{Acceptance, AdjointPose, CornerTracker, Rejection, Visit};
 use crate::model::{Drive, Suspension, Topology};

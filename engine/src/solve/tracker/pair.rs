@@ -8,10 +8,10 @@
 //! f_s  = h_l' + h_r'                                                                   (2)
 //! ```
 //!
-//! The poses of both wheels and s are predicted along the roll angle, like the pose of one wheel along its travel, and
-//! corrected together. One step of Newton's method, with the closure equations and f linearised at the prediction, almost
-//! always reaches rounding. C is the lowest point of the wheel, so h' is n.C' for a wheel that does not rotate in its
-//! carrier.
+//! The poses of both wheels and s are predicted along the roll angle, like the pose of one wheel along its travel, and corrected
+//! together. A step of Newton's method linearises the closure equations and f at the prediction. After one step, the solution is
+//! almost always exact up to rounding errors. C is the lowest point of the wheel, so h' is n.C' for a wheel that does not rotate in
+//! its carrier.
 //!
 //! Wheels that share one mechanism have their own equations (see `linkage/one_body.rs`).
 //!
@@ -122,7 +122,7 @@ pub(super) struct Linear<B: SimdReal> {
 
 /// A wheel after a correction of its unknowns.
 pub(super) struct Corrected<B: SimdReal, const N: usize> {
-    /// Lanes whose residuals are at rounding level.
+    /// Lanes whose residuals are as small as rounding errors.
     pub is_settled: B::Mask,
     /// Unknowns, corrected once more for the remaining residuals.
     pub unknowns: [B; N],

@@ -15,8 +15,8 @@ const NEIGHBOURS: usize = 8;
 /// Number of waypoints from which slopes are predicted. A slope only corrects the error of a prediction, so fewer waypoints
 /// suffice.
 const NEIGHBOURS_OF_SLOPE: usize = 4;
-/// Largest number of steps to a value. The route leaves out values that need more steps. The continuation solves these
-/// values.
+/// Largest number of steps from one value to the next. The route leaves out values that need more steps, and the values beyond
+/// them. The continuation solves these values.
 const MOST_STEPS: f64 = 1e3;
 /// Indices of visited waypoints, each with its weight. If there are fewer than `PLACES` waypoints, the unused elements have weight
 /// 0.
@@ -217,7 +217,7 @@ impl Legs {
     }
 }
 
-/// End points of equal steps from one value to another. `None` if there are too many.
+/// End points of equal steps from one value to another. `None` for more than [`MOST_STEPS`] steps.
 fn steps(from: f64, to: f64, longest: f64) -> Option<Vec<f64>> {
     let count = ((to - from).abs() / longest).ceil().max(1.0);
     (count <= MOST_STEPS).then_some(())?;
@@ -352,7 +352,7 @@ mod tests {
             !Route::through(&order, [rack, 0.0, 0.0], 0.5, 1.0).is_complete
         };
         assert!(incomplete(&[1.0, 1.0], 0.0));
-        // A value takes up to a thousand steps. The route leaves out values beyond.
+        // The route makes at most a thousand steps from one value to the next. It leaves out values that need more steps.
         assert!(!incomplete(&[499.9, -499.9], 999.0));
         assert!(incomplete(&[500.1], 0.0));
         assert!(incomplete(&[1.0], 1000.1));

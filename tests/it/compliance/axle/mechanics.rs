@@ -322,7 +322,7 @@ fn varied(case: &Case, parameter: Parameter, by: f64) -> Case {
     changed
 }
 
-/// Rate that a parameter changes, or 1 for a hardpoint.
+/// Rate of the elastic part to which a parameter belongs. 1 for a coordinate of a hardpoint.
 fn rate_of(case: &Case, parameter: Parameter) -> f64 {
     let parts = &case.parts;
     let first = parts.wheels[0].bushings.len();

@@ -36,7 +36,7 @@ pub struct Made {
 
 const RADIUS: f64 = 335.0;
 
-/// Points of the left half: name, position and the largest random change.
+/// Points of the left half: name, and position before random displacements.
 const POINTS: [(&str, [f64; 3]); 4] = [
     ("lower_link_chassis", [540.0, 420.0, 305.0]),
     ("lower_link_axle", [5.0, 530.0, 255.0]),
@@ -64,14 +64,14 @@ fn line(name: &str, [x, y, z]: [f64; 3]) -> String {
     format!("{name} = [{x:?}, {y:?}, {z:?}]\n")
 }
 
-/// Sizes of the random changes of an axle.
+/// Ranges of an axle's random values, and its options.
 #[derive(Clone, Copy, Debug)]
 pub struct Scatter {
-    /// Random change of coordinates.
+    /// Largest random displacement of a point along each axis, in mm.
     pub points: f64,
     /// True if the right half has other points, rates and springs.
     pub differs: bool,
-    /// Powers of ten of the rates: smallest and largest.
+    /// Decimal logarithms of the smallest and the largest rate.
     pub rates: [f64; 2],
     /// True if the axle has springs.
     pub springs: bool,
@@ -171,7 +171,7 @@ pub fn made(kind: Kind, scatter: Scatter, random: &mut Random, further: &str) ->
     }
 }
 
-/// Entries of a study.
+/// Values from which the text of a study is made.
 struct Written {
     kind: Kind,
     points: Vec<(&'static str, [f64; 3])>,
@@ -181,7 +181,7 @@ struct Written {
     angles: [f64; 2],
     rates: [f64; 3],
     right_lower: f64,
-    /// Force and rate.
+    /// Force and rate of the springs. `None` without springs.
     spring: Option<[f64; 2]>,
 }
 

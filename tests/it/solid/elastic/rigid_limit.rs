@@ -77,8 +77,8 @@ fn largest(a: &[f64], b: &[f64]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// The springs displace the axle by their force divided by the link stiffness. So links that are ten times stiffer give a
-/// tenth of the difference, down to rounding errors.
+/// The springs displace the axle by their force divided by the link stiffness. So links that are ten times stiffer give a tenth of
+/// the difference, up to rounding errors.
 #[test]
 fn the_error_falls_as_one_over_the_stiffness() {
     for made in cases(true) {

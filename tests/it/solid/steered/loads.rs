@@ -33,13 +33,13 @@ fn pull(from: Point, to: Point, tension: f64) -> Force {
     (from, way.map(|c| tension * c / length))
 }
 
-/// Forces on the axle with its knuckles, and forces on each knuckle except those of the kingpin.
+/// Forces on the axle together with its knuckles, and forces on each knuckle except the forces at its kingpin.
 struct Forces {
     outside: Vec<Force>,
     on_knuckles: [Vec<Force>; 2],
 }
 
-/// Forces of one load, from the columns of the program.
+/// Member forces on the axle and its knuckles in one position. `tension` returns the force in a column of the program's results.
 fn forces(world: &World, place: Place, has_spring: bool, tension: &dyn Fn(&str) -> f64) -> Forces {
     let solved = world.solve(&at(place, None, None)).unwrap();
     let on_axle = |side: usize, name: &str| world.place_on_axle(&solved, side, name);

@@ -166,11 +166,11 @@ fn neighbour_jobs<'a>(
     };
     Ok(vec![
         (
-            "state, started from the neighbouring state",
+            "state started from its neighbour",
             each(followers, alone),
         ),
         (
-            "state with all results, started from the neighbouring state",
+            "state with all results started from its neighbour",
             each(followers, with_results),
         ),
     ])

@@ -247,8 +247,8 @@ fn cars_and_equilibria_are_timed() {
             "cars",
             "car.toml",
             &[
-                "state, started from the neighbouring state",
-                "state with all results, started from the neighbouring state",
+                "state started from its neighbour",
+                "state with all results started from its neighbour",
                 "state without a neighbour",
                 "all results of a state",
                 "member loads of a state",

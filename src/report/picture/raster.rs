@@ -19,22 +19,18 @@ pub(super) fn png(svg: &str) -> Vec<u8> {
         Pixmap::new(size.width(), size.height()).expect("the picture fits into memory");
     let scale = Transform::from_scale(SCALE, SCALE);
     resvg::render(&tree, scale, &mut pixels.as_mut());
-    encoded(&pixels).expect("writing to memory does not fail")
+    encoded(pixels).expect("writing to memory does not fail")
 }
 
 /// Encodes pixels as PNG. Drawings consist of areas with one colour, which compress well without filters. The search for the
 /// best filter of each line would take most of the time of a picture.
-fn encoded(pixels: &Pixmap) -> Result<Vec<u8>, png::EncodingError> {
+fn encoded(pixels: Pixmap) -> Result<Vec<u8>, png::EncodingError> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, pixels.width(), pixels.height());
     encoder.set_color(png::ColorType::Rgba);
     encoder.set_filter(png::Filter::NoFilter);
     let mut writer = encoder.write_header()?;
-    let plain = pixels.pixels().iter().map(|pixel| pixel.demultiply());
-    let bytes: Vec<u8> = plain
-        .flat_map(|c| [c.red(), c.green(), c.blue(), c.alpha()])
-        .collect();
-    writer.write_image_data(&bytes)?;
+    writer.write_image_data(&pixels.take_demultiplied())?;
     writer.finish()?;
     Ok(file)
 }

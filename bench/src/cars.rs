@@ -165,10 +165,7 @@ fn neighbour_jobs<'a>(
         }
     };
     Ok(vec![
-        (
-            "state started from its neighbour",
-            each(followers, alone),
-        ),
+        ("state started from its neighbour", each(followers, alone)),
         (
             "state with all results started from its neighbour",
             each(followers, with_results),

@@ -243,7 +243,7 @@ impl PointCoordinates {
     /// Near the end of a branch, the equations also hold beyond the end, up to rounding errors. There the Jacobian J has a unit
     /// vector v nearly in its kernel. With w = J^-T v, the equations F = 0 become, for a step t along v,
     ///
-    /// - t + c t^2/2 + w.F = 0, where c = w.F''(v, v).
+    /// t + c t^2/2 + w.F = 0, where c = w.F''(v, v).
     ///
     /// With a rounding error r in every F, each with the worst sign, the two roots meet at h = |c| r sum|w| = 1/2. This h is
     /// Kantorovich's. The test requires h <= 1/4.

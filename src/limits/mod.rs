@@ -149,7 +149,7 @@ impl<'s> WheelLimits<'s> {
     }
 }
 
-/// Limits of a rigid axle, each with the wheel that causes it.
+/// Limits of an axle without elastic parts. For independent wheels, the limits of rack and roll name the wheel that causes them.
 fn of_axle(study: &Study, both: &AxleStudy) -> Result<Found, String> {
     let axle = &both.axle;
     let limits = axle.limits().map_err(|f| axle.describe_fault(f))?;
@@ -160,7 +160,7 @@ fn of_axle(study: &Study, both: &AxleStudy) -> Result<Found, String> {
     Ok((axle_rows(study, axle, &limits), notes))
 }
 
-/// Rows of the table of limits, one for each quantity of a rigid axle. The row for roll needs the wheel radius.
+/// Rows of the table of limits, one for each quantity of an axle without elastic parts. The row for roll needs the wheel radius.
 fn axle_rows(study: &Study, axle: &Axle, limits: &AxleLimits) -> Vec<LimitRow> {
     let travels = travel_rows(axle, limits).into_iter();
     let mut rows: Vec<LimitRow> = travels

@@ -211,7 +211,7 @@ macro_rules! slots {
         }
 
         impl Slot {
-            /// All slots.
+            /// All slots (inputs of formulas).
             pub const ALL: &'static [Slot] = &[$(Slot::$slot),*];
 
             /// Copies this input from `from` to `to`, converted by `f`.
@@ -266,12 +266,12 @@ slots! {
     DesignHeaveSpring: vector design.heave_spring;
 }
 
-/// A set of slots.
+/// A set of slots (inputs of formulas).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Slots(u32);
 
 impl Slots {
-    /// All slots.
+    /// The set of all slots.
     pub const ALL: Slots = Slots(u32::MAX);
 
     /// Returns true if the set contains a slot (an input of a formula).

@@ -327,8 +327,8 @@ fn leave_out_rates(root: &mut Table) -> Vec<String> {
     names.map(|name| format!("[{name}]")).collect()
 }
 
-/// Writes rates of the right wheel into `[axle.right]`: rates that differ from the left wheel's rates, and rates that
-/// `[axle.right]` already contains. Returns true if any rate differs.
+/// Writes stiffnesses and link preloads of the right wheel into `[axle.right]`: those that differ from the left wheel's
+/// values, and those that `[axle.right]` already contains. Returns true if any stiffness differs.
 fn write_right_rates(
     root: &mut dyn TableLike,
     elastic: &AxleComplianceStudy,

@@ -172,8 +172,9 @@ fn the_sample_study_is_right_to_the_accuracy_of_its_conditioning() {
 /// This is Fig. 4 over the whole motion. The wheel falls until the arm reverses at theta = pi, t = 1.2985 s. The wheel
 /// centre is lowest 0.02 s before and after that time. Both formulations agree along the whole motion.
 ///
-/// The error bound grows with the condition number of the equations. It also has one division by sin(theta) for each
-/// order of the derivative. Angular rates are velocities divided by the shortest lever, 50 mm.
+/// The error bound grows with the condition number of the equations. It is divided by sin(theta) once for each order of
+/// the derivative. It is also divided by the shortest lever, 50 mm, because an angular rate is a velocity divided by a
+/// lever.
 #[test]
 fn the_formulations_agree_through_the_bounce() {
     let strut = strut(&reference("attia-example"));

@@ -41,7 +41,8 @@ pub(super) struct Read<T> {
     pub(super) by: Option<WheelFigures<T>>,
     /// Wheel rate at the contact point, for the ride rate of a heave test: force per length.
     pub(super) wheel_rate: Option<T>,
-    /// Force on the rack along the kernel's +y; `None` without a spring, because nothing then loads the rack.
+    /// Force on the rack along the kernel's +y. Only a steering test uses it. That test has `None` without a spring, because
+    /// nothing then loads the rack.
     pub(super) rack_force: Option<T>,
 }
 

@@ -80,7 +80,8 @@ impl ConstrainedFit {
         evaluations(&self.history)
     }
 
-    /// Returns true if rows and levels are satisfied.
+    /// Returns true if the end point satisfies, up to `KEPT`, all constraints: the rows, and the limits (levels) of the norms
+    /// of residuals.
     pub fn is_feasible(&self) -> bool {
         self.violation <= KEPT
     }

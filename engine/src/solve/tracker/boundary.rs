@@ -141,12 +141,12 @@ pub(super) fn boundaries(
     counts
 }
 
-/// Slack of a value below a threshold.
+/// Slack of a value below a threshold, as a share of the threshold. Negative if the value exceeds the threshold.
 pub(super) fn below(value: f64, threshold: f64) -> f64 {
     1.0 - value / threshold
 }
 
-/// Slack of a value above a threshold.
+/// Slack of a value above a threshold, as a share of the threshold. Negative if the value is smaller than the threshold.
 pub(super) fn above(value: f64, threshold: f64) -> f64 {
     value / threshold - 1.0
 }

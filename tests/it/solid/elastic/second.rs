@@ -154,7 +154,7 @@ pub enum Input {
     /// Coordinates of link ends that move together. Each entry has the index of the link, `true` for the end on the axle,
     /// the axis, and a weight.
     Ends(Vec<(usize, bool, usize, f64)>),
-    /// Rates of these links.
+    /// Stiffness of the links with these indices. All of them change by the same amount.
     Rate(Vec<usize>),
     /// Travel of a side.
     Travel(usize),

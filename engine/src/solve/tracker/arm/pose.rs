@@ -10,7 +10,7 @@ use crate::model::Drive;
 use crate::number::{SimdReal, Vector3};
 use crate::solve::closed_form::{Adjoint, ArmState, Roles};
 
-/// A pose as a state of the closed form.
+/// Pose of a mechanism that has a closed form. It is stored as an [`ArmState`], the numbers of the closed form at one arm angle.
 pub(crate) struct ArmPose<'f, B> {
     pub(super) roles: &'f Roles,
     pub(super) design: &'f ArmDesign<'f, B>,

@@ -283,7 +283,7 @@ pub(crate) fn car_optimise<'py>(
     Ok(result)
 }
 
-/// Warnings about the car's static position, one per line, and the cases that have no equilibrium.
+/// Warnings about the car at rest. The second list has one line if the car has no equilibrium at rest; otherwise it is empty.
 #[pyfunction]
 pub(crate) fn car_check(py: Python<'_>, car: &Car) -> PyResult<(Vec<String>, Vec<String>)> {
     let study = &car.study;

@@ -29,7 +29,7 @@ pub(super) struct CompareArguments {
     /// [default: out/compare]
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
-    /// Replace files of other commands
+    /// Overwrite existing files, also those of other runs
     #[arg(long)]
     pub(super) force: bool,
     /// Format of printed tables

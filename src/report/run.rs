@@ -24,7 +24,7 @@ pub struct Run {
     pub interrupted: bool,
     /// Convergence history of an optimisation.
     pub history: Option<CurveTable>,
-    /// Names of the existing files.
+    /// Names of the run's files with results: the curves first, then those other files that exist.
     pub files: Vec<String>,
 }
 

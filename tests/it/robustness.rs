@@ -1,8 +1,8 @@
 //! Tests of robustness: for any finite hardpoints, the program solves the design or refuses it with a reason.
 //!
-//! Each design is a road car's strut with random changes of its points; a number determines the changes. Every second
-//! design also has something degenerate. Examples are points that coincide, line up or lie in a plane, axes along the
-//! coordinate axes, and a tie rod at toggle. Other scales and positions far from the origin occur, too.
+//! Each design is a road car's strut with random changes of its points; a number determines the changes. About half of
+//! the designs are also degenerate. Examples are points that coincide, line up or lie in a plane, axes along the
+//! coordinate axes, and a tie rod at toggle. Some of these designs have another scale or lie far from the origin.
 //!
 //! Three methods solve each design: the solver, the curves of a study (with certificates, rates and sensitivities), and
 //! an independent continuation in small steps. A station with status `ok` has a certificate, and its pose is the one that

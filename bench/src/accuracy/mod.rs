@@ -26,7 +26,7 @@ pub struct Measurement {
     pub setting: String,
     /// Time per pose.
     pub time: Timing,
-    /// Largest true error, in the unit of the family.
+    /// Largest true error, in the unit of the method's family ([`Family::unit`]).
     pub error: f64,
     /// Evaluations of the equations per pose. `None` for methods without iteration.
     pub evaluations: Option<f64>,

@@ -296,15 +296,15 @@ impl<T: Local> Resultant<T> {
 
 /// Forces on the body, except the forces from its wheels.
 pub(super) struct Body<T> {
-    /// Resultant of the inertia force of the sprung mass and of the aerodynamic forces.
+    /// Resultant of the sprung mass's inertia force and weight, and of the aerodynamic forces.
     pub resultant: Resultant<T>,
     air: [T; 3],
     ride_heights: [T; 2],
 }
 
 impl<T: Local> Body<T> {
-    /// Computes the inertia force of the sprung mass, and the aerodynamic forces. The last argument contains the sprung
-    /// mass and its centre of gravity.
+    /// Computes the inertia force and the weight of the sprung mass, and the aerodynamic forces. The last argument
+    /// contains the sprung mass and its centre of gravity.
     #[inline(always)]
     pub(super) fn of(
         held: &Held<'_>,

@@ -108,7 +108,7 @@ impl<'s> Request<'s> {
         }
     }
 
-    /// Quantities of one wheel. Empty for an axle.
+    /// Quantities of one wheel. Empty for an axle, and for a wheel with elastic parts.
     pub(crate) fn of_wheel(&self) -> &[Quantity] {
         match &self.of {
             Requested::Corner(corner) => &corner.quantities,

@@ -259,7 +259,7 @@ pub struct Mechanism {
     pub parallel_axes: Vec<[PointId; 2]>,
     /// The steering axis; `None` for a wheel that cannot be steered.
     pub steering_axis: Option<SteeringAxis>,
-    /// Spring, if the topology has one.
+    /// Spring. `None` if the hardpoints do not give its ends.
     pub spring: Option<Spring>,
     /// Closed form of this mechanism, if there is one.
     pub closed_form: Option<ClosedForm>,

@@ -224,7 +224,7 @@ impl SaltelliSums {
         }
     }
 
-    /// Adds the next design. `role` is its index in its group.
+    /// Adds the next design. `role` is its index in its group: 0 for A, 1 for B, then one index for each C.
     pub(super) fn add(&mut self, role: usize, complete: bool, outputs: &[f64]) {
         let width = outputs.len();
         if role == 0 {

@@ -184,7 +184,7 @@ impl<'s> SweepPlan<'s> {
         self.request.stations()
     }
 
-    /// Quantities of one wheel, including quantities of targets. Empty for an axle.
+    /// Quantities of one wheel, including quantities of targets. Empty for an axle, and for a wheel with elastic parts.
     pub fn quantities(&self) -> &[Quantity] {
         self.request.of_wheel()
     }

@@ -40,13 +40,13 @@ struct State<'p> {
 /// Designs of the four wheels as Taylor series. `None` for a wheel that does not move.
 type Designs = [Option<Vec<Vector3<Series>>>; 4];
 
-/// All states of a car with its tolerance sources.
+/// Computes second derivatives of a car's results along its tolerance sources, from the equilibrium states of its load cases.
 struct Expander<'p> {
     problem: &'p CarProblem<'p>,
     /// Both wheels of each axle, built from nominal parts.
     built: [Vec<Built>; 2],
     sources: Vec<Moved<'p>>,
-    /// States of the cases. `None` for a case without an equilibrium.
+    /// State of each load case. `None` for a case without an equilibrium, or without requested results.
     states: Vec<Option<State<'p>>>,
     /// The car at rest on rigid and on elastic tyres, if results are measured from these states.
     rests: [Option<State<'p>>; 2],

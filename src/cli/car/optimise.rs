@@ -44,7 +44,7 @@ pub(in crate::cli) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
     let texts = optimised_car(&study, &tuned.study.car, tuned.fit.x.as_slice());
     let is_interrupted = interrupt::is_raised();
     if is_interrupted {
-        // The design is written before any further computation with it.
+        // A signal has ended the tuning early. So the program writes the tuned design now, before it computes anything else.
         output.mark_interrupted();
         write_studies(&output, &texts)?;
     }

@@ -65,7 +65,8 @@ impl Rows<'_> {
                 Err(_) if figure(name).is_none() => continue,
                 Err(reason) => return Err(format!("{place}: {reason}")),
             };
-            // A single column of numbers applies to both wheels, so its title gives no side.
+            // If only one group of columns has cells in this row, the value applies to both wheels. So the wheel in the
+            // title of this group is ignored. A wheel that the row or its section states remains valid.
             let is_alone = numbers
                 .iter()
                 .filter(|cells| cells.iter().any(Option::is_some))

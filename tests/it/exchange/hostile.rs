@@ -435,7 +435,8 @@ fn geometry_files_of_suspension_explorer_are_read() {
         };
         assert_eq!(at("tie_rod_outer"), [-95.0, sign * 690.0, 175.0]);
         assert_eq!(at("spindle_inner"), [0.0, sign * 600.0, 260.0]);
-        // The wheel centre is 30 mm inboard along the wheel's axis, whose length is the square root of 180^2 + 4^2.
+        // The wheel centre lies on the spin axis, 30 mm inboard of `axle_outboard`. The distance from `axle_inboard` to
+        // `axle_outboard` is the square root of 180^2 + 4^2.
         let length = 180.0_f64.hypot(4.0);
         let wanted = [
             0.0,

@@ -134,7 +134,7 @@ fn foreign_files_are_never_touched() {
         .success();
 }
 
-/// The program never overwrites inputs: the study, the file of a target, a file of designs.
+/// The program never overwrites its inputs, here a study and a file of designs.
 #[test]
 fn inputs_are_never_overwritten() {
     let bench = Bench::new();

@@ -331,7 +331,7 @@ impl ArmState<f64> {
 
 /// Smallest squared sine that may be a divisor in the closed form.
 const LEAST: f64 = 0.0625;
-/// Smallest permitted margin of the upper end, also a sine.
+/// Smallest permitted margin of the upper end, see [`ArmState::upper_margin`]. For an upper arm, the margin is a sine.
 const LEAST_UPPER: f64 = 0.25;
 
 impl<B: SimdReal> ArmState<B> {
@@ -395,7 +395,8 @@ impl<T: Real> ArmState<T> {
     }
 
     /// Margin of the upper end, which is zero at its limit. For a strut, the margin is the length from the foot of the ball
-    /// joint's perpendicular to the mount. For an upper arm, it is a lever.
+    /// joint's perpendicular to the mount, divided by the design distance from ball joint to mount. For an upper arm, it is the
+    /// sine of the angle between the steering axis and the plane through the arm's axis and the upper ball joint.
     #[inline(always)]
     pub(crate) fn upper_margin(&self) -> T {
         self.upper_margin

@@ -17,7 +17,7 @@ pub(crate) struct PoseTracker<'m> {
     /// Design near which other designs are expected.
     base: Vec<Vector3<f64>>,
     prepared: Vec<PreparedBatch<'m>>,
-    /// Buffer for the unknowns at the waypoints of a route.
+    /// Buffer for the unknowns at all waypoints of a route: the stations, and the points that divide long steps.
     history: Vec<f64>,
 }
 

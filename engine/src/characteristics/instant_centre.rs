@@ -58,7 +58,7 @@ formulas! {
         name: "roll_centre_height",
         unit: Unit::Length,
         positive: "above the ground",
-        formula: "C_y C_y'/C_z' about the centre plane y = 0",
+        formula: "C_y C_y'/C_z', in the centre plane y = 0",
         source: "the normal to the contact point's velocity meets the centre plane of the car",
         reads: &[Slot::SpinAxis, Slot::Centre, Slot::CentreRate, Slot::Turn],
         needs: &[Need::WheelRadius],

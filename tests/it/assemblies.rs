@@ -1,5 +1,6 @@
 //! Tests of the search for all assemblies of a mechanism at one travel: it finds every assembly and no false one.
 
+use crate::support::larger;
 use crate::support::quadratics::Quadratics;
 use crate::support::random::Random;
 use crate::support::{Case, motion, order_to, vector};
@@ -119,7 +120,7 @@ fn all(mechanism: &Mechanism, design: &[Vector3<f64>], travel: f64, rack: f64) -
 /// Returns the distance between two poses, divided by the suspension size.
 fn apart(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
     let columns = a.rotation.columns.iter().zip(b.rotation.columns);
-    let turned = columns.map(|(p, q)| (*p - q).norm()).fold(0.0, f64::max);
+    let turned = columns.map(|(p, q)| (*p - q).norm()).fold(0.0, larger);
     (a.origin - b.origin).norm() / size + turned
 }
 

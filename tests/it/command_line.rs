@@ -1,5 +1,6 @@
 //! Tests of the program as a user runs it: sample studies, results, exit codes and messages.
 
+use crate::support::larger;
 use assert_cmd::Command;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -177,7 +178,7 @@ fn the_bump_steer_sample_holds_its_toe() {
     let (directory, _) = run("optimise", "macpherson_bump_steer.toml", &[]);
     let spread = |name: &str| {
         let toe = column(&csv(&directory, name), "toe_deg");
-        toe.iter().copied().fold(f64::MIN, f64::max) - toe.iter().copied().fold(f64::MAX, f64::min)
+        toe.iter().copied().fold(f64::MIN, larger) - toe.iter().copied().fold(f64::MAX, f64::min)
     };
     // The target is constant toe, with a tolerance of 0.01 deg. With three variable coordinates, the deviation is at most
     // three tolerances.
@@ -573,7 +574,7 @@ fn a_certificate_covers_the_whole_curve() {
     let certificate = &summary["certificate"];
     assert_eq!(certificate["proved"], 41);
     assert_eq!(certificate["one_branch"], true);
-    let worst = errors.iter().copied().fold(0.0, f64::max);
+    let worst = errors.iter().copied().fold(0.0, larger);
     assert_eq!(certificate["largest_position_error"], worst);
 
     let study = studies().join("macpherson_solve.toml");

@@ -1,6 +1,7 @@
 //! Tests of difficult cases from the reference and other sources: states near folds (ends of travel) and toggles, the
 //! folds themselves, and requests without a solution. Condition numbers give the bounds of the errors.
 
+use crate::support::larger;
 use crate::support::random::Random;
 use crate::support::{AXES, Case, motion, number, order_to, sensitivity_errors, vector};
 use hardpoint::analyse::RangeEnd;
@@ -96,7 +97,7 @@ fn check_case(name: &str, case: &Case) -> usize {
                             let series =
                                 view.value(&at, Quantity::Coordinate(case.point(p), axis));
                             if order > 0 {
-                                largest[order] = largest[order].max(wanted.abs());
+                                largest[order] = larger(largest[order], wanted.abs());
                             }
                             found.push((order, series.derivative(order) - wanted));
                         }
@@ -104,7 +105,7 @@ fn check_case(name: &str, case: &Case) -> usize {
                 }
                 for (order, error) in found {
                     assert!(error.is_finite());
-                    worst[order] = worst[order].max((error / largest[order]).abs());
+                    worst[order] = larger(worst[order], (error / largest[order]).abs());
                 }
                 for (name, c) in [
                     ("camber", Characteristic::Camber),
@@ -284,7 +285,7 @@ fn estimated_condition_numbers_hold_to_a_factor_of_ten() {
                         } else {
                             assert!(found < 1e3);
                             least = least.min(found / true_one);
-                            most = most.max(found / true_one);
+                            most = larger(most, found / true_one);
                             estimated += 1;
                         }
                     }
@@ -324,7 +325,10 @@ fn limits_of_travel_are_exact() {
             let (point, axis) = param.split_once('.').unwrap();
             let axis = AXES.into_iter().find(|a| a.name() == axis).unwrap();
             let found: Vector3<f64> = case.frame.vector(limit.gradient[case.point(point).0]);
-            worst = worst.max((found.to_array()[axis as usize] - number(value)).abs());
+            worst = larger(
+                worst,
+                (found.to_array()[axis as usize] - number(value)).abs(),
+            );
             count += 1;
         }
         println!("{count} sensitivities to {worst:.1e}");

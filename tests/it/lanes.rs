@@ -3,6 +3,7 @@
 //!
 //! `DESIGNS=1000000 cargo test --release --test it lanes:: -- --ignored --nocapture` is the long run.
 
+use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::ask::{Need, Unit};
 use hardpoint::characteristics::{Characteristic, Constants, Quantity, WheelReading};
@@ -200,7 +201,7 @@ fn compare(study: &Study, quantities: &[Quantity], by: f64, seed: u64, designs: 
                 assert_eq!(a.is_nan(), b.is_nan(), "slope of {quantity:?}");
                 if !a.is_nan() && !left[design] {
                     let scale = (scale / unit_of_drive).max(b.abs());
-                    found.worst_slope = found.worst_slope.max((a - b).abs() / scale);
+                    found.worst_slope = larger(found.worst_slope, (a - b).abs() / scale);
                 }
             }
         }
@@ -810,7 +811,7 @@ fn gradients_in_lanes_are_those_of_the_closure_equations() {
                     &careful[k / stations.count() * stations.count()..][..stations.count()];
                 let scale = scale_of(quantity, size, size);
                 let largest = of_quantity.iter().map(|(_, g)| norm(g));
-                let largest = largest.fold(scale / size, f64::max);
+                let largest = largest.fold(scale / size, larger);
                 let missed = (found - value).abs() / scale;
                 assert!(missed < 1e-12, "{name}: {quantity:?} {found} {value}");
                 let AngleTarget { value: v, weight } = wanted[k];

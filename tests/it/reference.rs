@@ -1,5 +1,6 @@
 //! Tests of the program's solver against the reference values (110 digits, see `tests/data/reference`).
 
+use crate::support::larger;
 use crate::support::{
     ANGLES, AXES, Case, Worst, motion, number, order_to, sensitivity_errors, vector,
 };
@@ -73,7 +74,7 @@ fn check(name: &str) -> Errors {
                         .iter()
                         .filter(|(_, q, _)| is_point(q) == points)
                         .map(|(_, _, v)| v[order].abs())
-                        .fold(0.0, f64::max)
+                        .fold(0.0, larger)
                 };
                 for (_, quantity, values) in &outputs {
                     let series = view.value(&linearised.at, *quantity);
@@ -163,7 +164,7 @@ fn by_rack(
         let largest = ["p8", "p10", "p11"]
             .map(|p| vector(&state[key][p]).norm())
             .into_iter()
-            .fold(0.0, f64::max);
+            .fold(0.0, larger);
         for name in ["p5", "p6", "p8", "p10", "p11"] {
             let wanted = case.frame.vector(vector(&state[key][name]));
             for axis in Axis::ALL {

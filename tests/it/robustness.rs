@@ -8,6 +8,7 @@
 //! an independent continuation in small steps. A station with status `ok` has a certificate, and its pose is the one that
 //! the small steps reach.
 
+use crate::support::larger;
 use crate::support::small_steps::SmallSteps;
 use hardpoint::characteristics::Characteristic;
 use hardpoint::curves::{Curves, Proof, Status, curves};
@@ -302,13 +303,13 @@ fn violation(trial: &Trial, pose: &Pose<f64>, rack: f64) -> f64 {
         if let Constraint::Link { inner, outer } = constraint {
             let now = (at(outer.0) - inner_at(inner.0)).norm();
             let was = (d[outer.0] - d[inner.0]).norm();
-            worst = worst.max((now - was).abs());
+            worst = larger(worst, (now - was).abs());
         }
         if let Constraint::StrutLine { top, lower, upper } = constraint {
             let base = d[upper.unwrap_or(*top).0] - d[lower.0];
             let along = base * (1.0 / base.norm());
             let image = pose.rotation.apply(along);
-            worst = worst.max(image.cross(d[top.0] - at(top.0)).norm());
+            worst = larger(worst, image.cross(d[top.0] - at(top.0)).norm());
         }
     }
     worst
@@ -468,10 +469,10 @@ fn examine_certified(
 
 /// Distance between two poses in the norm of a certificate.
 fn apart(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
-    let largest = |v: Vector3<f64>| v.to_array().map(f64::abs).into_iter().fold(0.0, f64::max);
+    let largest = |v: Vector3<f64>| v.to_array().map(f64::abs).into_iter().fold(0.0, larger);
     let scale = size.log2().round().exp2();
     let columns = a.rotation.columns.into_iter().zip(b.rotation.columns);
-    let turned = columns.map(|(p, q)| largest(p - q)).fold(0.0, f64::max);
+    let turned = columns.map(|(p, q)| largest(p - q)).fold(0.0, larger);
     largest(a.origin - b.origin).max(turned * scale)
 }
 

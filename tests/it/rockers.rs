@@ -1,5 +1,6 @@
 //! Tests of studies with rockers as a user runs them: limits, outputs and refusals.
 
+use crate::support::larger;
 use assert_cmd::Command;
 use hardpoint::curves::{Curves, Status, curves};
 use hardpoint::model::Rod;
@@ -403,7 +404,7 @@ fn sweeps_and_solves_agree() {
         "camber_deg",
     ] {
         let values = table.column(name).unwrap().iter().flatten();
-        let largest = values.copied().fold(f64::NEG_INFINITY, f64::max);
+        let largest = values.copied().fold(f64::NEG_INFINITY, larger);
         let (stem, unit) = match name.rsplit_once('_').unwrap() {
             (stem, unit @ ("mm" | "deg")) => (stem, format!("_{unit}")),
             _ => (name, String::new()),

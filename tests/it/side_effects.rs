@@ -1,6 +1,7 @@
 //! Tests of side effects of tunings. The side effects are compared with the curves of both designs. Other tests check the
 //! rules and the reports in all formats.
 
+use crate::support::larger;
 use hardpoint::characteristics::Characteristic;
 use hardpoint::side_effects::side_effects;
 use hardpoint::study::{Outputs, Study};
@@ -82,7 +83,7 @@ fn an_output_without_a_target_is_compared_with_the_curves_of_both_designs() {
         ] {
             let all = values(study, of).into_iter().map(|(_, value)| value);
             let low = all.clone().fold(f64::INFINITY, f64::min);
-            let high = all.fold(f64::NEG_INFINITY, f64::max);
+            let high = all.fold(f64::NEG_INFINITY, larger);
             assert!((ends[0].unwrap() - low).abs() < 1e-9, "{output}");
             assert!((ends[1].unwrap() - high).abs() < 1e-9, "{output}");
         }
@@ -223,7 +224,7 @@ fn a_gain_of_an_axle_asks_for_the_slope_of_both_wheels() {
             .iter()
             .zip(&is)
             .map(|(a, b)| (b.unwrap() - a.unwrap()).abs());
-        let whole = changes.fold(0.0, f64::max);
+        let whole = changes.fold(0.0, larger);
         let name = output.trim_end_matches("_deg").trim_start_matches("left_");
         let effect = named(&effects, name);
         assert!(
@@ -345,7 +346,10 @@ fn an_axle_has_one_row_for_both_wheels() {
     for (from, to) in was.stations.iter().zip(&is.stations) {
         for column in [0, 1] {
             assert!(was.columns[column].name.ends_with("camber_deg"));
-            worst = worst.max((to.value(column).unwrap() - from.value(column).unwrap()).abs());
+            worst = larger(
+                worst,
+                (to.value(column).unwrap() - from.value(column).unwrap()).abs(),
+            );
         }
     }
     let camber = named(&effects, "camber");

@@ -24,6 +24,12 @@ pub fn has_lanes() -> bool {
     hardpoint::number::Width::widest().is_some()
 }
 
+/// Larger of two numbers. NaN if one of them is NaN, so that a comparison of the largest error with its bound fails. `f64::max`
+/// would ignore NaN.
+pub fn larger(a: f64, b: f64) -> f64 {
+    if a > b || a.is_nan() { a } else { b }
+}
+
 /// A printed text on one line, with single spaces.
 pub fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")

@@ -48,7 +48,9 @@ fn violation(fit: &Fit) -> f64 {
             ActiveBound::Upper => cosine.max(0.0),
         }
     };
-    (0..fit.active_bounds.len()).map(cosine).fold(0.0, f64::max)
+    (0..fit.active_bounds.len())
+        .map(cosine)
+        .fold(0.0, crate::number::larger)
 }
 
 #[test]

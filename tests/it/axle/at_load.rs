@@ -2,6 +2,7 @@
 
 use super::commands::{run, study as sample};
 use super::tuning::study;
+use crate::support::larger;
 use hardpoint::axle::{AxleQuantity, AxleSolver, Placement, Quantity, WheelQuantity, axle_curves};
 use hardpoint::model::{PointId, Side};
 use hardpoint::number::Vector3;
@@ -46,7 +47,7 @@ fn the_sum_of_the_wheel_loads_is_held() {
                     (load - level).abs() < 1e-11 * level,
                     "{name}: {load} {level}"
                 );
-                moved = moved.max((found - heave).abs());
+                moved = larger(moved, (found - heave).abs());
             }
             assert!(moved > 1e-3, "{name}: {moved}");
         }
@@ -131,7 +132,7 @@ fn gradients_follow_the_load() {
         }
         for (quantity, slope) in slopes.iter().enumerate() {
             let all = gradients[quantity].iter().flatten();
-            let largest = all.map(|by| by.norm()).fold(0.0, f64::max);
+            let largest = all.map(|by| by.norm()).fold(0.0, larger);
             let found = gradients[quantity][side][point].to_array()[axis];
             assert!(
                 (found - slope).abs() < 2e-8 * largest,

@@ -2,6 +2,7 @@
 
 use super::commands::{folder, run, study as sample};
 use super::tuning::study;
+use crate::support::larger;
 use hardpoint::characteristics::Characteristic;
 use hardpoint::optimise::Control;
 use hardpoint::study::{Motion, Study, Vehicle, WheelStudy};
@@ -46,7 +47,7 @@ fn most(study: &Study, travels: [f64; 2]) -> f64 {
     };
     let curves = alone.curves().unwrap();
     let values = curves.stations.iter().map(|s| s.values[0].unwrap());
-    values.fold(f64::NEG_INFINITY, f64::max)
+    values.fold(f64::NEG_INFINITY, larger)
 }
 
 /// A limit over a motion of the axle applies to both wheels, each with its own travel. If `side` names a wheel, the

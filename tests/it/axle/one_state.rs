@@ -2,6 +2,7 @@
 
 use super::reference::condition;
 use super::tuning::study;
+use crate::support::larger;
 use hardpoint::ask::Unit;
 use hardpoint::axle::{Axle, AxleSolver, AxleState, Motion, Placement, Quantity};
 use hardpoint::model::Side;
@@ -134,7 +135,7 @@ fn quantities_do_not_depend_on_how_a_position_is_asked_for() {
             let at_load = Placement::AtLoad { heave, roll, rack };
             let travels = solver.place(&at_load).unwrap().travels;
             let mean = 0.5 * (travels[0] + travels[1]);
-            moved = moved.max((mean - heave).abs());
+            moved = larger(moved, (mean - heave).abs());
             let by_roll = Placement::Roll {
                 heave: mean,
                 roll,

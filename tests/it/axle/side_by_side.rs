@@ -1,6 +1,7 @@
 //! Tests of `hardpoint compare` with axles.
 
 use super::commands::{folder, run, study};
+use crate::support::larger;
 use hardpoint::report::CurveTable;
 use std::fs;
 use std::path::Path;
@@ -73,7 +74,7 @@ fn points_of_a_right_wheel_of_its_own_are_told_apart() {
     let largest = |name: &str| {
         let name = format!("{name} [longer - five_link_axle]");
         let differences = compared.column(&name).unwrap().iter().flatten();
-        differences.fold(0.0_f64, |most, d| most.max(d.abs()))
+        differences.fold(0.0_f64, |most, d| larger(most, d.abs()))
     };
     assert!(
         largest("right_toe_deg") > 0.02,

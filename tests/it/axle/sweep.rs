@@ -1,6 +1,7 @@
 //! Tests of sweeps of axles.
 
 use super::tuning;
+use crate::support::larger;
 use hardpoint::axle::axle_curves;
 use hardpoint::study::Study;
 use hardpoint::sweep::{Kind, SweepPlan};
@@ -67,7 +68,7 @@ fn rows_are_what_the_designs_own_curves_have() {
             for (column, found) in row.chunks_exact(3).enumerate() {
                 let values = || curves.stations.iter().map(|s| s.value(column).unwrap());
                 let least = values().fold(f64::INFINITY, f64::min);
-                let largest = values().fold(f64::NEG_INFINITY, f64::max);
+                let largest = values().fold(f64::NEG_INFINITY, larger);
                 for (found, expected) in found.iter().zip([least, largest]) {
                     let error = (found - expected).abs();
                     assert!(

@@ -1,6 +1,7 @@
 //! Tests of targets and bands of an axle in `[motions.NAME]`.
 
 use super::tuning::{evaluate, layout, study};
+use crate::support::larger;
 use hardpoint::optimise::Control;
 use hardpoint::study::Study;
 use hardpoint::tolerance::{Expansion, Problem};
@@ -70,7 +71,7 @@ fn most(study: &Study, column: &str) -> f64 {
         .stations
         .iter()
         .map(|s| s.values[place].unwrap().abs());
-    values.fold(0.0, f64::max)
+    values.fold(0.0, larger)
 }
 
 /// One tuning meets two targets: a camber in roll and a bump steer in heave. The curves of both motions show the target
@@ -145,7 +146,7 @@ fn a_band_in_a_named_motion_limits_the_values_of_the_same_motion() {
             assert!((value - other).abs() < 1e-13, "{motion}: {value} {other}");
             let size = slopes
                 .iter()
-                .fold(0.0_f64, |most, slope| most.max(slope.abs()));
+                .fold(0.0_f64, |most, slope| larger(most, slope.abs()));
             for (slope, other) in slopes.iter().zip(others) {
                 assert!(
                     (slope - other).abs() <= 1e-12 * size,

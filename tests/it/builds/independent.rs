@@ -3,6 +3,7 @@
 
 use super::other_equations::{Drawing, Motion, Parts, Reading, Solved};
 use super::{assembler, parameter, plan, study};
+use crate::support::larger;
 use crate::support::{number, random::Random};
 use hardpoint::assembly::{Assembler, AssemblyError, BuildParameter, Built, Rest, built_curves};
 use hardpoint::bench::DoubleDouble;
@@ -266,7 +267,7 @@ fn compared(case: &Case, seed: u64) -> Errors {
     for (name, place) in case.drawing.names.iter().zip(places) {
         let id = built.suspension.mechanism.point(name).unwrap();
         let off = distance(built.suspension.design[id.0], place) / size;
-        errors.position = errors.position.max(off);
+        errors.position = larger(errors.position, off);
     }
     let beside = [-2.0, -1.0, 1.0, 2.0].map(|steps| displaced(case, &parts, &shares, steps));
     assert_eq!(curves.curves.stations.len(), case.stations.len());
@@ -304,22 +305,22 @@ fn compared(case: &Case, seed: u64) -> Errors {
         let (mut off, mut length) = (0.0_f64, 0.0_f64);
         for k in 0..2 {
             let error = (truth.angles[k] - value(k).into()).value();
-            errors.angle = errors.angle.max(error.abs().to_radians());
+            errors.angle = larger(errors.angle, error.abs().to_radians());
             let [a, b, c, d] = [&a, &b, &c, &d].map(|r| r.angles[k]);
             let truth = difference(a, b, c, d);
             off += (slope(k) - truth).powi(2);
             length += truth.powi(2);
         }
-        errors.angle_slope = errors.angle_slope.max((off / length).sqrt());
+        errors.angle_slope = larger(errors.angle_slope, (off / length).sqrt());
         for (id, place) in truth.places.iter().enumerate() {
             let first = 2 + 3 * id;
             let found = Vector3::new(value(first), value(first + 1), value(first + 2));
-            errors.position = errors.position.max(distance(found, *place) / size);
+            errors.position = larger(errors.position, distance(found, *place) / size);
             let [a, b, c, d] = [&a, &b, &c, &d].map(|r| r.places[id].to_array());
             let truth = [0, 1, 2].map(|k| difference(a[k], b[k], c[k], d[k]));
             let truth = Vector3::from(truth);
             let found = Vector3::new(slope(first), slope(first + 1), slope(first + 2));
-            errors.slope = errors.slope.max((found - truth).norm() / truth.norm());
+            errors.slope = larger(errors.slope, (found - truth).norm() / truth.norm());
         }
     }
     errors

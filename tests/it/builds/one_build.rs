@@ -1,6 +1,7 @@
 //! Tests of one build as a separate study, and of limits of builds.
 
 use super::{plan, study};
+use crate::support::larger;
 use hardpoint::curves::curves;
 use hardpoint::study::Study;
 use hardpoint::tolerance::{Problem, monte_carlo};
@@ -148,10 +149,7 @@ fn limits_of_builds_are_the_nearest_of_each() {
         assert_eq!(row["quantity"], single[0][k]["quantity"]);
         let from = single.iter().map(|limits| number(&limits[k], "from"));
         let to = single.iter().map(|limits| number(&limits[k], "to"));
-        assert_eq!(
-            number(row, "nearest"),
-            from.fold(f64::NEG_INFINITY, f64::max)
-        );
+        assert_eq!(number(row, "nearest"), from.fold(f64::NEG_INFINITY, larger));
         assert_eq!(
             number(row, "nearest_there"),
             to.fold(f64::INFINITY, f64::min)

@@ -1,6 +1,7 @@
 //! Tests of the balance of free bodies in states of random cars. The bodies are carriers, arms, rockers, bars and the
 //! body of the car, each separately. The forces come from published positions and member forces.
 
+use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::axle::Preloaded;
 use hardpoint::car::{
@@ -274,10 +275,10 @@ fn worst(car: &Car, solver: &mut CarSolver<'_>, case: &Case, found: &Equilibrium
         let (forces, moments, body) = wheel.residuals(other_end);
         let lacking = all[number].lacking;
         for force in forces.into_iter().chain([lacking]) {
-            worst[0] = worst[0].max(force.abs() / weight);
+            worst[0] = larger(worst[0], force.abs() / weight);
         }
         for moment in moments {
-            worst[1] = worst[1].max(moment.abs() / (1000.0 * weight));
+            worst[1] = larger(worst[1], moment.abs() / (1000.0 * weight));
         }
         let origin = if wheel.axle == 0 {
             V::default()
@@ -312,8 +313,8 @@ fn worst(car: &Car, solver: &mut CarSolver<'_>, case: &Case, found: &Equilibrium
         -(road.forward * state.air[2]),
     ));
     let [force, moment] = sum(&on_body);
-    worst[0] = worst[0].max(force.norm() / weight);
-    worst[1] = worst[1].max((moment + torque).norm() / (1000.0 * weight));
+    worst[0] = larger(worst[0], force.norm() / weight);
+    worst[1] = larger(worst[1], (moment + torque).norm() / (1000.0 * weight));
     worst
 }
 

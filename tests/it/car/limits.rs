@@ -1,6 +1,7 @@
 //! Tests of the limits of a car along directions of acceleration.
 
 use super::{car, reference};
+use crate::support::larger;
 use crate::support::rows_by_column;
 use hardpoint::car::{Car, CarQuantity, CarSolver, Case, WheelPlace, WheelResult};
 use hardpoint::study::CarStudy;
@@ -42,7 +43,7 @@ fn limits_are_where_loads_vanish() {
         if let Some(lift) = limits.lift {
             lifts += 1;
             let (found, lifted) = loads(&mut solver, &at(&case, lift.acceleration));
-            let most = found.iter().copied().fold(0.0, f64::max);
+            let most = found.iter().copied().fold(0.0, larger);
             let wheel = lift.wheel.0;
             // If both wheels of an axle lift at once, their loads change steeply.
             let bound = if lift.others_loaded { 1e-10 } else { 1e-7 };

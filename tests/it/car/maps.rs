@@ -3,6 +3,7 @@
 
 use super::commands::hardpoint;
 use super::{car, reference};
+use crate::support::larger;
 use hardpoint::car::{
     Car, CarQuantity, CarSolver, Case, Equilibrium, GRAVITY, Longitudinal, LongitudinalShares,
 };
@@ -77,7 +78,7 @@ fn neighbours_are_the_states_of_their_cases() {
                     continue;
                 };
                 let size = b.abs().max(0.05);
-                most = most.max((a - b).abs() / size);
+                most = larger(most, (a - b).abs() / size);
                 assert!(
                     (a - b).abs() <= 1e-9 * size * (1.0 + size / 1000.0),
                     "{}: {a} {b}",
@@ -133,11 +134,11 @@ fn rows_in_lanes_are_the_states_of_their_cases() {
                 };
                 for k in 0..14 {
                     let apart = (state.found.unknowns[k] - itself.unknowns[k]).abs() / size(k);
-                    most = most.max(apart);
+                    most = larger(most, apart);
                 }
                 for (own, wheel) in state.parts.iter().zip(&balance.wheels) {
                     let parts = own.iter().zip(&wheel.parts);
-                    most = parts.fold(most, |most, (a, b)| most.max((a - b).abs() / weight));
+                    most = parts.fold(most, |most, (a, b)| larger(most, (a - b).abs() / weight));
                 }
                 if !state.is_from_lane {
                     lifted += usize::from(itself.lifted != [false; 4]);

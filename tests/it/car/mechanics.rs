@@ -1,6 +1,7 @@
 //! Tests of statics on random states of random cars.
 
 use super::{car, reference};
+use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::axle::{AxleSolver, Placement, Quantity, WheelQuantity};
 use hardpoint::car::{
@@ -107,7 +108,7 @@ fn free_body_and_parts_of_loads_balance() {
             act(wheel.corner.centre, -(acceleration * unsprung(number)));
             let sum: f64 = wheel.parts.iter().sum();
             // One solution contains all four loads, so rounding scales with the mean load.
-            worst[2] = worst[2].max((sum - wheel.load).abs() / (0.25 * weight));
+            worst[2] = larger(worst[2], (sum - wheel.load).abs() / (0.25 * weight));
             assert!(found.lifted[number] || wheel.load > 0.0);
         }
         // The centre of gravity of the sprung mass has coordinates in body axes.
@@ -119,8 +120,8 @@ fn free_body_and_parts_of_loads_balance() {
             }
             act(air.drag.unwrap().point, -(road.forward * state.air[2]));
         }
-        worst[0] = worst[0].max(force.norm() / weight);
-        worst[1] = worst[1].max(moment.norm() / (weight * 2650.0));
+        worst[0] = larger(worst[0], force.norm() / weight);
+        worst[1] = larger(worst[1], moment.norm() / (weight * 2650.0));
     });
     println!("{solved} solved, {failed} not; worst {worst:?}");
     assert!(solved >= 990, "{solved}");

@@ -1,5 +1,6 @@
 //! Tests of solid axles in cars.
 
+use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::car::{
     AxleEnd, AxleResult, Car, CarQuantity, CarSolver, Case, GRAVITY, Longitudinal, WheelPlace,
@@ -100,7 +101,7 @@ fn four_links_hold_the_axle() {
                 };
                 add(low, (low - high).normalised() * wheel.spring_force);
                 let sum: f64 = wheel.parts.iter().sum();
-                worst[1] = worst[1].max((sum - wheel.load).abs() / 4000.0);
+                worst[1] = larger(worst[1], (sum - wheel.load).abs() / 4000.0);
             }
             let links = ["lower_link", "upper_link"].into_iter().flat_map(|link| {
                 let link = link.to_owned();
@@ -117,7 +118,7 @@ fn four_links_hold_the_axle() {
             let matrix = DMatrix::from_columns(&columns);
             let tensions = matrix.clone().svd(true, true).solve(&-&sum, 1e-12).unwrap();
             let left_over = &matrix * tensions + &sum;
-            worst[0] = worst[0].max(left_over.norm() / (1700.0 * GRAVITY));
+            worst[0] = larger(worst[0], left_over.norm() / (1700.0 * GRAVITY));
         }
     }
     println!("{solved} states, worst {worst:?}");

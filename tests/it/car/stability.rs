@@ -1,6 +1,7 @@
 //! Tests of the end of equilibrium: a car that is built to overturn, and stable states whose stiffness matrix is not
 //! symmetric.
 
+use crate::support::larger;
 use hardpoint::axle::{Preloaded, RockerSprings};
 use hardpoint::car::{
     Car, CarQuantity, CarSolver, Case, Longitudinal, LongitudinalShares, NoEquilibrium,
@@ -149,7 +150,7 @@ fn a_cornering_car_tips_over_its_outer_wheels() {
             let last = last.unwrap();
             let loads = &last.unknowns[7..11];
             let inner = (0..4).filter(|wheel| lifted[*wheel]);
-            let most = loads.iter().copied().fold(0.0, f64::max);
+            let most = loads.iter().copied().fold(0.0, larger);
             assert!(
                 inner.clone().all(|wheel| loads[wheel] < 1e-2 * most),
                 "{name} {loads:?}"

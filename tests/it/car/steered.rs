@@ -1,5 +1,6 @@
 //! Tests of steered solid axles in cars: free bodies, derivatives, and the roll centre of the axle.
 
+use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::axle::{AxlePose, AxleSolver, Placement};
 use hardpoint::car::{
@@ -200,10 +201,10 @@ fn rods_hold_axle_and_knuckles() {
             let (sum, rods) = (bodies.loads(&state, &case), bodies.rods());
             let tensions = rods.clone().svd(true, true).solve(&-&sum, 1e-12).unwrap();
             let left_over = &rods * tensions + &sum;
-            worst[0] = worst[0].max(left_over.norm() / (1750.0 * GRAVITY));
+            worst[0] = larger(worst[0], left_over.norm() / (1750.0 * GRAVITY));
             for wheel in &state.wheels[..2] {
                 let parts: f64 = wheel.parts.iter().sum();
-                worst[1] = worst[1].max((parts - wheel.load).abs() / 4000.0);
+                worst[1] = larger(worst[1], (parts - wheel.load).abs() / 4000.0);
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Tests of curves of equilibria over travel: the outputs of `solve` for a wheel with elastic parts.
 
 use super::support::{elastic, fourth_order, with};
+use crate::support::larger;
 use hardpoint::compliance::ElasticWheel;
 use hardpoint::curves::{Curves, Status};
 use hardpoint::study::Study;
@@ -148,7 +149,7 @@ fn stiff_parts_give_the_curves_of_the_rigid_mechanism() {
                 for (column, (x, y)) in a.values.iter().zip(&b.values).enumerate() {
                     let (x, y) = (x.as_ref().unwrap(), y.as_ref().unwrap());
                     let size = y.abs().max(0.1);
-                    worst = worst.max((x - y).abs() / size);
+                    worst = larger(worst, (x - y).abs() / size);
                     assert!(
                         (x - y).abs() < 1e2 / factor * size,
                         "{name} {}: {x} {y}",
@@ -213,7 +214,7 @@ fn sensitivities_are_changes_of_the_curves() {
             .sensitivities
             .iter()
             .filter(|other| other.column == found.column)
-            .fold(0.0, |m: f64, other| m.max(other.value.abs()));
+            .fold(0.0, |m: f64, other| larger(m, other.value.abs()));
         assert!(
             (found.value - expected).abs() < 1e-6 * size,
             "{} {:?}: {} {expected}",

@@ -3,6 +3,7 @@
 
 use super::reference::{CASES, solved, unit};
 use super::{case, compliance, number, suspension};
+use crate::support::larger;
 use hardpoint::compliance::{
     Change, Compliance, ElasticWheel, Equilibrium, HeldQuantity, OnTape, Parameter, Shape,
     link_members,
@@ -178,7 +179,7 @@ fn derivatives_are_those_of_the_reference() {
                 tape.gradients(&[*value], inputs.len(), |_, by| gradient = by.to_vec());
                 let largest_of = |of: &dyn Fn(&str) -> bool| {
                     let own = inputs.iter().filter(|(input, _)| of(input));
-                    own.fold(0.0_f64, |m, (_, v)| m.max(number(&v[column]).abs()))
+                    own.fold(0.0_f64, |m, (_, v)| larger(m, number(&v[column]).abs()))
                 };
                 for (number_of, (input, expected)) in inputs.iter().enumerate() {
                     let expected = number(&expected[column]);

@@ -4,6 +4,7 @@
 use super::command::{hardpoint, study};
 use super::random::varied;
 use super::support::{elastic, with};
+use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::compliance::{
     AxialStiffness, AxleCompliance, AxleKcRun, AxleVehicle, AxleWay, Change, Compliance,
@@ -88,7 +89,7 @@ fn travel_ends_come_to_those_of_the_rigid_mechanism() {
         let found = ends.as_flattened().iter().map(|end| end.value);
         let rigid = travel.into_iter().chain(rack);
         let errors = found.zip(rigid).map(|(found, rigid)| (found - rigid).abs());
-        errors.fold(0.0, f64::max)
+        errors.fold(0.0, larger)
     });
     assert!(
         errors[2] < 1e-3 && errors[1] < 0.1 * errors[0] && errors[2] < 0.1 * errors[1],

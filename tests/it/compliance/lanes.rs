@@ -2,6 +2,7 @@
 //! width.
 
 use super::support::{elastic, with};
+use crate::support::larger;
 use hardpoint::evaluate::NotInLanes;
 use hardpoint::number::Width;
 use hardpoint::study::Study;
@@ -100,7 +101,7 @@ fn lanes_have_the_values_of_designs_one_by_one() {
             let found = values(&lanes, columns);
             for (column, (found, expected)) in found.iter().zip(&expected).enumerate() {
                 let sizes = expected.iter().filter(|value| value.is_finite());
-                let largest = sizes.map(|value| value.abs()).fold(0.0, f64::max);
+                let largest = sizes.map(|value| value.abs()).fold(0.0, larger);
                 assert!(largest > 0.0, "{name}: nothing in column {column}");
                 for (a, b) in found.iter().zip(expected) {
                     assert_eq!(a.is_nan(), b.is_nan(), "{name} {width:?} {column}: {a} {b}");

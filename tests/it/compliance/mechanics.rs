@@ -2,6 +2,7 @@
 
 use super::reference::unit;
 use super::{case, compliance, suspension};
+use crate::support::larger;
 use hardpoint::characteristics::Characteristic;
 use hardpoint::compliance::{
     AxialStiffness, BushingPart, Change, Compliance, ElasticFault, ElasticWheel, HeldQuantity,
@@ -49,7 +50,7 @@ fn a_trail_is_a_lateral_force_and_an_aligning_moment() {
         // The rounding error of a solution is relative to its largest component, here of rotations and of displacements
         // divided by 300 mm.
         let parts = numbers(&lateral).into_iter().zip(numbers(&aligning));
-        let scale = parts.fold(0.0_f64, |m, (a, b)| m.max(a.abs() + 45.0 * b.abs()));
+        let scale = parts.fold(0.0_f64, |m, (a, b)| larger(m, a.abs() + 45.0 * b.abs()));
         for (k, found) in numbers(&found).into_iter().enumerate() {
             let (a, b) = (numbers(&lateral)[k], numbers(&aligning)[k]);
             let expected = a + 45.0 * heading * b;

@@ -2,6 +2,7 @@
 //! parts, the member forces approach those of the rigid mechanism.
 
 use super::support::{elastic, with};
+use crate::support::larger;
 use hardpoint::compliance::{ElasticAxle, ElasticWheel, Equilibrium, HeldQuantity, WheelLoads};
 use hardpoint::curves::{Curves, Status};
 use hardpoint::model::{Body, Side, Suspension};
@@ -325,7 +326,7 @@ fn stiff_bushings_carry_the_forces_of_the_rigid_mechanism() {
         let study = Study::from_text("case.toml", &text, Path::new("")).unwrap();
         let exact = study.curves().unwrap();
         let apart = names.map(|name| (value(&curves, 0, name) - value(&exact, 0, name)).abs());
-        apart.into_iter().fold(0.0, f64::max)
+        apart.into_iter().fold(0.0, larger)
     };
     let [soft, hard] = [1e6, 1e8].map(off);
     assert!(hard < 0.1, "{hard}");

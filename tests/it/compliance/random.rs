@@ -2,6 +2,7 @@
 //! program refuses have no equilibrium.
 
 use super::support::{elastic, with};
+use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::compliance::{
     AxialStiffness, Compliance, ElasticWheel, Equilibrium, HeldQuantity, Shape, WheelFigures,
@@ -94,7 +95,7 @@ fn difference(a: &WheelFigures, b: &WheelFigures) -> f64 {
     let centre = (a.centre - b.centre).norm() / 300.0;
     [a.toe - b.toe, a.camber - b.camber, a.spin - b.spin]
         .into_iter()
-        .fold(centre, |m, d| m.max(d.abs()))
+        .fold(centre, |m, d| larger(m, d.abs()))
 }
 
 /// Follows the equilibrium in fine steps of the load, with bisection at the end. Returns the largest fraction of the
@@ -135,7 +136,7 @@ fn stiffest(parts: &Compliance) -> f64 {
         AxialStiffness::Rate(rate) => rate,
         AxialStiffness::PerStrain(force) => force / 100.0,
     });
-    rates.chain(links).fold(0.0, f64::max)
+    rates.chain(links).fold(0.0, larger)
 }
 
 /// Checks `loads_of_each` loads on each of `designs` designs.
@@ -172,21 +173,21 @@ fn check(seed: u64, designs: usize, loads_of_each: usize) -> Seen {
                 seen.ok += 1;
                 let size = [loads.contact, loads.centre]
                     .into_iter()
-                    .fold(loads.side.abs(), |m, f| m.max(f.norm()));
+                    .fold(loads.side.abs(), |m, f| larger(m, f.norm()));
                 let bound = 1e-10 * size.max(design_load)
                     + 8.0 * f64::EPSILON * stiffest(&parts) * suspension.size();
                 let left = wheel.out_of_balance(at);
-                seen.worst_balance = seen.worst_balance.max(left / bound);
+                seen.worst_balance = larger(seen.worst_balance, left / bound);
                 assert!(left <= bound, "{left} {bound}: {loads:?} {held:?}");
                 // The solver leaves out corrections that it predicts to be small. A second solution shows that they are
                 // small.
                 let again = wheel.loaded_about(&station, at, &loads, held).unwrap();
                 let off = difference(&wheel.figures(at), &wheel.figures(&again));
-                seen.worst_correction = seen.worst_correction.max(off);
+                seen.worst_correction = larger(seen.worst_correction, off);
                 // The solution does not jump to another equilibrium: a continuation in fine steps ends in the same state.
                 let whole = whole.unwrap_or_else(|| panic!("fine steps end at {end}: {loads:?}"));
                 let off = difference(&wheel.figures(at), &wheel.figures(&whole));
-                seen.worst_difference = seen.worst_difference.max(off);
+                seen.worst_difference = larger(seen.worst_difference, off);
                 assert!(off < 1e-9, "{off}: {loads:?} {held:?}");
             } else {
                 // The refusal is correct: a continuation in fine steps does not reach the load either.

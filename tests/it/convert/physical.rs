@@ -1,6 +1,7 @@
 //! Tests that a converted study has physically the same results.
 
 use super::{INCHES, METRES, converted, is_elastic, results, studies};
+use crate::support::larger;
 use hardpoint::study::CarStudy;
 use std::fs;
 use std::path::Path;
@@ -128,7 +129,7 @@ fn compare(label: &str, one: &Path, other: &Path, signs: [f64; 3], bound: f64) {
         let of_row = names.iter().any(|name| name == "quantity");
         let size =
             |row: &Vec<Result<f64, String>>| row[column].as_ref().map_or(0.0, |value| value.abs());
-        let largest = expected.iter().map(size).fold(0.0, f64::max);
+        let largest = expected.iter().map(size).fold(0.0, larger);
         for (row, new) in expected.iter().zip(&found) {
             let scale = if of_row { size(row) } else { largest };
             let is_same = match (&row[column], &new[column]) {

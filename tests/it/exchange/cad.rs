@@ -2,6 +2,7 @@
 
 use super::parsers::{all_ways, entities, of_text, pairs, template};
 use super::round_trips::{changed, studies};
+use crate::support::larger;
 use hardpoint::exchange::{Envelope, Outgoing, Span, Tyre, drawing};
 use hardpoint::model::{Axis, Frame, FrameConvention, LengthUnit, Side};
 use hardpoint::number::Vector3;
@@ -341,7 +342,7 @@ fn assert_gap_is_bounded(topology: &str, rack: f64) {
         of_one.fold(f64::INFINITY, f64::min)
     };
     let corners = dense.solids.iter().flatten().flatten();
-    let farthest = corners.map(|p| outside(point(*p))).fold(0.0, f64::max);
+    let farthest = corners.map(|p| outside(point(*p))).fold(0.0, larger);
     assert!(
         farthest > 1.0 && farthest <= coarse.gap(),
         "{farthest} {}",

@@ -3,6 +3,7 @@
 
 use super::parsers::{all_ways, cells, entities, of_text, sample, template};
 use super::round_trips::changed;
+use crate::support::larger;
 use hardpoint::exchange::{
     Envelope, Outgoing, Page, Span, Tool, Tyre, Value, curves_in, drawing, optimum_k_rows,
     page_of_csv, suspensions_ini, under_names_of,
@@ -212,7 +213,7 @@ fn largest(page: &Page, column: usize) -> f64 {
         Value::Number(x) => Some(x.abs()),
         _ => None,
     });
-    values.fold(0.0, f64::max)
+    values.fold(0.0, larger)
 }
 
 /// The program converts the unit at the end of a name. `N m` stays `N m` for any unit of length. A name that merely

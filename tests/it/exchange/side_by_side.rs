@@ -1,5 +1,6 @@
 //! Tests of `hardpoint compare` with one design in different axes and units: `compare` finds no difference.
 
+use crate::support::larger;
 use assert_cmd::Command;
 use std::collections::BTreeMap;
 use std::fs;
@@ -90,7 +91,7 @@ fn compare(directory: &Path, sources: [&str; 2]) -> (usize, BTreeMap<String, f64
         let cells = rows
             .iter()
             .filter_map(|row| row[column].parse::<f64>().ok());
-        cells.fold(0.0, |most: f64, value| most.max(value.abs()))
+        cells.fold(0.0, |most: f64, value| larger(most, value.abs()))
     };
     let columns = header.iter().enumerate();
     let differences = columns.filter(|(_, name)| name.contains(" - "));

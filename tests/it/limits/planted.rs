@@ -5,6 +5,7 @@
 //! singular position, and the program must name that part.
 
 use super::sample;
+use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::analyse::{Range, RangeEnd};
 use hardpoint::mechanism::{Configuration, LimitCause};
@@ -184,7 +185,7 @@ impl Planted {
                 let carried = |id: &usize| self.mechanism.points[*id].body == Body::Knuckle;
                 let points = (0..design.len()).filter(carried);
                 let off = points.map(|id| (at.point(PointId(id)) - self.folded[id]).norm());
-                off.fold(0.0, f64::max) < 1e-5 * self.size
+                off.fold(0.0, larger) < 1e-5 * self.size
             }
             _ => false,
         };

@@ -2,6 +2,7 @@
 
 use super::scatter::Scatter;
 use super::unsuitable;
+use crate::support::larger;
 use hardpoint::attia::Drive;
 use hardpoint::attia::PointCoordinates;
 use hardpoint::attia::Rates;
@@ -63,7 +64,7 @@ fn paper(strut: &Strut) -> Option<([Option<Pose<f64>>; 4], f64)> {
     let (mut poses, mut condition) = ([None; 4], 0.0_f64);
     equations.for_each_pose(&equations.design(), &TRAVELS, &mut |station, pose| {
         poses[station] = pose.ok().map(|pose| {
-            condition = condition.max(equations.condition(pose));
+            condition = larger(condition, equations.condition(pose));
             let series = equations.knuckle_pose::<1>(pose, Rates::BY_DRIVE).unwrap();
             series.map(|Jet([value])| value)
         });
@@ -75,7 +76,7 @@ fn paper(strut: &Strut) -> Option<([Option<Pose<f64>>; 4], f64)> {
 /// `size`.
 fn distance(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
     let columns = a.rotation.columns.iter().zip(b.rotation.columns);
-    let turned = columns.map(|(p, q)| (*p - q).norm()).fold(0.0, f64::max);
+    let turned = columns.map(|(p, q)| (*p - q).norm()).fold(0.0, larger);
     ((a.origin - b.origin).norm() / size).max(turned)
 }
 
@@ -110,7 +111,7 @@ fn agreement_of(struts: u32) {
         };
         for (ours, theirs) in ours.iter().zip(&theirs) {
             let theirs = theirs.unwrap_or_else(|| panic!("{strut:?}"));
-            worst = worst.max(distance(ours, &theirs, size));
+            worst = larger(worst, distance(ours, &theirs, size));
         }
         compared += 1;
     }

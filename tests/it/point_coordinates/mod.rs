@@ -8,6 +8,7 @@ mod scatter;
 mod study;
 mod table;
 
+use crate::support::larger;
 use hardpoint::attia::Moving;
 use hardpoint::attia::Singular;
 use hardpoint::attia::Strut;
@@ -122,5 +123,5 @@ fn bound(mechanism: &PointCoordinates, pose: &Pose, order: usize, largest: f64) 
 }
 
 fn size(points: &Moving) -> f64 {
-    points.iter().map(|p| p.norm()).fold(0.0, f64::max)
+    points.iter().map(|p| p.norm()).fold(0.0, larger)
 }

@@ -1,6 +1,7 @@
 //! Tests of the paper's formulation against reference values of 110 digits.
 
 use super::{bound, number, reference, size, strut, vector, with_points};
+use crate::support::larger;
 use hardpoint::attia::Drive;
 use hardpoint::attia::Moving;
 use hardpoint::attia::StrutPoints;
@@ -157,7 +158,7 @@ fn equation_25_fails_where_omega_lies_in_the_plane_of_6_7_8() {
         let ([_, p6, _, p8, _], [_, v6, v7, v8, _]) = (*pose.moving(), motion.velocity);
         let quotient = (v7 - v6).cross(v8 - v6) * (1.0 / (v7 - v6).dot(p8 - p6));
         let omega = vector(&state["omega_per_drive"]);
-        worst = worst.max((quotient - omega).norm() / omega.norm());
+        worst = larger(worst, (quotient - omega).norm() / omega.norm());
         let ours = mechanism.angular_motion(&pose, &motion).velocity;
         assert!((ours - omega).norm() < 1e-12 * omega.norm());
     }

@@ -2,6 +2,7 @@
 
 use super::built_beam::{HEAVE, Parts, ROLL, study, study_of};
 use super::own::{Point, mirror};
+use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::axle::{Axle, AxleQuantity as A, AxleSolver, Placement, Quantity, WheelParts as _};
 use hardpoint::number::Width;
@@ -38,7 +39,7 @@ fn apart(axle: &Axle, parts: &Parts, travels: [f64; 2]) -> [f64; 2] {
         ];
         for (k, (found, expected)) in found.iter().zip(parts.wheel(&x, side)).enumerate() {
             for (found, expected) in found.iter().zip(expected) {
-                worst[k] = worst[k].max((found - expected).abs());
+                worst[k] = larger(worst[k], (found - expected).abs());
             }
         }
     }

@@ -5,6 +5,7 @@
 //! condition number of the random axles is below 1e3, so positions have an error of up to 1e-9 mm.
 
 use super::{STILL, axle, text};
+use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::axle::{AxleQuantity as A, AxleSolver, Placement, Quantity};
 
@@ -219,17 +220,16 @@ fn compare_positions(axles: usize) {
             let expected = own(&points, single).at(travels);
             let lateral = Quantity::Axle(A::AxleLateral).evaluate(&read.state);
             let middle = 0.5 * (expected[0][1] + expected[1][1]);
-            worst = worst.max((lateral - middle).abs());
+            worst = larger(worst, (lateral - middle).abs());
             for (side, wheel) in read.state.wheels().into_iter().enumerate() {
                 let found = wheel.reading.centre().to_array();
                 let found = if side == 0 { found } else { mirror(found) };
                 for (found, expected) in found.iter().zip(expected[side]) {
-                    worst = worst.max((found - expected).abs());
+                    worst = larger(worst, (found - expected).abs());
                 }
             }
         }
         println!("single {single}: {worst:e} mm");
-        // This assertion does not detect NaN errors, because `f64::max` ignores NaN.
         assert!(worst < 1e-9, "single {single}: {worst:e} mm");
     }
 }

@@ -4,6 +4,7 @@
 
 use super::own::{Point, minus, mirror, solve, turned};
 use super::{STILL, axle, slopes_of_designs};
+use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::axle::{
     AxleQuantity as A, AxleSolver, Motion, Placement, Quantity, Read, WheelParts as _,
@@ -209,13 +210,13 @@ fn positions_are_those_of_two_rigid_bodies() {
             let axis = own(wheel.reading.spin_axis().to_array());
             let expected_axis = turned(half(&x, side).1, own([0.0, 1.0, 0.0]));
             for i in 0..3 {
-                worst = worst.max((found[i] - expected[i]).abs());
-                worst_turn = worst_turn.max((axis[i] - expected_axis[i]).abs());
+                worst = larger(worst, (found[i] - expected[i]).abs());
+                worst_turn = larger(worst_turn, (axis[i] - expected_axis[i]).abs());
             }
         }
         let twist = WANTED[0].evaluate(&read.state);
-        worst_turn = worst_turn.max((twist - beam.twist(&x)).abs());
-        most_twist = most_twist.max(twist.abs());
+        worst_turn = larger(worst_turn, (twist - beam.twist(&x)).abs());
+        most_twist = larger(most_twist, twist.abs());
     }
     println!("{worst:e} mm, {worst_turn:e}, twists up to {most_twist}");
     assert!(most_twist > 0.2, "{most_twist}");

@@ -5,6 +5,7 @@
 
 use super::own::{self, Point, minus, mirror, solve, turned};
 use super::{STILL, axle, slopes_of_designs, text};
+use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::analyse::RangeEnd;
 use hardpoint::axle::{
@@ -230,7 +231,7 @@ fn compare(each: usize) {
                 let found = wheel.reading.centre().to_array();
                 let found = if side == 0 { found } else { mirror(found) };
                 for (found, expected) in found.iter().zip(expected[side]) {
-                    worst = worst.max((found - expected).abs());
+                    worst = larger(worst, (found - expected).abs());
                 }
             }
             // Derivatives are compared for a tenth of the axles only, because each comparison needs eight more
@@ -250,7 +251,7 @@ fn compare(each: usize) {
                         let slope = |h: f64| (along(h)[k] - along(-h)[k]) / (2.0 * h);
                         let expected = (4.0 * slope(0.5) - slope(1.0)) / 3.0;
                         worst_rate =
-                            worst_rate.max((quantity.evaluate(&moving)[1] - expected).abs());
+                            larger(worst_rate, (quantity.evaluate(&moving)[1] - expected).abs());
                     }
                 }
             }

@@ -1,6 +1,7 @@
 //! Tests of an axle in the live page: sliders, and positions of both wheels.
 
 use super::{Served, car, sample};
+use crate::support::larger;
 use serde_json::{Value, json};
 use std::process::Command;
 
@@ -201,7 +202,7 @@ fn drawn_links_have_the_stretch_of_their_tension() {
             };
             let expected = tension(station) - tension(home);
             let found = stiffness * (length(drawn) - length(&design));
-            largest = largest.max(expected.abs());
+            largest = larger(largest, expected.abs());
             // The bound is the rounding error of coordinates of 1 m, times the stiffness.
             assert!(
                 (found - expected).abs() < 1e-7,

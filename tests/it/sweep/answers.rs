@@ -1,6 +1,7 @@
 //! Tests of sweeps with known results, and of the counts of failed designs.
 
 use super::*;
+use crate::support::larger;
 
 /// The targets are values of one point of a grid. The sweep finds this point as the best design and as the only point
 /// of the Pareto front.
@@ -109,7 +110,7 @@ fn a_row_says_what_solve_and_optimise_say() {
     for (name, unit) in [("camber", "deg"), ("scrub_radius", "mm")] {
         let curve = solved.numbers(&format!("{name}_{unit}"));
         let min = curve.iter().copied().fold(f64::INFINITY, f64::min);
-        let max = curve.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let max = curve.iter().copied().fold(f64::NEG_INFINITY, larger);
         let found =
             ["min", "max", "design"].map(|w| designs.numbers(&format!("{name}_{w}_{unit}"))[0]);
         for (found, wanted) in found.iter().zip([min, max, curve[20]]) {

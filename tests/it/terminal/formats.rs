@@ -1,6 +1,7 @@
 //! Tests of `--format json` and `--format csv`: they contain every table of a command with exact numbers.
 
 use super::Called;
+use crate::support::larger;
 use serde_json::Value;
 
 /// Calls whose tables the tests compare, each with the names of its tables.
@@ -193,7 +194,7 @@ fn the_tables_have_the_numbers_of_the_files() {
             .unwrap();
         let values = rows.iter().map(|row| row[column].parse::<f64>().unwrap());
         let least = values.clone().fold(f64::INFINITY, f64::min);
-        let most = values.fold(f64::NEG_INFINITY, f64::max);
+        let most = values.fold(f64::NEG_INFINITY, larger);
         assert_eq!(output["min"].as_f64(), Some(least), "{output}");
         assert_eq!(output["max"].as_f64(), Some(most), "{output}");
     }

@@ -3,6 +3,7 @@
 use super::truth::{Errors, PLACES, Truth, lift, place, slope};
 use super::{at, template, travel};
 use crate::support::Worst;
+use crate::support::larger;
 use crate::support::quadratics::{Quadratics, design_pose};
 use crate::support::random::Random;
 use hardpoint::bench::DoubleDouble as Dd;
@@ -110,7 +111,7 @@ fn planted_poses(designs: usize) {
         let (apart, condition) = at(mechanism, &design, point, |solver, pose| {
             let turned = |k: usize| (pose.rotation.columns[k] - planted.rotation.columns[k]).norm();
             let shifted = (pose.origin - planted.origin).norm() / solver.size();
-            let apart = (0..3).map(turned).fold(shifted, f64::max);
+            let apart = (0..3).map(turned).fold(shifted, larger);
             (apart, solver.conditioning(pose, &point).number)
         })
         .unwrap()
@@ -237,7 +238,7 @@ fn instantaneous_steering_axis_agrees_with_thirty_digits() {
                 );
                 let largest = |order: usize| {
                     let sizes = slopes.iter().map(|s| s[order][i].abs());
-                    sizes.fold(0.0, f64::max)
+                    sizes.fold(0.0, larger)
                 };
                 let (first, second) = (largest(0), largest(1));
                 for (PointId(p), axis) in

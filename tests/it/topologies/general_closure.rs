@@ -2,6 +2,7 @@
 
 use super::{at, template, travel};
 use crate::support::Worst;
+use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::characteristics::{Characteristic, Constants, Quantity, WheelReading};
 use hardpoint::derive::{DesignSeries, MotionPoint};
@@ -100,12 +101,12 @@ fn compare(topology: &str, seed: u64) {
             position.note((*p - q).norm());
         }
         for order in 0..3 {
-            let largest = a.values.iter().map(|v| v[order].abs()).fold(0.0, f64::max);
+            let largest = a.values.iter().map(|v| v[order].abs()).fold(0.0, larger);
             for (p, q) in a.values.iter().zip(&b.values) {
                 derivatives[order].note((p[order] - q[order]) / largest);
             }
             let sizes = a.sensitivities.iter().map(|g| g[order].norm());
-            let largest = sizes.fold(0.0, f64::max);
+            let largest = sizes.fold(0.0, larger);
             for (p, q) in a.sensitivities.iter().zip(&b.sensitivities) {
                 gradients[order].note((p[order] - q[order]).norm() / largest);
             }

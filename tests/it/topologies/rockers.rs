@@ -3,6 +3,7 @@
 use super::truth::{Errors, PLACES, Truth, half_tangent, lift, slope};
 use super::{at, characteristics, template, travel};
 use crate::support::Worst;
+use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::analyse::{Load, Reaction, Support};
 use hardpoint::bench::DoubleDouble as Dd;
@@ -157,7 +158,7 @@ fn planted_angles_come_back() {
             assert!(error <= allowed, "{rod}: {error:e} of {allowed:e}");
             let error = (spring - turned_spring).norm() / 600.0;
             assert!(error <= allowed + 1e-13, "{rod}: {error:e} of {allowed:e}");
-            worst = worst.max(error);
+            worst = larger(worst, error);
         }
     }
     println!("{tried} planted, worst {worst:.1e}");
@@ -380,7 +381,7 @@ fn angles_lengths_and_ratios_agree_with_thirty_digits() {
                     let all = gradient(c, 1);
                     let largest = |order: usize| {
                         let sizes = truths.iter().map(|t| t[order].to_array()[k].value().abs());
-                        sizes.fold(0.0, f64::max)
+                        sizes.fold(0.0, larger)
                     };
                     for (moved, truth) in truths.iter().enumerate() {
                         let (p, axis) = (moved / 3, moved % 3);
@@ -414,7 +415,7 @@ fn angles_lengths_and_ratios_agree_with_thirty_digits() {
                     ratios.note((jet[1] - sign * 2.0 * found[of][2]) / scale);
                     let rate = gradient(REPORTED[of], 1);
                     let own = gradient(ratio, 0);
-                    let largest = rate[1].iter().map(|g| g.norm()).fold(0.0, f64::max);
+                    let largest = rate[1].iter().map(|g| g.norm()).fold(0.0, larger);
                     for (a, b) in own[0].iter().zip(&rate[1]) {
                         ratios.note((*a - *b * sign).norm() / largest);
                     }

@@ -5,6 +5,7 @@
 
 use super::{at, travel};
 use crate::support::Worst;
+use crate::support::larger;
 use crate::support::quadratics::{Quadratics, design_pose};
 use hardpoint::bench::DoubleDouble as Dd;
 use hardpoint::characteristics::{Constants, Quantity, WheelReading};
@@ -205,7 +206,7 @@ impl Errors {
                     let pairs = columns.zip(pose.rotation.columns);
                     let turned = pairs.map(|(a, b)| (a - b).norm());
                     let apart = (tracked.origin - pose.origin).norm() / size;
-                    turned.fold(apart, f64::max) < 1e-6
+                    turned.fold(apart, larger) < 1e-6
                 })
             };
             if ![10, 1000].into_iter().any(same) {
@@ -234,7 +235,7 @@ impl Errors {
             let curve = truth.curve(&exact, &points);
             let largest = |curve: &[[Vector3<Dd>; 3]], order: usize| {
                 let sizes = curve.iter().map(|c| c[order].map(|v| v.value()).norm());
-                sizes.fold(0.0, f64::max)
+                sizes.fold(0.0, larger)
             };
             for (id, wanted) in points.iter().zip(&curve) {
                 for axis in Axis::ALL {
@@ -272,7 +273,7 @@ impl Errors {
                 }
             }
             let scale: [f64; 3] =
-                from_fn(|order| wanted.iter().map(|w| largest(w, order)).fold(0.0, f64::max));
+                from_fn(|order| wanted.iter().map(|w| largest(w, order)).fold(0.0, larger));
             let mut buffer = vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); design.len()];
             for (k, id) in points.iter().enumerate() {
                 for axis in Axis::ALL {

@@ -2,6 +2,7 @@
 
 use super::edited;
 use super::still::tuned;
+use crate::support::larger;
 use hardpoint::number::{Vector3, Width};
 use hardpoint::optimise::{Assessment, Constrained, Objective, Price, TargetLayout, assessed};
 use hardpoint::study::Study;
@@ -78,7 +79,7 @@ fn the_order_of_points_on_a_plane_or_line_does_not_matter() {
                 .dot(own[3] - own[0]);
             let faces = [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]];
             let area = |[a, b, c]: [usize; 3]| (own[b] - own[a]).cross(own[c] - own[a]).norm();
-            volume.abs() / faces.map(area).into_iter().fold(0.0, f64::max)
+            volume.abs() / faces.map(area).into_iter().fold(0.0, larger)
         };
         assert!(
             (violation(&first) - wanted).abs() < 1e-9,

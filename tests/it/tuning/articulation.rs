@@ -2,6 +2,7 @@
 //! angle limit (change of the misfit per degree).
 
 use super::edited;
+use crate::support::larger;
 use hardpoint::mechanism::Configuration;
 use hardpoint::model::{Drive, PointId, Suspension};
 use hardpoint::number::{Vector3, Width};
@@ -136,7 +137,7 @@ fn margins_are_those_of_studs_fixed_in_the_carrier() {
                         _ => design(upper) - design("lower_ball_joint"),
                     };
                     let all = [0.0, 14.0].map(|rack| angles(&moved, joint, stud, &travels, rack));
-                    let largest = all.iter().flatten().copied().fold(0.0, f64::max);
+                    let largest = all.iter().flatten().copied().fold(0.0, larger);
                     let labels = layout.labels().iter().enumerate();
                     let own = labels.filter(|(_, label)| label.constraint == number);
                     let margins = own.map(|(row, _)| layout.margin(row, at.rows.residuals[row]));
@@ -270,5 +271,5 @@ fn largest_angle(moved: &Suspension) -> f64 {
     let stud = design("strut_top") - design("lower_ball_joint");
     let travels: Vec<f64> = (0..=240).map(|k| -60.0 + 0.5 * f64::from(k)).collect();
     let all = angles(moved, &STRUT_ARM, stud, &travels, 0.0);
-    all.into_iter().fold(0.0, f64::max)
+    all.into_iter().fold(0.0, larger)
 }

@@ -4,6 +4,7 @@
 //! multipliers below. All methods use the same values with the same exact gradients.
 
 use super::{edited, noise};
+use crate::support::larger;
 use hardpoint::optimise::{
     Assessment, Bounds, Constrained, ConstrainedFit, Control, Objective, Options, TargetLayout,
     constrained_fit,
@@ -395,7 +396,7 @@ impl<'p> Looked<'p> {
         let points = std::mem::take(&mut self.points);
         let away = points.iter().map(|point| {
             let apart = point.iter().zip(z).map(|(a, b)| (a - b).abs());
-            apart.fold(0.0, f64::max)
+            apart.fold(0.0, larger)
         });
         let away = away.collect();
         self.look(z);
@@ -781,7 +782,7 @@ fn nothing_is_violated_between_stations() {
                 let most = most
                     .entry((label.part, label.is_upper))
                     .or_insert(f64::NEG_INFINITY);
-                *most = most.max(*value);
+                *most = larger(*most, *value);
             }
         }
         between += most.values().filter(|most| **most < -1e-4).count();

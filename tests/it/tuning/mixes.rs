@@ -3,6 +3,7 @@
 
 use super::minima::{Random, slsqp};
 use super::noise;
+use crate::support::larger;
 use hardpoint::curves::Curves;
 use hardpoint::optimise::{Control, Fit, Tuning, tune};
 use hardpoint::study::{Optimise, Study};
@@ -265,7 +266,7 @@ fn constraints(
                 let (name, tolerance) = CHARACTERISTICS[draw.of(2)];
                 let values = column(curves, name);
                 let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-                let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                let most = values.iter().copied().fold(f64::NEG_INFINITY, larger);
                 let low = least - draw.between(0.0, 6.0) * tolerance;
                 let high = most + draw.between(0.0, 6.0) * tolerance;
                 (

@@ -15,6 +15,7 @@ mod robust_yield;
 mod still;
 mod units;
 
+use crate::support::larger;
 use hardpoint::optimise::{
     Assessment, ConfidenceInterval, Constrained, Control, Objective, TargetLayout, Termination,
     front, moved_design, price_list, tune,
@@ -122,7 +123,7 @@ fn a_planted_design_is_recovered_from_every_start() {
             .iter()
             .zip(&suspension.design)
             .map(|(found, planted)| (*found - *planted).norm())
-            .fold(0.0, f64::max);
+            .fold(0.0, larger);
         println!(
             "seed {seed}: {iterations} iterations, {worst:.1e} mm, {}",
             fit.termination
@@ -169,7 +170,7 @@ fn points_moved_together_come_back() {
     .unwrap();
     let best = tuning.best.unwrap();
     let apart = best.design.iter().zip(design);
-    let worst = apart.map(|(a, b)| (*a - *b).norm()).fold(0.0, f64::max);
+    let worst = apart.map(|(a, b)| (*a - *b).norm()).fold(0.0, larger);
     assert!(worst < 1e-6, "{worst}");
     for (offset, away) in best.offsets.iter().zip(&away) {
         assert!((offset + away).abs() < 1e-6);
@@ -371,7 +372,7 @@ fn check_derivatives(
                 let same = (0..count).filter(|other| kind(*other) == kind(row));
                 let largest = same
                     .map(|row| of.jacobian.row(row).amax())
-                    .fold(1e-2, f64::max);
+                    .fold(1e-2, larger);
                 // Rounding error of the finite differences.
                 let rounding = 16.0 * f64::EPSILON * (1.0 + of.residuals[row].abs()) / h;
                 let bound = 1e-9 + rounding / largest;
@@ -639,7 +640,7 @@ fn constraints_hold_between_stations() {
         .stations
         .iter()
         .map(|s| s.values[column.unwrap()].unwrap());
-    let most = values.fold(f64::NEG_INFINITY, f64::max);
+    let most = values.fold(f64::NEG_INFINITY, larger);
     assert!(most < 1.0 + 1e-4, "{most}");
 }
 

@@ -100,7 +100,7 @@ impl Program {
             }
         });
         let bounds = (0..d.len()).map(|j| (self.lower[j] - d[j]).max(d[j] - self.upper[j]));
-        rows.chain(bounds).fold(0.0, f64::max)
+        rows.chain(bounds).fold(0.0, crate::number::larger)
     }
 
     /// Gradient of a constraint.

@@ -1,6 +1,7 @@
 //! Tests of elastic axles against mechanics: single wheels, the design position, rigid limits, reciprocity, derivatives.
 
 use super::{Case, HELD, LINKS, LOWER, WISHBONES, random_loads, sample};
+use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::axle::Law;
 use hardpoint::compliance::{
@@ -15,7 +16,7 @@ fn difference(a: &WheelFigures, b: &WheelFigures) -> f64 {
     let moved = [(a.centre - b.centre).norm(), (a.contact - b.contact).norm()];
     let angles = [a.toe - b.toe, a.camber - b.camber, a.spin - b.spin];
     let angles = angles.map(f64::abs).into_iter();
-    angles.chain(moved.map(|m| m / 100.0)).fold(0.0, f64::max)
+    angles.chain(moved.map(|m| m / 100.0)).fold(0.0, larger)
 }
 
 /// If the wheels have no common elastic part, each wheel moves like a single wheel.
@@ -83,7 +84,10 @@ fn the_drawing_is_the_equilibrium_at_the_design_load() {
         // A rotation w about y moves x by w dz and z by -w dx.
         let turn = -(moved[0][2] - moved[1][2]) / (a.x - b.x);
         let expected = turn * (a.z - b.z);
-        let size = moved.iter().flatten().fold(0.0_f64, |m, d| m.max(d.abs()));
+        let size = moved
+            .iter()
+            .flatten()
+            .fold(0.0_f64, |m, d| larger(m, d.abs()));
         assert!(size > 1e-3);
         assert!((moved[0][0] - moved[1][0] - expected).abs() < 1e-10 * size);
         assert!(moved.iter().all(|d| d[1].abs() < 1e-10 * size));
@@ -409,7 +413,7 @@ fn derivatives_by_the_design_agree_with_differences() {
             let scaled = parameters.iter().zip(&gradient);
             let scaled = scaled.map(|(parameter, by)| by * rate_of(&case, *parameter));
             let found: Vec<f64> = scaled.collect();
-            let largest = found.iter().fold(0.0_f64, |m, by| m.max(by.abs()));
+            let largest = found.iter().fold(0.0_f64, |m, by| larger(m, by.abs()));
             for (number, found) in found.into_iter().enumerate() {
                 let miss = (found - quotients[number][k]).abs();
                 assert!(

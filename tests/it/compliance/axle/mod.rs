@@ -11,6 +11,7 @@ mod studies;
 mod world;
 
 use super::support::elastic_axle;
+use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::axle::Law;
 use hardpoint::compliance::{
@@ -475,20 +476,23 @@ fn difference(case: &Case, built: &Built, axle: &ElasticAxle, at: &AxleEquilibri
             built.carriers[k],
             flip(case.suspension.design[centre_id.0]),
         ));
-        worst = worst.max((centre - flip(figures.centre)).norm() / 100.0);
+        worst = larger(worst, (centre - flip(figures.centre)).norm() / 100.0);
         let axis = flip(axis(case, built, k));
-        worst = worst.max((figures.toe - axis.x.atan2(axis.y)).abs());
-        worst = worst.max((figures.camber + axis.z.asin()).abs());
+        worst = larger(worst, (figures.toe - axis.x.atan2(axis.y)).abs());
+        worst = larger(worst, (figures.camber + axis.z.asin()).abs());
     }
     if case.parts.subframe.is_some() {
         let reference = axle.subframe(at)[0] + Vector3::new(-30.0, 0.0, 165.0);
         let found = built
             .world
             .position(On(built.subframe, Vector3::new(-30.0, 0.0, 165.0)));
-        worst = worst.max((found - reference).norm() / 100.0);
+        worst = larger(worst, (found - reference).norm() / 100.0);
     }
     if let Some(rack) = built.rack {
-        worst = worst.max((built.world.bodies[rack].slide - axle.rack(at)).abs() / 100.0);
+        worst = larger(
+            worst,
+            (built.world.bodies[rack].slide - axle.rack(at)).abs() / 100.0,
+        );
     }
     worst
 }

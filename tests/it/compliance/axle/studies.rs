@@ -1,6 +1,7 @@
 //! Tests of studies of axles with elastic parts: curves, sweeps, tunings and builds.
 
 use super::super::support::{elastic, fourth_order, with};
+use crate::support::larger;
 use crate::support::mutants::mutilated;
 use crate::support::random::Random;
 use hardpoint::axle::{AxleCurves, TestFigure, axle_curves};
@@ -642,9 +643,7 @@ fn rows_of_a_sweep_are_those_of_single_designs() {
             } else if let Some(name) = stripped("_min") {
                 (0..3).map(|s| of(s, &name)).fold(f64::INFINITY, f64::min)
             } else if let Some(name) = stripped("_max") {
-                (0..3)
-                    .map(|s| of(s, &name))
-                    .fold(f64::NEG_INFINITY, f64::max)
+                (0..3).map(|s| of(s, &name)).fold(f64::NEG_INFINITY, larger)
             } else {
                 // A column without these suffixes contains a slope or a test result in the design position.
                 of(1, name)

@@ -1,6 +1,7 @@
 //! Second formulation of elastic axles. Every body has six coordinates. Ball joints, rods and heights are constraints
 //! with multipliers. The forces are the gradient of one energy. All coordinates are vehicle coordinates, for both sides.
 
+use crate::support::larger;
 use hardpoint::number::{Real, Scalar, Tape, Tracked, Vector3};
 
 /// Index of the fixed ground.
@@ -334,33 +335,37 @@ impl World {
         }
     }
 
-    /// Solves for the equilibrium. `loads` returns the loads for the present state. The function applies the loads in
-    /// one step, or in eight increments if one step fails.
+    /// Solves for the equilibrium. `loads` returns the loads for the present state. The function applies loads, heights and rack
+    /// displacements in one step. If Newton's method fails, it applies them in more and more increments.
     pub fn solve(&mut self, loads: impl Fn(&World) -> Vec<Load>) {
         let start = self.copy();
-        if self.settle(&loads).is_ok() {
-            return;
-        }
-        *self = start;
-        for part in 1..=8 {
-            let share = f64::from(part) / 8.0;
-            let scaled = |world: &World| {
-                let mut loads = loads(world);
-                for load in &mut loads {
-                    load.force = load.force * share;
-                    load.moment = load.moment * share;
-                }
-                loads
-            };
-            if let Err(size) = self.settle(&scaled) {
-                panic!("the second formulation does not settle: its last step is {size:e}");
+        let wanted = start.constraints.iter().map(Constraint::copy);
+        let wanted: Vec<Constraint> = wanted.collect();
+        let mut last = Ok(());
+        for parts in [1, 8, 64] {
+            *self = start.copy();
+            self.multipliers = vec![0.0; self.rows()];
+            last = (1..=parts).try_for_each(|part| {
+                let share = f64::from(part) / f64::from(parts);
+                self.constraints = wanted.iter().map(|own| own.scaled(share)).collect();
+                self.settle(&|world| {
+                    let mut loads = loads(world);
+                    for load in &mut loads {
+                        load.force = load.force * share;
+                        load.moment = load.moment * share;
+                    }
+                    loads
+                })
+            });
+            if last.is_ok() {
+                return;
             }
         }
+        panic!("the second formulation does not settle: its last step is {last:?}");
     }
 
     /// Newton's method with a matrix from central differences. If it fails, returns the size of the last step.
     fn settle(&mut self, loads: &impl Fn(&World) -> Vec<Load>) -> Result<(), f64> {
-        self.multipliers = vec![0.0; self.rows()];
         let (_, count) = self.sizes();
         let total = count + self.multipliers.len();
         let mut matrix = Vec::new();
@@ -369,7 +374,7 @@ impl World {
             let residual = self.residual(&loads(self));
             // Near the solution, steps with an old matrix shrink by a constant factor. Far from the solution they hardly
             // shrink, so a new matrix is needed.
-            if round % 4 == 0 && size > 1e-7 {
+            if size > 1e-2 || round % 4 == 0 && size > 1e-7 {
                 matrix = vec![vec![0.0; total]; total];
                 for column in 0..total {
                     let scale = if column < count { 1e-4 } else { 1.0 };
@@ -388,7 +393,7 @@ impl World {
             }
             let right: Vec<f64> = residual.iter().map(|r| -r).collect();
             let step = solved(matrix.clone(), right);
-            size = step[..count].iter().fold(0.0_f64, |m, s| m.max(s.abs()));
+            size = step[..count].iter().map(|s| s.abs()).fold(0.0, larger);
             self.step(&step);
             if size < 1e-12 {
                 return Ok(());
@@ -442,11 +447,16 @@ impl Energy {
 
 impl Constraint {
     fn copy(&self) -> Constraint {
+        self.scaled(1.0)
+    }
+
+    /// Constraint with a share of its height or displacement.
+    fn scaled(&self, share: f64) -> Constraint {
         match *self {
             Constraint::Rod(a, b) => Constraint::Rod(a, b),
             Constraint::Ball(a, b) => Constraint::Ball(a, b),
-            Constraint::Height(a, z) => Constraint::Height(a, z),
-            Constraint::Slide(b, c) => Constraint::Slide(b, c),
+            Constraint::Height(a, z) => Constraint::Height(a, share * z),
+            Constraint::Slide(b, c) => Constraint::Slide(b, share * c),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::second::RESULTS;
 use super::{Kind, STILL, Scatter, elastic, is_angle, made, results, study};
+use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::model::Side;
 
@@ -39,14 +40,14 @@ fn random_axles_agree_with_the_least_energy() {
         for (k, (ours, theirs)) in ours.iter().zip(&theirs).enumerate() {
             let error = (ours - theirs).abs();
             let kind = usize::from(is_angle(k));
-            worst[kind] = worst[kind].max(error);
+            worst[kind] = larger(worst[kind], error);
             let bound = if is_angle(k) { 1e-11 } else { 1e-8 };
             assert!(error < bound, "{number}, result {k}: {ours} {theirs}");
         }
         for side in Side::ALL {
             let (ours, theirs) = (axle.wheel_load(&at, side), pose.vertical[side as usize]);
             // Bound in N: 1e-11 times the stiffness of the stiffest link (3e5 N/mm), times 10 mm.
-            worst[2] = worst[2].max((ours - theirs).abs());
+            worst[2] = larger(worst[2], (ours - theirs).abs());
             assert!(
                 (ours - theirs).abs() < 1e-11 * 3e5 * 10.0,
                 "{number}: {ours} {theirs}"
@@ -59,7 +60,7 @@ fn random_axles_agree_with_the_least_energy() {
         let own = axle.tensions(&at, Side::Right).len();
         assert_eq!(own, if kind == Kind::ThreeLinkPanhard { 1 } else { 2 });
         for (ours, theirs) in ours.iter().zip(&tensions) {
-            worst[3] = worst[3].max((ours - theirs).abs());
+            worst[3] = larger(worst[3], (ours - theirs).abs());
             assert!(
                 (ours - theirs).abs() < 1e-11 * 3e5 * 10.0,
                 "{number}: {ours} {theirs}"

@@ -3,6 +3,7 @@
 
 use super::rigid_limit::{rigid, stiffer, values};
 use super::{Kind, Scatter, made};
+use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::study::Study;
 use hardpoint::tolerance::{Expansion, Problem, monte_carlo, monte_carlo_in};
@@ -312,7 +313,7 @@ fn five_links_share_the_misfit_in_balance() {
             force[i] += pull[i];
             moment[i] += arm[i];
         }
-        largest = largest.max(part.preload.abs());
+        largest = larger(largest, part.preload.abs());
     }
     assert!(largest > 500.0, "{largest}");
     // The vertical forces at the wheel centres balance the vertical link force and the moments about x and y. The other
@@ -354,7 +355,7 @@ fn parts_that_fit_have_no_tension() {
             .wheels
             .into_iter()
             .flat_map(|wheel| wheel.links);
-        links.map(|part| part.preload.abs()).fold(0.0, f64::max)
+        links.map(|part| part.preload.abs()).fold(0.0, larger)
     };
     let steps = [
         ("hardpoint = \"panhard_chassis\", axis = \"y\"", y),
@@ -453,7 +454,7 @@ fn stiff_links_have_the_tolerance_of_the_rigid_axle() {
             .map(|factor| {
                 let found = sigmas(&stiffer(&text, factor));
                 let errors = found.iter().zip(&expected).map(|(a, b)| (a - b).abs());
-                errors.fold(0.0, f64::max)
+                errors.fold(0.0, larger)
             })
             .collect();
         for pair in errors[..3].windows(2) {

@@ -3,6 +3,7 @@
 
 use super::rigid_limit::{rigid, values};
 use super::{Kind, Made, STILL, Scatter, elastic, made, results, study};
+use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::compliance::{
     AxleChange, AxleEquilibrium, AxleKcRun, AxleVehicle, ElasticAxle, HeldQuantity, TestLoad,
@@ -159,7 +160,7 @@ fn equal_parallel_links_fit_in_heave() {
         let all = Side::ALL.map(|side| axle.tensions(&at, side)).concat();
         assert_eq!(all.len(), 5);
         (
-            all.iter().fold(0.0_f64, |m, t| m.max(t.abs())),
+            all.iter().fold(0.0_f64, |m, t| larger(m, t.abs())),
             results(&axle, &at),
         )
     };
@@ -213,7 +214,7 @@ fn five_rigid_links_miss_by_millimetres() {
                 .iter()
                 .zip(super::tensions(&made, &study, &axle, &at));
             let misses = links.map(|(link, tension)| (tension / link.rate).abs());
-            let miss = misses.fold(0.0, f64::max);
+            let miss = misses.fold(0.0, larger);
             assert!((least..most).contains(&miss), "{travel}: {miss}");
         }
     }
@@ -310,7 +311,7 @@ fn the_drawing_is_the_equilibrium_at_the_design_load() {
         let matrix = stations[0].matrix.as_ref().unwrap();
         // A wheel load at the contact point makes the stiffness matrix slightly unsymmetric. The unsymmetric part is
         // small compared with the stiffness of the springs.
-        let size = (0..12).map(|i| matrix[i][i].abs()).fold(0.0, f64::max);
+        let size = (0..12).map(|i| matrix[i][i].abs()).fold(0.0, larger);
         for i in 0..12 {
             for j in 0..12 {
                 let apart = (matrix[i][j] - matrix[j][i]).abs();

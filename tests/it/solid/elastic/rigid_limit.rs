@@ -1,6 +1,7 @@
 //! Tests of stiff links against the rigid program.
 
 use super::{Kind, Made, Scatter, made, study};
+use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::axle::axle_curves;
 
@@ -74,7 +75,7 @@ fn largest(a: &[f64], b: &[f64]) -> f64 {
     a.iter()
         .zip(b)
         .map(|(a, b)| (a - b).abs())
-        .fold(0.0, f64::max)
+        .fold(0.0, larger)
 }
 
 /// The springs displace the axle by their force divided by the link stiffness. So links that are ten times stiffer give a tenth of

@@ -10,6 +10,7 @@
 //!
 //! V are the vertical forces of the ground on the discs, z the prescribed heights of the wheel centres; l is left, r is right.
 
+use crate::support::larger;
 use nalgebra::{DMatrix, DVector};
 
 /// Number with its gradient and its matrix of second derivatives.
@@ -346,7 +347,7 @@ impl Axle {
                     let scale = if i < 3 { 1.0 } else { 500.0 };
                     (change[i] * scale).abs()
                 });
-                let size = size.fold(0.0, f64::max);
+                let size = size.fold(0.0, larger);
                 // Each step of Newton's method squares the error, until the error is rounding.
                 if size < 1e-9 && size >= 0.5 * last {
                     break;

@@ -3,6 +3,7 @@
 use super::super::set_up::{column, linear_remainders, quarters};
 use super::rigid_limit::{rigid, stiffer};
 use super::{Kind, Scatter, elastic, made, results};
+use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::set_up::{FoundSetUp, set_up};
 use hardpoint::study::Study;
@@ -132,7 +133,7 @@ fn stiff_links_have_the_set_up_of_the_rigid_axle() {
         let errors = [1.0, 10.0, 100.0, 1e5].map(|factor| {
             let found = amounts(&stiffer(&text, factor));
             let errors = found.iter().zip(&expected).map(|(a, b)| (a - b).abs());
-            errors.fold(0.0, f64::max)
+            errors.fold(0.0, larger)
         });
         for pair in errors[..3].windows(2) {
             assert!(

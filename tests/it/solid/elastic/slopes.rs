@@ -3,6 +3,7 @@
 
 use super::second::{Axle, Input};
 use super::{Kind, STILL, Scatter, elastic, is_angle, made, number_of, study};
+use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::axle::axle_curves;
 use hardpoint::compliance::{AxleOnTape, AxleParameter, ElasticAxle, Parameter};
@@ -107,7 +108,7 @@ fn derivatives_by_hardpoints_and_rates_are_those_of_the_second_formulation() {
             let scale = if is_angle(k) { 300.0 } else { 1.0 };
             for (i, (ours, theirs)) in ours.iter().zip(theirs).enumerate() {
                 let error = (ours - theirs).abs() * scales[i] * scale;
-                worst = worst.max(error);
+                worst = larger(worst, error);
                 assert!(
                     error < 1e-9,
                     "{number}, result {k}, input {i}: {ours} {theirs}"

@@ -2,6 +2,7 @@
 //! knuckle is in balance about its kingpin. Positions come from the independent formulation.
 
 use super::{Place, World, at, axle, random, study};
+use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::axle::axle_curves;
 use std::fmt::Write as _;
@@ -172,7 +173,7 @@ fn members_balance_loads_on_steered_wheels() {
                 for (point, force) in on_it {
                     turning += dot(axis, cross(minus(*point, lower), *force));
                 }
-                worst = worst.max(turning.abs() / (dot(axis, axis).sqrt() * 1e3 * size));
+                worst = larger(worst, turning.abs() / (dot(axis, axis).sqrt() * 1e3 * size));
             }
         }
     }

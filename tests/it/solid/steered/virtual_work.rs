@@ -5,6 +5,7 @@
 use super::hyper::{Hyper, Point, cross, dot, minus, plus};
 use super::world::{At, Solved, Travels, World};
 use super::{Place, at, axle, random, study};
+use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::axle::axle_curves;
 
@@ -134,9 +135,9 @@ fn roll_centres_and_anti_dive_are_those_of_velocities() {
             values[k] = curves.stations[0].value(column).unwrap();
             let error = (values[k] - expected).abs() / expected.abs().max(100.0);
             assert!(error < 1e-9, "{number} {name}: {} {expected}", values[k]);
-            worst = worst.max(error);
+            worst = larger(worst, error);
         }
-        apart = apart.max((values[0] - values[2]).abs());
+        apart = larger(apart, (values[0] - values[2]).abs());
     }
     println!("{worst:e}; both roll centres up to {apart} mm apart");
     // The knuckles steer in roll. This affects only the force-based roll centre, so the two roll centres differ.

@@ -4,6 +4,7 @@
 
 use super::hyper::{Hyper, Point, cross, dot, minus, mirror, plus, times, unit};
 use crate::solid::own::solve;
+use crate::support::larger;
 
 /// Number of unknowns: position, quaternion, both knuckle angles, half the difference of the travels.
 const UNKNOWNS: usize = 10;
@@ -258,7 +259,7 @@ impl World {
                     both: both[k],
                 };
         }
-        value.iter().map(|c| c.abs()).fold(0.0, f64::max)
+        value.iter().map(|c| c.abs()).fold(0.0, larger)
     }
 
     /// Solves for the position in small steps: the steering gear first, then heave and roll. Returns `None` if an

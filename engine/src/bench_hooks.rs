@@ -24,9 +24,10 @@ pub fn wheel_figures(wheel: &ElasticWheel, at: &Equilibrium) -> WheelFigures {
 pub type LaneWork<'w> = dyn FnMut(&mut dyn FnMut(WheelFigures), usize) + 'w;
 
 /// Prepares equilibria of one wheel in SIMD lanes of this width, and passes two pieces of work to `measure`. The first one
-/// solves all loads from the equilibrium at the design height. The second one solves one load after the other in every lane,
-/// each from the equilibrium under the previous load. Both pieces of work compute the angles and positions of the wheels. If
-/// the wheel cannot be computed in SIMD lanes, the function returns false and does not call `measure`.
+/// solves the loads that fill whole groups of lanes, from the equilibrium at the design height. The second one solves one load
+/// after the other in every lane, each from the equilibrium under the previous load. Both pieces of work compute the angles
+/// and positions of the wheels. If the wheel cannot be computed in SIMD lanes, the function returns false and does not call
+/// `measure`.
 pub fn equilibria_in_lanes(
     width: Width,
     wheel: &ElasticWheel,

@@ -1,13 +1,14 @@
-//! Curves as a pure function of the design: the inputs are offsets of variables, the results are values and exact Jacobians.
+//! Curves as a pure function of the design: the inputs are values of variables, the results are values and exact Jacobians.
 //!
 //! Optimisers, surrogate models and differentiable programs need such a function. A [`DesignFunction`] owns its data, is
 //! `Send + Sync` and has no lifetime. Every thread takes a separate [`Evaluation`] from the function. Arrays are plain
-//! slices; the last index runs fastest. Values are in the units of the column names. Offsets are in the study's length unit
-//! and axes. A value that does not exist is NaN, and a status gives the reason. The results contain a row for every design.
+//! slices; the last index runs fastest. Values are in the units of the column names. Offsets and coordinates are in the
+//! study's length unit and axes, rotations in degrees. A value that does not exist is NaN. A status tells whether every
+//! station has a pose. The results contain a row for every design.
 //!
 //! A variable of an axle moves the same points of both wheels, each in the frame of its side. So a derivative is a sum over
 //! the moved points of both wheels: the gradient with respect to the point, times the rate of the point. If the right wheel
-//! has different hardpoints, these have the same displacements in the frame of the right side.
+//! has different hardpoints, they move by the same offsets, and rotate by the same angle about their own centroid.
 
 mod variable;
 
@@ -51,16 +52,17 @@ pub struct DesignFunction {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum DesignStatus {
-    /// Every station has a pose.
+    /// Every station has a pose. A value that is not defined in its pose is NaN.
     Ok = 0,
-    /// At least one station has no pose or no derivatives.
+    /// At least one station has no pose, lacks values at a toggle of a rocker, or has no derivatives.
     Failed = 1,
     /// The design cannot be solved at all.
     Faulty = 2,
 }
 
 impl DesignFunction {
-    /// Makes the function of a study: its outputs over its motion, with the variables of [`DesignVariable::of`]. Returns a
+    /// Makes the function of a study over its motion, with the variables of [`DesignVariable::of`]. The outputs are the
+    /// characteristics and point coordinates of a wheel, or the quantities of an axle; other outputs are left out. Returns a
     /// [`FunctionError`] if the study cannot be converted to a function.
     pub fn of(study: &Study) -> Result<Self, FunctionError> {
         DesignFunction::with_variables(study, DesignVariable::of(study))
@@ -117,7 +119,7 @@ impl DesignFunction {
     }
 
     /// Drive value and rack displacement of each station, in the units and axes of the results. For an axle, the drive value
-    /// is the value of the first coordinate that moves.
+    /// is the value of the coordinate that is the abscissa of curves.
     pub fn motion(&self) -> Vec<[f64; 2]> {
         self.motion.clone()
     }
@@ -132,7 +134,7 @@ impl DesignFunction {
         self.request.columns().len() * self.stations()
     }
 
-    /// Always false: a function has at least one output.
+    /// Returns true if the function has no output. This is possible only for an axle whose study requests no quantity.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -202,8 +204,8 @@ fn of_corner(own: &WheelStudy) -> Result<(Request<'static>, Vec<[f64; 2]>), Func
     Ok((request, motion))
 }
 
-/// Makes the request for an axle's quantities over its motion. Also returns, for each station, the value of the first moving
-/// coordinate and the rack displacement in printed units.
+/// Makes the request for an axle's quantities over its motion. Also returns, for each station, the value of the coordinate that
+/// is the abscissa, and the rack displacement, in printed units.
 fn of_axle(
     AxleStudy { axle, plan, .. }: &AxleStudy,
 ) -> Result<(Request<'static>, Vec<[f64; 2]>), FunctionError> {
@@ -243,8 +245,8 @@ type Values<'f> = (Evaluator<'f>, Block);
 type Gradients<'f> = (GradientEvaluator<'f>, Evaluated);
 
 impl<'f> Evaluation<'f> {
-    /// Computes the values of several designs in SIMD lanes. `x` has a row of variables for each design, `values` has the
-    /// shape `[design][output][station]`, and `status` has an entry for each design.
+    /// Computes the values of several designs, in SIMD lanes where possible. `x` has a row of variables for each design,
+    /// `values` has the shape `[design][output][station]`, and `status` has an entry for each design.
     ///
     /// # Panics
     /// Panics if the lengths of the slices do not match.
@@ -420,7 +422,9 @@ impl<'f> Evaluation<'f> {
         }
     }
 
-    /// Stations without a pose in the latest call of values: (design, station of the motion, reason).
+    /// Stations without a pose, or without all values, from the latest call of values: (design, station of the motion, reason).
+    /// If the call had more than [`BLOCK`] designs, only those of the last block are included. The indices of the designs then
+    /// count from the first design of this block.
     pub fn failures(&self) -> impl Iterator<Item = (usize, usize, &NoPose)> {
         let f = self.function;
         let failures = self.values.iter().flat_map(|(_, block)| block.failures());
@@ -455,7 +459,7 @@ impl DesignFunction {
     }
 
     /// Writes the design of the right wheel into `into`, if its hardpoints differ from the left ones. In the frame of
-    /// its side, the right wheel has the same displacements as the left wheel.
+    /// its side, the right wheel has the same offsets as the left wheel, and the same rotations about its own centroids.
     fn right_design(
         &self,
         own: &Suspension,

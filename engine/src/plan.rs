@@ -83,8 +83,8 @@ impl Plan {
         Plan::with(own, &own.outputs.characteristics, &own.outputs.figures)
     }
 
-    /// Plans the curves before and after an optimisation. The outputs are first those of the study, then the quantities of
-    /// its targets.
+    /// Plans the curves before and after an optimisation. Characteristics and test results of its targets follow those of the
+    /// study.
     pub fn with_targets(own: &WheelStudy, optimise: Option<&Optimise>) -> Plan {
         let mut characteristics = own.outputs.characteristics.clone();
         let targets = optimise.iter().flat_map(|o| &o.targets);

@@ -3,7 +3,8 @@
 //! In addition to the load at the wheel, springs and bars act on arms, rockers or the carrier. By virtual work, each of
 //! these forces is equivalent to a wrench on the carrier. The constraints balance the sum of all wrenches. In addition,
 //! a vertical force at the wheel centre keeps the suspension from moving. If this force is zero, the known forces alone
-//! are in equilibrium along the suspension's motion.
+//! are in equilibrium along the suspension's motion. The balance must therefore have the support
+//! [`Support::WheelCentre`](super::Support::WheelCentre).
 
 use super::loads::{Balance, Balanced, Factors, Reaction, tension};
 use crate::mechanism::Wrench;
@@ -44,8 +45,8 @@ pub struct Carrying<T = f64> {
 }
 
 impl<T: Copy> Carrying<T> {
-    /// Returns the tension of the rod between two points. `None` if none of the equations describes the length of this
-    /// rod.
+    /// Returns the tension of the rod or link from its inner to its outer end. `None` if none of the equations
+    /// describes the length of this rod.
     pub fn tension(&self, from: PointId, to: PointId) -> Option<T> {
         tension(&self.constraints, from, to)
     }
@@ -181,7 +182,7 @@ impl<T: Balanced> Balance<'_, T> {
         self.at.point(id)
     }
 
-    /// Unit vector from the upper to the lower end of the spring.
+    /// Unit vector from the upper to the lower end of the spring. `None` without a spring.
     pub fn spring_direction(&self) -> Option<Vector3<T>> {
         let spring = self.at.mechanism.spring?;
         Some((self.at.point(spring.lower) - self.at.point(spring.upper)).normalised())

@@ -35,7 +35,8 @@ pub struct Limit {
     pub value: f64,
     /// Reason why the mechanism cannot move beyond this value.
     pub cause: LimitCause,
-    /// Part that is nearest to a singular position, if the mechanism has an arm and a tie rod.
+    /// Part that is nearest to a singular position, if the mechanism is a strut or a double wishbone with a closed
+    /// form.
     pub nearest: Option<PartMeasure>,
     /// Outer ends of the links that are at a toggle with each other. Empty if such a toggle is not the reason for the fold. For
     /// a rigid axle, the list contains the outer end of the link with the largest force at the fold.
@@ -69,7 +70,7 @@ pub enum RangeEnd {
 }
 
 impl RangeEnd {
-    /// Value of the coordinate at the end.
+    /// Value of the coordinate at the end. For a full turn, it is pi at both ends; see [`Range::ends`].
     pub fn value(&self) -> f64 {
         match self {
             RangeEnd::Fold(limit) => limit.value,
@@ -95,7 +96,7 @@ impl Range {
         (upper - value).min(value - lower)
     }
 
-    /// Returns true if the range is empty, because the rack cannot reach its displacement.
+    /// Returns true if the range is empty, usually because the rack cannot reach its displacement.
     pub fn is_empty(&self) -> bool {
         use RangeEnd::Unresolved;
         matches!((&self.lower, &self.upper), (Unresolved(lower), Unresolved(upper)) if lower == upper)
@@ -129,13 +130,13 @@ pub struct Limits {
 pub struct RockerRange {
     /// The rocker.
     pub rocker: RockerId,
-    /// Toggle in droop. `None` if the wheel's own travel ends first.
+    /// Toggle in droop. `None` if the wheel's own travel ends first, or if no toggle was found.
     pub lower: Option<Toggle>,
-    /// Toggle in jounce. `None` if the wheel's own travel ends first.
+    /// Toggle in jounce. `None` if the wheel's own travel ends first, or if no toggle was found.
     pub upper: Option<Toggle>,
 }
 
-/// Number of travels at which a rocker is checked before the end of the travel.
+/// Number of steps to the end of the travel. A rocker is checked after each step, except at the end itself.
 const LOOKS: u32 = 256;
 
 impl Solver<'_> {
@@ -195,7 +196,7 @@ impl Solver<'_> {
     }
 
     /// Finds the first of several travels, in outward order, at which a rocker has no position. Returns the index of
-    /// this travel, and the rod at its toggle.
+    /// this travel, and the rod at its toggle. `None` if there is no such travel, or if a travel before it has no pose.
     fn first_toggle(
         &mut self,
         rocker: RockerId,
@@ -321,7 +322,8 @@ impl Solver<'_> {
         Ok(range)
     }
 
-    /// Returns the smallest leverage of a rod in poses shortly before a value of the drive.
+    /// Returns the smallest leverage of a rod in poses shortly before a value of the drive. Infinite without such
+    /// poses.
     fn least_leverage(
         &mut self,
         rocker: RockerId,

@@ -6,9 +6,9 @@
 //! J^T l + w = 0                                                                   (1)
 //! ```
 //!
-//! Each constraint has a row in the Jacobian J. The row of a rod is the unit force along it, so its multiplier is the
-//! force with which the rod pushes the knuckle. The row of a strut line is a unit force on the knuckle across the
-//! strut. The rows of a hinge are unit forces at its points. The sixth row is the support, which prevents the
+//! Each constraint equation has a row in the Jacobian J. The row of a rod is the unit force along it, so its multiplier
+//! is the force with which the rod pushes the knuckle. The row of a strut line is a unit force on the knuckle across
+//! the strut. The rows of a hinge are unit forces at its points. The sixth row is the support, which prevents the
 //! suspension from moving. The support is the spring or, without a spring, a vertical force at the wheel centre. A
 //! spring on a rocker acts through the rod. The tension of this rod is computed from the moments about the rocker's
 //! axis.
@@ -17,8 +17,8 @@
 //! opposite one. One of the axle's two travels is not the drive but held constant. Its row is no constraint of the
 //! mechanism, so the support of the far wheel takes this row.
 //!
-//! All functions are generic over the number type. With series along a design variable, each force includes its
-//! derivative with respect to this variable. The matrix is factorised by its constant part.
+//! The balance is generic over the number type. With series along a design variable, each force includes its derivative
+//! with respect to this variable. The matrix is factorised by its constant part.
 
 mod members;
 
@@ -136,10 +136,10 @@ pub enum Reaction<T = f64> {
         /// Force of the arm on the knuckle at the arm's outer joint.
         passed: Vector3<T>,
     },
-    /// A force that the body exerts on the knuckle at a point. It is one of two components of a strut's side force at
-    /// its mount, or one component of the force at a point of a hinge.
+    /// A force that the body exerts on the knuckle at a point: one of two components of a strut's side force at its
+    /// mount, or one component of the force at a hinge, ball joint or mount. 0 for the constant travel of a rigid axle.
     Force {
-        /// Point on the wheel carrier at which the force acts.
+        /// Point at which the force acts.
         point: PointId,
         /// Component of the force.
         force: Vector3<T>,
@@ -149,17 +149,17 @@ pub enum Reaction<T = f64> {
 /// Reactions to a load.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reactions<T = f64> {
-    /// Forces of the constraints, in the order of the mechanism's constraints.
+    /// Force of each constraint equation, in the order of the mechanism's constraints.
     pub constraints: [Reaction<T>; 5],
     /// Force of the support: spring force, positive in compression, or upward force at the wheel centre.
     pub support: T,
     /// Force of the support at the opposite wheel of a rigid axle. `None` for other suspensions.
     pub far_support: Option<T>,
-    /// Tensions of drag link and tie rod of a steered axle.
+    /// Tensions of drag link and tie rod of a steered axle. `None` for other suspensions.
     pub steering: Option<[T; 2]>,
-    /// Forces in a twist beam.
+    /// Forces in a twist beam. `None` for other suspensions.
     pub beam: Option<BeamForces<T>>,
-    /// Tension in the pushrod or pullrod, if the spring is on a rocker.
+    /// Tension in the pushrod or pullrod, if the support is a spring on a rocker.
     pub rod: Option<T>,
     /// Force of the support on the knuckle. If the spring, or the rod of its rocker, is mounted on an arm, this is the
     /// force that the arm transmits at its outer joint. The legs of this arm are then also loaded in bending. The force
@@ -294,7 +294,8 @@ impl<'a, T: Balanced> Balance<'a, T> {
         }
     }
 
-    /// Returns the value of one reaction. `None` if the mechanism has no such member.
+    /// Returns the value of one reaction. `None` if the mechanism has no such member, or for the rod of a spring that
+    /// is not the support.
     pub fn force(&self, carried: &Reactions<T>, what: Carried) -> Option<T> {
         match what {
             Carried::Tension(inner, outer) => tension(&carried.constraints, inner, outer),

@@ -130,7 +130,8 @@ impl Need {
         }
     }
 
-    /// Key or part of a study that meets the need. `None` if the need has more than one key.
+    /// Key or part of a study that meets the need. `None` if the need has several keys that belong together, and for a
+    /// steering axis, which depends on the topology.
     pub fn key(self) -> Option<&'static str> {
         Some(match self {
             Need::WheelRadius => "radius in [wheel]",

@@ -7,7 +7,7 @@ pub enum NoValue {
     NoPose,
     /// The quantity is a quotient of two differences of steer angles. Near straight ahead both differences are almost zero.
     StraightAhead,
-    /// The quantity is the intersection of two normals, and these normals are parallel.
+    /// The quantity is the intersection of two normals, and these normals are nearly parallel.
     ParallelNormals,
     /// The wheels stand on pads of different heights, but the quantity is a derivative with respect to roll on a plane
     /// ground.

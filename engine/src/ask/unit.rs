@@ -143,8 +143,8 @@ pub fn with_unit(name: impl Into<String>, unit: &str) -> String {
     }
 }
 
-/// Converts an angle from radians to degrees. Returns the shortest decimal number that gives this angle, if fourteen digits
-/// suffice.
+/// Converts an angle from radians to degrees. Returns a number with at most fourteen digits, if such a number gives
+/// exactly this angle.
 pub fn degrees(angle: f64) -> f64 {
     let exact = angle.to_degrees();
     let short: f64 = format!("{exact:.13e}").parse().unwrap_or(exact);

@@ -27,7 +27,7 @@ use nalgebra::DMatrix;
 
 /// Largest number of characteristics that adjustments keep: toe and camber.
 pub(super) const MOST_HELD: usize = 2;
-/// Maximum number of corrections of a build.
+/// Maximum number of corrections of a build that is assembled again after each of them.
 const MOST_ROUNDS: usize = 30;
 /// Size of a correction, relative to the suspension's size, below which it counts as a rounding error.
 pub(super) const ROUNDING: f64 = 1e-14;
@@ -39,7 +39,7 @@ pub(crate) struct Alignment {
     /// Characteristics that keep their nominal values.
     held: Vec<Characteristic>,
     /// Matrix M, the pseudo-inverse of the derivative of the characteristics with respect to the adjustments. It has a row for
-    /// each adjustment.
+    /// each adjustment and a column for each entry of `held`.
     inverse: DMatrix<f64>,
     /// Derivative of the carrier's pose with respect to each adjustment, at the nominal design.
     follow: Vec<Vector6<f64>>,
@@ -49,7 +49,7 @@ pub(crate) struct Alignment {
 impl Alignment {
     /// Makes an alignment that keeps toe and camber at their nominal values. It uses the adjustments of the set-up that
     /// act on the wheel of this side. `side` is `None` for a single wheel. A single adjustment keeps only toe. Other
-    /// targets of the set-up are ignored.
+    /// targets of the set-up are ignored. A solid axle cannot be aligned.
     pub(crate) fn of(
         adjust: &[Adjustment],
         side: Option<Side>,

@@ -9,8 +9,8 @@
 //!
 //! multiplies the error by a factor that is proportional to the deviation of the parts, usually about a thousandth
 //! (module `settle`). The same code is used for plain numbers, for SIMD lanes (several builds at once) and for derivative
-//! numbers. For derivative numbers, each correction makes one more order exact. If a correction does not halve the error,
-//! the assembler changes the nominal parts to the built parts in several steps. Each step has its own Jacobian. The
+//! numbers. For derivative numbers, each correction makes one more order exact. If corrections do not halve, the
+//! assembler changes the nominal parts to the built parts in several steps. Each step has its own Jacobian. The
 //! determinant of the Jacobian keeps its sign. So the result is always the assembly that a continuous change of the parts
 //! reaches from the nominal assembly.
 //!
@@ -57,7 +57,7 @@ pub(crate) struct Linearised {
     pub(crate) pose: Pose<f64>,
     pub(crate) inverse: Matrix6<f64>,
     determinant: f64,
-    /// Number of corrections after which the pose of an axle on five links had converged (module `least_energy`). 0 for
+    /// Number of corrections with which the pose of an axle on five links converged (module `least_energy`). 0 for
     /// other suspensions.
     pub(super) rounds: usize,
 }
@@ -131,7 +131,8 @@ impl Assembler {
     }
 
     /// Nominal suspension. Its spin axis always runs through a point of the carrier. If the study gives static camber and
-    /// toe instead of such a point, the assembler adds the point `spindle_inner`.
+    /// toe instead of such a point, the assembler adds the point `spindle_inner`. A twist beam also gets the point
+    /// `mount_eye`.
     pub fn suspension(&self) -> &Suspension {
         &self.suspension
     }
@@ -149,7 +150,7 @@ impl Assembler {
         &self.home
     }
 
-    /// Largest distance of a point from the carrier's origin.
+    /// Largest distance of a point from the carrier's origin, in the first nominal design.
     pub(super) fn size(&self) -> f64 {
         self.size
     }
@@ -179,7 +180,8 @@ impl Assembler {
         Ok(self.tensions(parts, height, &at))
     }
 
-    /// Writes the built design of parts whose pose is known. Fails if a rod is too short or too long.
+    /// Writes the built design of parts whose pose is known. Fails if a member has no positive length, or if a rod is
+    /// too short, too long or at a toggle.
     pub(super) fn place_checked(
         &self,
         parts: &Parts<f64>,
@@ -393,7 +395,8 @@ impl Assembler {
         self.closure_in(parts, &mut Vec::new())
     }
 
-    /// Returns the position of a point in the undisplaced carrier. For a point of the body, it is the nominal position.
+    /// Returns the position of a point in the undisplaced carrier. For a point of the body or of the rack, and for the
+    /// near mount of a twist beam, it is the nominal position.
     #[inline(always)]
     pub(super) fn in_carrier<T: Real>(&self, parts: &Parts<T>, number: usize) -> Vector3<T> {
         let mechanism = &self.suspension.mechanism;

@@ -7,7 +7,7 @@ use crate::model::Rod;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum AssemblyError {
     /// The mechanism reaches a singular position when its dimensions are changed from the nominal to the built parts.
-    /// Beyond this position, the links are too short or too long.
+    /// Usually the links are too short or too long beyond this position.
     #[error(
         "the links cannot reach: the mechanism can be assembled with up to {:.0} % of these deviations",
         100.0 * share
@@ -22,7 +22,7 @@ pub enum AssemblyError {
     /// The named member would have a length of zero or less.
     #[error("{0} would have no length")]
     NoLength(String),
-    /// At no height near the nominal height does the spring have its required length.
+    /// At no height near the nominal height does the spring have its required length, or there is no spring.
     #[error("the spring does not have its required length at any height near the design height")]
     Spring,
     /// Toe and camber cannot be set to their nominal values.

@@ -32,7 +32,8 @@ use std::borrow::Cow;
 
 impl Assembler {
     /// Returns the parts of a solid axle with its rockers rotated. In the returned positions, every rod has its built
-    /// length while the axle is in its nominal pose. Parts of other suspensions are returned unchanged.
+    /// length while the axle is in its nominal pose. The parts of a twist beam also get new lengths (`turn_far_half`).
+    /// Parts of other suspensions are returned unchanged.
     pub(super) fn turned<'p, T: Real>(&self, parts: &'p Parts<T>) -> Cow<'p, Parts<T>> {
         let mut turned = Cow::Borrowed(parts);
         if self.suspension().mechanism.rigid_axle.is_some() {
@@ -150,7 +151,7 @@ impl Assembler {
         }
     }
 
-    /// Returns an error that names a rod if this rod is too short or too long.
+    /// Returns an error that names a rod if this rod is too short or too long, or at a toggle.
     pub(super) fn check_rods(&self, built: &[Vector3<f64>]) -> Result<(), AssemblyError> {
         for rocker in &self.suspension().mechanism.rockers {
             let inner = built[rocker.inner.0];
@@ -258,16 +259,16 @@ impl<T: Real> Tilt<T> {
     }
 }
 
-/// Returns the suspension with an additional point of the carrier on the spin axis. In a built carrier the point keeps
-/// its position relative to the wheel centre. The distance between this point and the wheel centre has no effect. A
-/// solid axle gets such a point at each wheel.
+/// Returns the suspension with an additional point of the carrier on the spin axis, if the study gives this axis by
+/// angles. In a built carrier the point keeps its position relative to the wheel centre. The distance between this
+/// point and the wheel centre has no effect. A solid axle gets such a point at each wheel.
 pub(super) fn with_spindle(suspension: &Suspension) -> Suspension {
     let mut suspension = suspension.clone();
     if let SpinAxis::Along(direction) = suspension.mechanism.spin_axis {
         let size = suspension.size();
         let length = suspension.wheel_radius.unwrap_or(0.25 * size);
-        // The length is the wheel's radius. With an extreme radius the point would be too close to the wheel centre, or
-        // so far that rounding rotates the axis.
+        // The length is the wheel's radius, or a quarter of the size without a radius. With an extreme radius the point
+        // would be too close to the wheel centre, or so far that rounding rotates the axis.
         let length = length.clamp(0.01 * size, 100.0 * size);
         let inward = direction * -length;
         let near_centre = suspension.mechanism.wheel_centre;

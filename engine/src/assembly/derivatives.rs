@@ -14,8 +14,8 @@ pub struct BuiltCurves {
     pub curves: Curves,
     /// Derivative of the static height along each direction.
     pub height: Vec<f64>,
-    /// Derivatives of the columns, `[direction][station][column]`, in the column's unit per length unit. A column is a
-    /// value, a rate or a curvature.
+    /// Derivatives of the columns, `[direction][station][column]`, in the column's unit per unit of the direction. A
+    /// column is a value, a rate or a curvature.
     derivatives: Vec<f64>,
 }
 
@@ -28,8 +28,8 @@ impl BuiltCurves {
     }
 }
 
-/// Returns the curves of a built mechanism under a plan, with their derivatives along directions of its parts.
-/// The derivatives at a station without a pose are NaN.
+/// Returns the curves of a built mechanism under a plan, with their derivatives along directions of its parts. The
+/// derivatives at a station without a pose are NaN. Those of a column without value may be NaN.
 pub fn built_curves(
     assembler: &Assembler,
     built: &Built,

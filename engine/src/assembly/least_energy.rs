@@ -19,9 +19,10 @@
 //! q <- q - J^-1 (l_i - L_i - c_i t_i, z_k - h_k)                                               (5)
 //! ```
 //!
-//! Because of (3), the sum of s_i l_i has no first derivative with respect to q. So an error of q changes t_5 in (4) only
-//! by the square of that error. Each correction (5) multiplies the error by about c_i t_i/l_i: one thousandth for usual
-//! parts. The program finds s for derivative numbers by the corrections
+//! Because of (3), the sum of s_i l_i has no first derivative with respect to q at constant heights. Correction (5)
+//! sets the heights to first order. So an error of q then changes t_5 in (4) only by the square of that error. Each
+//! correction (5) multiplies the error by about c_i t_i/l_i: one thousandth for usual parts. The program finds s for
+//! derivative numbers by the corrections
 //!
 //! ```text
 //! s <- s - J0'^-1 (J's + dl_5/dq)                                                              (6)
@@ -45,7 +46,7 @@ const LINKS: usize = 5;
 const EXTRA: usize = LINKS - 1;
 /// Largest number of corrections (5).
 const MOST_ROUNDS: usize = 40;
-/// Largest move of the axle in the first correction, relative to the axle's size.
+/// Twice the largest move of the axle in the first correction, relative to the axle's size.
 const FARTHEST: f64 = 0.2;
 
 /// Tensions of the five links of an assembled axle: first the links with constraints, in their order, then the link
@@ -122,8 +123,8 @@ fn moved<T: Real>(pose: &Pose<T>, correction: Vector6<T>) -> Pose<T> {
 }
 
 impl Assembler {
-    /// Makes the assembler of an axle. `side` selects the wheel whose mechanism is assembled. On an axle on five links,
-    /// deviations of the parts stretch the links according to the stiffness of each link.
+    /// Makes the assembler of an axle. `side` selects the wheel whose mechanism is assembled. On an elastic axle on
+    /// five links, deviations of the parts stretch the links according to the stiffness of each link.
     pub fn of_axle(axle: &Axle, side: Side) -> Result<Self, DesignFault> {
         let suspension = axle.suspension(side);
         let mut assembler = Assembler::new(suspension)?;
@@ -135,7 +136,8 @@ impl Assembler {
         Ok(assembler)
     }
 
-    /// Softnesses of the links: length by which a unit tension stretches the link.
+    /// Softnesses of the links: length by which a unit tension stretches the link. All 1 if the parts have no
+    /// softnesses.
     fn softness<T>(&self, parts: &Parts<T>) -> [f64; LINKS] {
         let mechanism = &self.suspension().mechanism;
         let mut softness = [1.0; LINKS];
@@ -201,8 +203,8 @@ impl Assembler {
             let size = Vector3::new(x, y, z).norm().max(turn);
             let ahead = size * (size / before).min(1.0);
             if ahead < self.rounding() && size <= before {
-                // The last correction is smaller than rounding errors. So the inverse Jacobian of the previous pose is
-                // accurate enough.
+                // The next correction would be smaller than rounding errors. The inverse Jacobian of the previous pose
+                // is accurate enough.
                 at.pose = moved(&pose, correction);
                 at.rounds = round + 1;
                 return Some(at);

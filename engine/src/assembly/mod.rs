@@ -5,7 +5,7 @@
 //! parts with the wheel centre at a given height. The points of the assembled parts lie near the nominal points. Their
 //! positions are a design, too: the *built design*. It is the nominal design of a mechanism with exactly these parts in
 //! this static position. So all methods for designs (poses, SIMD lanes, derivatives, limits, certificates) also work for
-//! built mechanisms, without further formulas.
+//! built mechanisms, without further formulas. Only an axle on five links also has tensions ([`Tensions`]).
 //!
 //! With x the parts and p(x) the built design, every output y of the mechanism has
 //!
@@ -16,9 +16,9 @@
 //! dy/dp comes from the adjoint method for designs ([`mod@crate::derive`]), dp/dx is the derivative of the assembly. In
 //! every build,
 //!
-//! - the wheel centre is at its nominal height at travel 0,
+//! - the wheel centre is at the height of [`Rest`] at travel 0: at its nominal height, unless a set-up changes it,
 //! - the rack is at 0,
-//! - points of the body do not move,
+//! - points of the body do not move, except sideways at the mounts of a twist beam,
 //! - the spindle is fixed in its carrier.
 //!
 //! Changes "since the design position" (half-track change, angles of arms and rockers) are measured from the static

@@ -17,8 +17,8 @@ pub enum Member {
 }
 
 impl Member {
-    /// Returns the members of a mechanism with their names. Links are named as in the columns of loads. Rods are named
-    /// `pushrod`, `pullrod` or `drop_link`.
+    /// Returns the members of a mechanism with their names. Links are named as in the columns of loads. Rods have the
+    /// name of their kind ([`Rod::key`](crate::model::Rod::key)), such as `pushrod`.
     pub fn all(mechanism: &Mechanism) -> Vec<(String, Member)> {
         let links = Member::links(mechanism).map(|(link, [inner, _])| {
             let name = mechanism.link_name(inner);
@@ -113,7 +113,7 @@ impl BuildParameter {
 
     /// Returns the same dimension of a solid axle in the mechanism of the other wheel. The factor converts a change of
     /// the dimension in this mechanism to a change in the other one. `None` if that wheel's mechanism does not have the
-    /// part.
+    /// part. Also `None` for an independent wheel.
     pub(crate) fn seen_from_other(self, mechanism: &Mechanism) -> Option<(BuildParameter, f64)> {
         let rigid = mechanism.rigid_axle.as_ref()?;
         match self {
@@ -143,8 +143,10 @@ pub struct Parts<T> {
     /// Lengths of members: first by the index of the constraint, then rods of rockers, then links without constraint.
     /// 0 for a constraint that is not a rod.
     pub lengths: Vec<T>,
-    /// Length by which a unit tension stretches each member, in the order of `lengths`. Empty unless an axle has more
-    /// links than rigid links allow.
+    /// Length by which a unit tension stretches each member, in the order of `lengths`. Only [`Assembler::of_axle`]
+    /// sets it, for an elastic axle with more links than rigid links allow. Otherwise it is empty.
+    ///
+    /// [`Assembler::of_axle`]: super::Assembler::of_axle
     pub softness: Vec<f64>,
     /// Position of every point in the nominal design.
     pub drawn: Vec<Vector3<T>>,
@@ -211,7 +213,8 @@ impl<T: Real> Parts<T> {
     }
 
     /// Changes a dimension. If the study defines the spin axis by angles, this axis moves with the wheel centre and does not
-    /// rotate. A sideways change of a twist beam's mount is applied at the far mount, by equation (1) of module `carriers`.
+    /// rotate. A sideways change of a twist beam's near mount also moves the far mount, by equation (1) of module
+    /// `carriers`.
     #[inline(always)]
     pub fn change(&mut self, mechanism: &Mechanism, parameter: BuildParameter, by: T) {
         match parameter {

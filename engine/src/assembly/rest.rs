@@ -29,7 +29,7 @@ pub struct Built {
     pub rest: Rest,
     /// Height of the wheel centre above its nominal height.
     pub height: f64,
-    /// Tensions that the parts cause in the links of an axle on five links.
+    /// Tensions that the parts cause in the links of an axle on five links. `None` for other suspensions.
     pub tensions: Tensions,
     at: Linearised,
 }
@@ -92,7 +92,7 @@ impl Assembler {
             if step.is_nan() || step.abs() > size {
                 return Err(AssemblyError::Spring);
             }
-            // If steps no longer halve, the remaining error is rounding, and the last step is accepted.
+            // If small steps no longer shrink, the remaining error is rounding, and the present height is accepted.
             if step.abs() <= 1e-13 * size || (step.abs() <= 1e-10 * size && step.abs() >= before) {
                 return Ok(());
             }
@@ -109,7 +109,7 @@ impl Assembler {
     }
 
     /// Returns the length of the spring, and the derivative of this length along a direction of the parts. `rise` is the
-    /// derivative of the height along this direction.
+    /// derivative of the height along this direction. `None` without a spring.
     fn spring_by(&self, built: &Built, direction: &Direction, rise: f64) -> Option<[f64; 2]> {
         let (_, design) = self.design_along(built, dual, 1, direction, rise);
         let length = self.suspension().spring_length(&design)?;
@@ -161,11 +161,11 @@ impl Assembler {
     }
 
     /// Returns the derivatives of every point of the built design and of the static height along a direction of the
-    /// parts.
+    /// parts. If the spring sets the height, the spring keeps its length.
     pub fn design_by(&self, built: &Built, direction: &Direction) -> (Vec<Vector3<f64>>, f64) {
         let rise = match built.rest {
             Rest::Height(_) => 0.0,
-            // The spring keeps its length, so the height changes with the parts.
+            // The height changes with the parts.
             Rest::Spring(_) => {
                 let by_parts = self.spring_by(built, direction, 0.0);
                 let by_height = self.spring_by(built, &[], 1.0);
@@ -208,8 +208,8 @@ impl Assembler {
     }
 
     /// Returns the rotation of a solid axle from the nominal design, and the displacement of the midpoint between both
-    /// wheel centres. Both results contain their derivatives along a direction of the parts, at constant height. `None`
-    /// for another suspension.
+    /// wheel centres. For a twist beam, the rotation is that of the near half. Both results contain their derivatives
+    /// along a direction of the parts, at constant height. `None` for another suspension.
     pub(super) fn axle_by(
         &self,
         built: &Built,

@@ -16,9 +16,9 @@
 //! ```
 //!
 //! T is the derivative of the pose with respect to an adjustment. So (1) and (2) together are Newton's method in all unknowns,
-//! with one inverse. The method continues as long as each correction is at most half of the previous one. With adjustments, it
-//! also continues if a correction is at most a quarter of the one before the previous one. A lane that has converged no longer
-//! changes, so its result depends on its own build alone.
+//! with one inverse. The method continues as long as each correction is less than half of the previous one. With adjustments,
+//! it also continues if a correction is less than a quarter of the one before the previous one. A lane that has converged no
+//! longer changes, so its result depends on its own build alone.
 
 use super::alignment::{Alignment, ROUNDING};
 use super::assembler::{Assembler, Linearised};
@@ -28,9 +28,10 @@ use crate::mechanism::constraint::PartDimensions;
 use crate::mechanism::{Closure, Pose, Turn};
 use crate::number::{Each, Jet, Matrix3, Outlined, Real, SimdReal, Vector3};
 
-/// Maximum number of corrections. A build whose corrections halve each time converges much earlier.
+/// Maximum number of corrections. Builds near the nominal parts converge much earlier.
 const MOST_ROUNDS: usize = 40;
-/// Largest move of the carrier in one correction, relative to the mechanism's size, and largest rotation in rad.
+/// Twice the largest move of the carrier in the first correction, relative to the mechanism's size. Also twice the
+/// largest rotation, in rad.
 const FARTHEST: f64 = 0.2;
 /// Smallest squared leverage of a rocker for a build in SIMD lanes. A rocker with more leverage is far from its toggle.
 const LEAST_LEVERAGE: f64 = 0.0625;
@@ -202,7 +203,7 @@ impl Assembler {
     }
 
     /// Writes the built designs of assembled builds as Taylor series. The values of `parts` must be those after assembly.
-    /// Returns the accepted lanes.
+    /// Returns the accepted lanes. Lanes that `built` does not accept may have any result. Not for solid axles.
     #[inline(always)]
     pub(crate) fn series_in_lanes<B: SimdReal>(
         &self,

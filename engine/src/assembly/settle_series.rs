@@ -15,10 +15,10 @@ use crate::number::{Jet, Matrix3, Outlined, SimdReal, Vector3};
 /// Maximum number of corrections.
 const MOST_ROUNDS: usize = 40;
 /// Limit on the estimated next correction of a derivative. Below this limit, the derivative has converged. The limit is
-/// relative to the largest derivative of a nominal point or to the largest correction.
+/// relative to the largest derivative of a nominal point, or to the largest correction if that is larger.
 const FINE: f64 = 1e-15;
-/// Limit on the last correction of a derivative. If corrections no longer shrink and are below this limit, the
-/// derivative has converged.
+/// Limit on the last correction of a derivative, relative like [`FINE`]. If corrections no longer halve and are below
+/// this limit, the derivative has converged.
 const COARSE: f64 = 1e-12;
 
 /// A first-order Taylor series.

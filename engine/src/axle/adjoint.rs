@@ -15,8 +15,8 @@ const MOST_POWERS: usize = 4;
 const MOST_NUMBERS: usize = size_of::<WheelPose<u8>>();
 
 impl<'t> Reading<Tracked<'t>> {
-    /// Makes a wheel whose values are all inputs on the tape (the recorded operations for derivatives). The inputs are ordered by
-    /// straight line in travel and rack, then by value of the wheel, then by power of the series.
+    /// Makes a wheel whose used values are all inputs on the tape (the recorded operations for derivatives). The inputs are ordered
+    /// by straight line in travel and rack, then by value of the wheel, then by power of the series. Other values are NaN.
     pub fn on_tape<const N: usize>(tape: &'t Tape, lines: &[Snapshot<N>], parts: &Parts) -> Self {
         const { assert!(N <= MOST_POWERS) };
         let zero = Tracked::constant(0.0);

@@ -42,7 +42,7 @@ impl Carriers {
     }
 
     /// Powers of the driving travel and the held travel in a Taylor coefficient of a wheel. This coefficient is the first
-    /// derivative with respect to the difference of travels: this wheel rises, and the other wheel falls at the same rate. Only for
+    /// derivative with respect to half the difference of travels: this wheel rises, and the other falls at the same rate. Only for
     /// a rigid axle.
     #[inline(always)]
     pub(crate) fn by_difference(self) -> [usize; 2] {

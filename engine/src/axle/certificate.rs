@@ -26,7 +26,8 @@ use crate::number::{Each, Interval, Jet, Real, Vector3};
 pub struct AxleProof {
     /// Bound on the position error of any point of the left and of the right wheel carrier.
     pub position_errors: [f64; 2],
-    /// Bound on the error of both travels. It is 0 if the travels are given.
+    /// Bound on the error of both travels. If the travels are given, it is 0, or the rounding error of the mean travel of a
+    /// rigid axle.
     pub travel_error: f64,
     /// Bound on the error of the roll angle, in radians. It is 0 if the roll angle is given.
     pub roll_error: f64,
@@ -170,7 +171,8 @@ impl<'a> AxleCertifier<'a> {
     ///
     /// # Errors
     /// [`NoPose::Wheel`] if the pose of a wheel cannot be certified. [`NoPose::Unproven`] if the poses of both wheels
-    /// can be certified, but not the travels or the roll angle at which the wheels touch the ground.
+    /// can be certified, but not the travels or the roll angle at which the wheels touch the ground, and for a placement at
+    /// a load.
     pub fn prove(&self, placement: &Placement, placed: &AxlePose) -> Result<AxleProof, NoPose> {
         let over = |side: Side, travel: Interval, rack: f64| {
             let pose = &placed.poses()[side as usize];

@@ -88,8 +88,8 @@ impl Coordinate {
         }
     }
 
-    /// Converts a value of a motion to the value that a study contains. For an angle, the result is the shortest
-    /// decimal number that represents it.
+    /// Converts a value of a motion to the value that a study contains. The result is rounded to 13 significant digits,
+    /// which removes rounding errors of the conversion.
     pub fn written(self, value: f64, axle: &Axle) -> f64 {
         let short = |value: f64| format!("{value:.12e}").parse().unwrap_or(value);
         match self {

@@ -48,7 +48,8 @@ impl BeyondCurve {
 }
 
 impl Axle {
-    /// Finds the station farthest beyond each end of the force curves of each wheel.
+    /// Finds the station farthest beyond each end of the force curves of springs and bump stops, for each wheel. Rebound stops
+    /// are not checked.
     pub fn beyond_force_curves(&self, curves: &AxleCurves) -> Vec<BeyondCurve> {
         let mut found: Vec<BeyondCurve> = Vec::new();
         for placed in &curves.placed {

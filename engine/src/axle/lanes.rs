@@ -160,7 +160,7 @@ impl Quantity {
     }
 
     /// Returns the values in SIMD lanes. A value is NaN if it is missing, under the same conditions as in
-    /// [`Quantity::value`].
+    /// [`Quantity::value`]. For a rigid axle, parallel normals are detected by the jacking coefficients, not by the roll centre.
     #[inline(always)]
     pub fn value_in_lanes<B: SimdReal>(self, state: &AxleState<B, LaneWheel<B>>) -> B {
         let like = state.like();

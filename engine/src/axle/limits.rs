@@ -49,7 +49,7 @@ pub struct AxleEnd {
     pub value: f64,
     /// Wheel that reaches its end.
     pub side: Side,
-    /// End of the travel of this wheel, in the wheel's own frame.
+    /// End of the travel or of the rack of this wheel, in the wheel's own frame.
     pub end: RangeEnd,
 }
 
@@ -98,7 +98,7 @@ impl<const N: usize> AxleSolver<'_, N> {
             [left.rockers, right.rockers]
         };
         let (left, right) = (left.travel, right.travel);
-        // In roll to the left, the left wheel is in droop.
+        // At a positive roll angle, the left wheel is in droop.
         let upper = self.roll_end([&left.lower, &right.upper]);
         let lower = self.roll_end([&left.upper, &right.lower]);
         let roll = [lower, upper];

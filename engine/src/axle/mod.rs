@@ -76,7 +76,7 @@ pub struct Axle {
     /// Left wheel.
     pub left: Suspension,
     /// Right wheel in the kernel's frame, described like a left wheel. `None` if it is the mirror image of the left
-    /// wheel.
+    /// wheel. For a rigid axle, the axle as seen from its right wheel; `None` if the axle is symmetric.
     pub right: Option<Suspension>,
     /// Further inputs of the study: steering, springs, masses.
     pub setup: Setup,
@@ -168,7 +168,8 @@ impl Axle {
 
     /// Returns the points of a right wheel with independent hardpoints, after the points of the left wheel have moved
     /// to `left`. Each right point moves by the same displacement as the corresponding left point. A point that is a
-    /// mirror image stays an exact mirror image. `None` if the whole wheel is a mirror image.
+    /// mirror image stays an exact mirror image. For a rigid axle, returns the axle as seen from its right wheel. `None` if
+    /// [`Axle::right`] is `None`.
     pub fn right_design(
         &self,
         left: &[Vector3<f64>],
@@ -315,7 +316,8 @@ impl Axle {
         self.elastic.as_ref().map_or(&[], |own| &own.figures)
     }
 
-    /// Returns true if the study contains all inputs of a quantity.
+    /// Returns true if the study contains all inputs of a quantity, and the quantity is available for this kind of axle. With
+    /// elastic parts, it must also be available in an equilibrium.
     pub fn has(&self, quantity: Quantity) -> bool {
         let in_equilibrium =
             self.elastic.is_none() || not_in_equilibrium(quantity, self.kind(), false).is_none();
@@ -323,7 +325,7 @@ impl Axle {
         in_equilibrium && quantity.is_of(self.kind()) && needs.iter().all(|need| self.meets(*need))
     }
 
-    /// Returns the rockers on one side whose motion changes these quantities.
+    /// Returns the rockers on one side whose motion changes these quantities, and the knuckles of a steered axle.
     fn rockers(&self, side: Side, quantities: &[Quantity]) -> Vec<RockerId> {
         let mechanism = &self.suspension(side).mechanism;
         let reads = |slots: &[Slot]| {

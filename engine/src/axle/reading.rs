@@ -259,7 +259,7 @@ impl<const N: usize> Reading<Jet<f64, N>> {
 ///
 /// The compiler makes separate functions for vectors and twists, because many formulas use them.
 pub trait WheelParts<T: Real>: Copy {
-    /// True if the coefficients of the fourth power of travel are known.
+    /// True if there are coefficients of the fourth power of travel. For a rigid axle, they may be zero instead of known.
     const HAS_FOURTH: bool = false;
     /// True if the values of the wheel are used only at the travel of the coefficients, without a step away from it.
     const IS_AT_TRAVELS: bool = false;
@@ -408,7 +408,7 @@ pub trait WheelParts<T: Real>: Copy {
     }
 
     /// Returns the wheel as series in a motion with these rates of travel and rack. `None` means that the rack is at
-    /// rest. The degree of the series is one less than the degree of the coefficients.
+    /// rest. Coefficients of the result are known up to one degree less than those of this wheel.
     #[inline(always)]
     fn moving(&self, travel: T, rack: Option<T>) -> Moving<'_, Self, T> {
         Moving {

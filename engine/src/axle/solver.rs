@@ -3,7 +3,7 @@
 //! On a plane ground with the normal n, both contact points C have the same height h = n.C. So f = h_l(z_l) - h_r(z_r) = 0. For
 //! a given roll angle and z_l, z_r = heave +- s, this is one equation in s. Its slope n.C_l' + n.C_r' is near 2. The slope
 //! stays positive until a wheel reaches a fold, the turning point at which the travel reverses. So Newton's method finds the
-//! only root. For given travels, f = 0 is one equation in the roll angle, with the slope -track.
+//! only root. For given travels, f = 0 is one equation in the roll angle, with the slope track.
 
 mod corner;
 mod linearised;
@@ -93,8 +93,8 @@ impl AxlePose {
     }
 }
 
-/// Solver for the positions of one axle. The design of the axle can be replaced. Every power series has `N`
-/// coefficients, one more than the order of its highest derivative.
+/// Solver for the positions of one axle. The design of the axle can be replaced. Power series of quantities have `N`
+/// coefficients, one more than the order of their highest derivative.
 #[derive(Clone, Debug)]
 pub struct AxleSolver<'a, const N: usize> {
     pub(super) axle: &'a Axle,
@@ -110,14 +110,14 @@ pub struct AxleSolver<'a, const N: usize> {
     gradients: [Vec<Vector3<f64>>; 2],
 }
 
-/// Largest number of Newton steps for the difference of travels, including halved steps.
+/// Largest number of Newton steps for the difference of travels (including halved steps), or for the roll angle.
 const MOST_STEPS: usize = 80;
 /// Number of terms in the series for the heights of contact points.
 const TERMS: usize = 4;
 /// Largest number of rounds that solve all open placements together. The remaining placements are then solved one by one.
 const MOST_ROUNDS: usize = 4;
 /// Largest step along the series of a pose, relative to the mechanism's size. Up to this step, the error of four terms is smaller
-/// than rounding errors.
+/// than rounding errors, except close to a fold.
 const NEAR: f64 = 1e-4;
 
 /// Number whose gradient is requested.
@@ -183,7 +183,7 @@ impl Read<'_> {
         })
     }
 
-    /// Returns true if a quantity depends on a rocker that is at or beyond a toggle.
+    /// Returns true if a quantity depends on any rocker of a wheel that has a rocker at or beyond a toggle.
     pub fn is_stuck(&self, quantity: Quantity) -> bool {
         let mut sides = Side::ALL.into_iter();
         sides.any(|side| self.toggles[side as usize].is_some() && quantity.moves_with_rocker(side))
@@ -278,7 +278,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.axle.left.mechanism.axle_steering().is_some()
     }
 
-    /// Prepares one wheel in a position for loads. Returns [`Failure::Singular`] if the suspension cannot carry a load.
+    /// Prepares one wheel in a position for loads. [`Failure::Singular`] if it cannot carry a load, or if the gear is elsewhere.
     pub fn balance(
         &self,
         side: Side,
@@ -316,8 +316,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         Some([wheel(Side::Left)?, wheel(Side::Right)?])
     }
 
-    /// Prepares both wheels of a position for series along directions of the design. The steering gear must be at the
-    /// displacement of this position. `None` if a Jacobian is singular.
+    /// Prepares both wheels of a position of the axle's own design for series along directions of the design. The
+    /// steering gear must be at the displacement of this position. `None` if a Jacobian is singular.
     pub(crate) fn expandable(&self, placed: &AxlePose) -> Option<[Expandable<'a>; 2]> {
         let coordinates = self.coordinates(placed.travels, placed.rack);
         let factors = self.factorised(placed)?;
@@ -427,13 +427,13 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         limits.map_err(|fault| (side, fault))
     }
 
-    /// Finds the pose of one wheel at a travel, with the rack centred.
+    /// Finds the pose of one wheel at a travel, with the rack centred (for a rigid axle, at zero mean travel).
     pub(super) fn pose(&mut self, side: Side, travel: f64) -> Option<Pose<f64>> {
         let corner = &mut self.corners[side as usize];
         corner.at(travel, 0.0, |_, _, pose| Ok(*pose)).ok()
     }
 
-    /// Returns the roll angle of the plane under both wheels in these poses.
+    /// Returns the roll angle of the plane under both wheels in these poses. `None` if there is no such plane.
     pub(super) fn plane_under(&self, poses: &[Pose<f64>; 2]) -> Option<f64> {
         self.tilted(poses).ok()
     }
@@ -451,7 +451,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.corners[side as usize].solver.design()
     }
 
-    /// Returns one wheel in a position. The steering gear must be at the displacement of this position.
+    /// Returns one wheel in a position, with its rack centred. The steering gear must be at its displacement.
     pub(super) fn configuration_of(&self, side: Side, placed: &AxlePose) -> Configuration<'_, f64> {
         self.corners[side as usize].configuration(placed.poses[side as usize])
     }

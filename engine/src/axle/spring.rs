@@ -5,9 +5,9 @@ use crate::number::{Jet, MOST_LANES, Scalar, SimdReal, Valued};
 /// Force as a function of the length, positive in compression.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Law<T = f64> {
-    /// Linear law: `force` in the design position, plus `rate` times the shortening of the spring.
+    /// Linear law: `force`, plus `rate` times the shortening of the spring.
     Linear {
-        /// Force in the design position.
+        /// Force in the design position, or at [`SpringLaw::own_length`] if it is set.
         force: T,
         /// Force per length.
         rate: T,
@@ -26,8 +26,8 @@ pub struct SpringLaw<T = f64> {
     /// Rebound stop. The abscissa of its curve is the deformation of the stop: the spring's extension minus the gap.
     pub rebound_stop: Option<BumpStop>,
     /// Length of the spring from which its deflection and the gaps of its stops are measured. `None` means the length
-    /// in the design position: the force then stays the same if hardpoints move. For the springs of an assembled car,
-    /// this length is fixed.
+    /// in the design position: the force of a linear spring in this position then stays the same if hardpoints move. For the
+    /// springs of an assembled car, this length is fixed.
     pub own_length: Option<f64>,
 }
 
@@ -95,7 +95,7 @@ impl<T: Copy> SpringLaw<T> {
     }
 }
 
-/// Adds the force of a stop to a force, if the spring's change of length exceeds the gap.
+/// Combines the force of a stop with a force by `add`, if the spring's change of length exceeds the gap.
 #[inline(always)]
 fn with_stop<U: Valued>(
     stop: &Option<BumpStop>,
@@ -191,9 +191,9 @@ impl SpringLaw {
     }
 }
 
-/// A smooth curve through points. It consists of cubic polynomials. In each interval in which the points are monotone,
-/// the slopes make the curve monotone (F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17, 1980). Beyond its ends
-/// the curve is straight. The second derivative jumps at the points.
+/// A smooth curve through points. It consists of cubic polynomials. The slopes make the curve monotone between neighbouring
+/// points (F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17, 1980). Beyond its ends the curve is straight. The second
+/// derivative jumps at the points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForceCurve {
     points: Vec<[f64; 2]>,

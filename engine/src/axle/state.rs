@@ -3,7 +3,7 @@
 //! An [`AxleState`] contains both wheels as functions of their travels and racks. Along a [`Motion`] the travels, the rack and
 //! the roll angle change. Their rates are computed from the state itself. [`AxleState::moving`] returns the same state as
 //! series along the motion. These series contain the derivatives. C' and C,r are velocities of the carrier's point at the
-//! contact point, with respect to the wheel's own travel and to the rack. With h = n.C and, on a plane, f = h_l - h_r = 0,
+//! contact point, with respect to the wheel's own travel and to the axle's rack. With h = n.C and, on a plane, f = h_l - h_r = 0,
 //!
 //! ```text
 //! roll        z_l' = -z_r' = -track/F        F = n.C_l' + n.C_r'
@@ -60,9 +60,10 @@ pub enum Motion {
     /// coordinates. On a plane, the roll angle and the mean travel are constant. On pads, the travels of both wheels
     /// are constant.
     Steering,
-    /// Travel of the left wheel, with everything else constant.
+    /// Travel of the left wheel. The other travel and the rack are constant. If both travels are given on a plane, the roll
+    /// angle follows.
     TravelLeft,
-    /// Travel of the right wheel, with everything else constant.
+    /// Travel of the right wheel, like [`Motion::TravelLeft`].
     TravelRight,
     /// Equal and opposite travels of the wheel centres, with the right wheel in jounce, as in a roll stiffness test on a
     /// rig.
@@ -115,7 +116,7 @@ pub struct AxleState<'a, T, W = Reading<T>> {
 }
 
 impl AxleState<'_, f64> {
-    /// Returns true if both wheels stand on one plane.
+    /// Returns true if both wheels stand on one plane: by definition, or on pads of nearly the same height.
     pub fn is_on_plane(&self) -> bool {
         self.hold != Hold::TravelsOnPads
             || self.mismatch().abs() <= Quantity::SAME_PLANE * self.track()

@@ -117,7 +117,8 @@ impl<T: Real> Taylor<T> {
         }
     }
 
-    /// Returns the polynomial about a point that is moved by `travel`, to first order in `travel`.
+    /// Returns the polynomial about a point that is moved by `travel`, to first order in `travel`. The coefficients of the
+    /// highest known degree become NaN.
     pub fn shifted(&self, travel: T) -> Self {
         let mut moved = *self;
         for (coefficient, [i, j]) in moved.0.iter_mut().zip(POWERS) {

@@ -13,9 +13,9 @@
 //! ```
 //!
 //! D_k is the k-th coefficient of f at the second node minus that of the cubic c_0 + c_1 t + c_2 t^2 + c_3 t^3. The
-//! error (4) and the error of the first derivative fall with the eighth power of h. The error of the first derivative
+//! error (4) and the error of its derivative with respect to t fall with the eighth power of h. The error of the derivative
 //! is largest near t = 0.31. At this t, each piece is compared with one more pose: value and derivative must agree. If
-//! they differ by more than rounding errors, the length of all pieces is halved.
+//! they differ by more than rounding errors, or this pose does not exist, the length of all pieces is halved.
 
 use super::reading::{Reading, WheelParts};
 use super::solver::AxleSolver;
@@ -31,7 +31,7 @@ const LENGTH: f64 = 1.0 / 24.0;
 const MOST_HALVINGS: u32 = 4;
 /// Relative position t in a piece (0 to 1) at which the piece is compared with a pose.
 const CHECK: f64 = 0.31;
-/// Largest accepted error of a piece, relative to the size of the number and the length of the piece.
+/// Largest accepted error of a piece, relative to the sum of the number's size and the length of the piece.
 const TOLERANCE: f64 = 4e-13;
 
 /// Vectors that a curve contains, in addition to the columns of the carrier's rotation matrix.

@@ -133,7 +133,8 @@ impl Moves {
         }
     }
 
-    /// Returns the reason why other values of the car limit the range of this variable; `None` if they do not.
+    /// Returns the reason why other values of the car limit the range of this variable. `None` if they do not, and for a
+    /// spring rate that the other wheel's rate limits.
     pub(crate) fn reason_of_limits(&self, car: &Car) -> Option<&'static str> {
         match (self, car.masses) {
             (Moves::Body(BodyParameter::Mass), Masses::Whole) => {

@@ -120,7 +120,7 @@ impl<'c> CarRequest<'c> {
     }
 
     /// Returns every result with its derivatives, in radians, newtons and length units. `None` if the result's case has
-    /// no equilibrium.
+    /// no equilibrium, or if the derivatives of its state do not exist.
     ///
     /// # Errors
     /// Returns the reason if the design position cannot be solved.

@@ -69,7 +69,7 @@ pub enum Longitudinal {
     Drive,
 }
 
-/// Distribution of an axle's lateral force between its wheels.
+/// Distribution of an axle's lateral force between its wheels, while both are on the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LateralShares {
     /// In proportion to the wheel loads.
@@ -80,7 +80,7 @@ pub enum LateralShares {
     Left([f64; 2]),
 }
 
-/// Distribution of an axle's longitudinal force between its wheels.
+/// Distribution of an axle's longitudinal force between its wheels, while both are on the ground.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LongitudinalShares {
     /// In proportion to the wheel loads.
@@ -140,7 +140,7 @@ pub enum NoEquilibrium {
         /// Reason.
         failure: NoPose,
     },
-    /// Newton's method does not converge.
+    /// Newton's method does not converge, or the search reaches its largest number of steps.
     NotFound,
     /// The equations of equilibrium are singular.
     Singular,
@@ -152,9 +152,9 @@ pub enum NoEquilibrium {
         /// proportion to the wheel loads.
         remedy: Option<&'static str>,
     },
-    /// All wheels have lifted.
+    /// All wheels have lifted, or az is -1 g or less.
     AllLifted,
-    /// Both wheels of an axle have lifted, but the axle must carry a force.
+    /// Both wheels of an axle have lifted. The equations then do not determine the force of this axle.
     AxleLifted {
         /// Axle: 0 front, 1 rear.
         axle: usize,
@@ -168,7 +168,7 @@ pub enum NoEquilibrium {
     },
     /// The body sinks: beyond this state, the spring forces at the wheels grow more slowly than the load.
     Sinks,
-    /// No spring or other part carries the body.
+    /// An axle has no springs that carry the body.
     Unsupported,
 }
 

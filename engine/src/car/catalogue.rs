@@ -418,9 +418,9 @@ impl CarQuantity {
         self == CarQuantity::Whole(WholeResult::JackingHeave)
     }
 
-    /// Returns the reason why the result is undefined in a case; `None` if it is defined. A result is undefined if its
-    /// formula is 0/0. A result for braking is also undefined in a case with drive, and a result for drive in a case
-    /// with braking.
+    /// Returns the reason why the result is undefined in a case; `None` if it is defined. The check uses only the inputs
+    /// of the case. A result is undefined if its formula is 0/0 for a symmetric car without drag. A result for braking
+    /// is also undefined in a case with drive, and a result for drive in a case with braking.
     pub fn undefined_in(self, case: &Case) -> Option<&'static str> {
         use WholeResult::{
             AntiDive, AntiLiftFront, AntiLiftRear, AntiSquat, Distribution, DistributionElastic,
@@ -456,7 +456,7 @@ impl CarQuantity {
         }
     }
 
-    /// Value in printed units. `None` if the result is undefined in the case.
+    /// Value in printed units. `None` if the result is undefined in the case, or if the value is not finite.
     pub fn printed(self, solved: &Solved<'_, f64>, case: &Case) -> Option<f64> {
         if self.undefined_in(case).is_some() {
             return None;

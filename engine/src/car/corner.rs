@@ -52,7 +52,7 @@ pub struct Corner<T> {
     pub design_spin: Vector3<T>,
     /// Derivatives with respect to the wheel's own travel.
     pub own: WheelRates<T>,
-    /// Derivatives with respect to the other wheel's travel, for a solid axle.
+    /// Derivatives with respect to the other wheel's travel, for a solid axle or twist beam.
     pub other: Option<WheelRates<T>>,
     /// Motion of the axle itself, for the left wheel of a steered solid axle.
     pub axle: Option<AxleMotion<T>>,
@@ -108,9 +108,9 @@ struct ByTravels<T> {
 
 #[inline(always)]
 fn by_travels<T: Real>(held: AxleTravel, [first, second]: [T; 2]) -> ByTravels<T> {
-    // The variables of the polynomial are (own + other)/2 and (own - other)/2. If the own travel changes by 1, both
-    // variables change by 1/2. If the other travel changes by 1, the first variable changes by 1/2 and the second by
-    // -1/2.
+    // The variables of the polynomial are the mean (own + other)/2 and the difference (own - other)/2. The held one of
+    // them is the second variable. If the own travel changes by 1, both change by 1/2. If the other travel changes by 1,
+    // the mean changes by 1/2 and the difference by -1/2.
     let other = match held {
         AxleTravel::Mean => second - first,
         AxleTravel::Difference => first - second,
@@ -367,8 +367,8 @@ fn column<T: Real, U: Real, W: WheelParts<U>>(
 }
 
 /// Returns the angular velocities of the carrier with respect to both coordinates of the power series, in the frame of
-/// the wheel's side. The second is zero if the carrier is not part of a solid axle (`is_rigid`). An angular velocity is
-/// half the sum of the cross products of the columns of the rotation matrix with their derivatives.
+/// the wheel's side. The second is zero if the wheels are independent (`is_rigid` is false). An angular velocity is half
+/// the sum of the cross products of the columns of the rotation matrix with their derivatives.
 #[inline(always)]
 fn angular_velocities<T: Real, U: Real, W: WheelParts<U>>(
     at: &Displacement<T>,

@@ -70,7 +70,8 @@ pub struct WheelState<T> {
     pub contact: Vector3<T>,
     /// Velocity C' of the carrier's point at the contact point, with respect to the wheel's own travel.
     pub contact_rate: Vector3<T>,
-    /// Velocity of the carrier's point at the contact point, with respect to the other wheel's travel. Only for a solid axle.
+    /// Velocity of the carrier's point at the contact point, with respect to the other wheel's travel. Only for a solid
+    /// axle or twist beam.
     pub contact_by_other: Option<Vector3<T>>,
     /// Loaded radius.
     pub radius: T,
@@ -78,7 +79,7 @@ pub struct WheelState<T> {
     pub gap: T,
     /// Force of the spring and its stops.
     pub spring_force: T,
-    /// Gaps of the bump stop and the rebound stop, if present.
+    /// Gaps of the bump stop and the rebound stop in the design position, if present.
     pub stop_gaps: [Option<f64>; 2],
 }
 

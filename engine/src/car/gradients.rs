@@ -18,8 +18,8 @@ pub struct CarGradient {
     /// hardpoints move as mirror images.
     pub hardpoints: [Vec<Vector3<f64>>; 2],
     /// Derivatives with respect to the hardpoints of each wheel alone, in the kernel's frame of its side. Order of the
-    /// wheels: front left, front right, rear left, rear right. For a solid axle, each wheel has the derivatives for all
-    /// points of the axle, in the frame of the wheel's side.
+    /// wheels: front left, front right, rear left, rear right. For a solid axle or twist beam, each wheel has the
+    /// derivatives for all points of the axle, in the frame of the wheel's side.
     pub wheels: [Vec<Vector3<f64>>; 4],
     /// Derivatives with respect to all parameters.
     pub parameters: [f64; Parameter::COUNT],

@@ -8,11 +8,11 @@
 //! s' = s + min over the wheels with N_s < 0 of N/(-N_s)                                                       (1)
 //! ```
 //!
-//! N_s, the derivative of N with respect to s, comes from the state's exact derivatives with respect to ax and ay. A
-//! bracket (an interval of s) keeps the iteration safe. At its lower end, all wheels are on the ground. Its upper end
-//! is beyond the first lift. There is no equation for the end of equilibrium, so bisection finds it. Within a bracket,
-//! the solver starts each state from the previous state. The full search for an equilibrium is slow if no equilibrium
-//! exists. So it is only used to confirm the end.
+//! N_s, the derivative of N with respect to s, comes from the state's exact derivatives with respect to ax and ay. It
+//! omits the yaw acceleration. A bracket (an interval of s) keeps the iteration safe. At its lower end, all wheels are
+//! on the ground. Its upper end is beyond the first lift. There is no equation for the end of equilibrium, so bisection
+//! finds it. Within a bracket, the solver starts each state from the previous state. The full search for an equilibrium
+//! is slow if no equilibrium exists. So it is only used to confirm the end.
 
 use super::catalogue::{CarQuantity, WheelPlace, WheelResult};
 use super::parameters::{BodyParameter, Parameter};
@@ -132,8 +132,8 @@ impl Case {
 }
 
 impl CarSolver<'_> {
-    /// Finds the limits of a case if ax and ay increase in their ratio up to 5 g. Speed, az and racks do not change.
-    /// `None` for a case without ax and ay.
+    /// Finds the limits of a case if ax and ay increase in their ratio up to 5 g. The yaw acceleration increases in
+    /// proportion. Speed, az and racks do not change. `None` for a case without ax and ay.
     pub fn limits(&mut self, case: &Case) -> Option<RayLimits> {
         let length = case.ax.hypot(case.ay);
         if length == 0.0 {

@@ -81,8 +81,7 @@ impl CarMember {
     }
 }
 
-/// Lists the members of one wheel: links, forces at points, rods, the spring, and joints of arms that carry a spring or a
-/// rod.
+/// Lists the members of one wheel: links, forces at points, the outer joint of every arm, rods, and the spring.
 fn members(mechanism: &Mechanism) -> Vec<(String, What)> {
     let mut found = Vec::new();
     let borne = |outer: PointId| {
@@ -96,8 +95,8 @@ fn members(mechanism: &Mechanism) -> Vec<(String, What)> {
     };
     for constraint in &mechanism.constraints {
         match *constraint {
-            // If an arm carries a spring or rod, its legs are in bending. The list omits these legs, because the force
-            // along a leg is not the whole force on it.
+            // If an arm carries a spring, a rod, a link or a second joint, its legs are in bending. The list omits these
+            // legs, because the force along a leg is not the whole force on it.
             Constraint::Link { outer, .. } if borne(outer).is_some() => {}
             Constraint::Link { inner, outer } => {
                 let name = mechanism.link_name(inner).to_owned();
@@ -136,7 +135,7 @@ fn members(mechanism: &Mechanism) -> Vec<(String, What)> {
 }
 
 impl CarSolver<'_> {
-    /// Computes the forces in the members of each wheel in a state. The list for a solid axle is empty.
+    /// Computes the forces in the members of each wheel in a state. The list for a solid axle or twist beam is empty.
     pub fn members(
         &mut self,
         case: &Case,

@@ -183,8 +183,8 @@ pub struct Air {
 pub struct AirForce {
     /// Point of the body at which the force acts.
     pub point: Vector3<f64>,
-    /// Coefficient times area, m2, as a quadratic polynomial of the ride heights hf and hr. The numbers are the factors
-    /// of 1, hf, hr, hf^2, hf hr and hr^2.
+    /// Coefficient times area, m2, as a quadratic polynomial of the ride heights hf and hr, in the car's length unit. The
+    /// numbers are the factors of 1, hf, hr, hf^2, hf hr and hr^2.
     pub area: [f64; 6],
 }
 

@@ -291,7 +291,7 @@ fn move_points(points: &[PointMove], value: f64, car: &mut Car) {
     }
 }
 
-/// Key of a parameter in an axle's study.
+/// Key of a parameter in an axle's study. For the axle's origin and the rack, which have no key there, a name.
 pub fn rate_key(parameter: AxleParameter) -> &'static str {
     match parameter {
         AxleParameter::SpringRate => "spring.rate",

@@ -12,7 +12,8 @@ use crate::study::Vehicle;
 use nalgebra::DVector;
 
 /// Goals of the tuning: residuals of the targets, and constraint rows. A constraint has one or more rows, for example
-/// one per limit. The rows of the cases come first, then the rows of the front rig and of the rear rig.
+/// one per limit. The residuals of the cases come first, then those of the front rig and of the rear rig. The order of
+/// the constraint rows is that of `in_row_order`.
 pub(super) struct Objective<'a> {
     car: &'a Car,
     goals: CarGoals<'a>,
@@ -35,7 +36,8 @@ impl Objective<'_> {
         self.goals.targets.len()
     }
 
-    /// Returns the index of the first row of each constraint on a case, and the number of all these rows.
+    /// Returns the index of the first row of each constraint on a case, and the number of all these rows. The index
+    /// counts only these rows.
     fn rows_of_cases(&self) -> (Vec<usize>, usize) {
         let mut first = Vec::new();
         let mut count = 0;

@@ -91,7 +91,8 @@ impl AxleParameter {
         AxleParameter::Rack,
     ];
 
-    /// Returns true if an axle has the parameter. Not every axle has a rack or springs between its rockers.
+    /// Returns true if an axle has the parameter. The check covers racks, springs between rockers and the rate of a twist
+    /// beam. It does not cover missing springs at the wheels, anti-roll bars or tyre springs.
     pub fn is_of(self, axle: &Axle) -> bool {
         let rockers = &axle.setup.rocker_springs;
         match self {
@@ -168,7 +169,7 @@ impl Parameter {
 pub struct Parameters<T>(pub [T; COUNT]);
 
 impl Parameters<f64> {
-    /// Collects the values of a car in a case. Parameters that the car does not have are zero.
+    /// Collects the values of a car in a case. Parameters that the car does not have are zero; a missing radius is NaN.
     pub fn of(car: &Car, case: &Case) -> Self {
         let mut values = [0.0; COUNT];
         let mut set = |parameter: Parameter, value: f64| values[parameter.place()] = value;

@@ -29,7 +29,7 @@ pub struct Solved<'c, T> {
     pub by_pitch: Balance<Jet<T, 2>>,
     /// State with its derivative with respect to a warp of the ground. The body is free.
     pub by_warp: Balance<Jet<T, 2>>,
-    /// Heave of the car at rest with the same type of tyres (rigid or elastic).
+    /// Heave of the car at rest with the same type of tyres (rigid or elastic). NaN if it is not computed.
     pub rest_heave: f64,
 }
 
@@ -197,7 +197,7 @@ impl<'c> Solved<'c, f64> {
 
 impl<'c, T: Scalar> Solved<'c, T> {
     /// Computes the state with all its derivatives, from the values `plain`. `orders` is the number of derivative
-    /// orders of the number type: 0 for plain numbers, 1 for gradients.
+    /// orders of the number type: 0 for plain numbers, 1 for gradients, 2 for Taylor series.
     pub(super) fn of<U: Real, R: WheelParts<U>>(
         car: &'c Car,
         base: &Base<'_, '_, R>,

@@ -29,7 +29,7 @@ pub(super) use start::Start;
 pub(super) const TERMS: usize = 4;
 /// Largest number of sets of wheels in contact that the search tries.
 const MOST_SETS: usize = 16;
-/// Largest changes in one Newton step: angles in radians, travels in metres.
+/// Largest changes in one Newton step: angles in radians, travels and the height of the ground in metres.
 pub(super) const LONGEST_TURN: f64 = 0.0175;
 pub(super) const LONGEST_TRAVEL: f64 = 0.008;
 
@@ -205,13 +205,14 @@ impl<'a> CarSolver<'a> {
     }
 
     /// Finds the state of a case from a neighbouring state, if there is no turning point between them. `None` if
-    /// Newton's method does not find the state.
+    /// Newton's method does not find the state, or if the state is neither stiff nor close to the neighbouring state.
     pub(super) fn solve_beside(&mut self, case: &Case, from: &Equilibrium) -> Option<Equilibrium> {
         let found = self.with_contact(case, Start::beside(from)).ok()?;
         (found.is_stiff() || found.follows(from, self.car)).then_some(found)
     }
 
-    /// Finds the state of a case from a given start: roll, pitch, height of the ground, travels.
+    /// Finds the state of a case from a given start: roll, pitch, height of the ground, travels. If this fails, solves
+    /// the case as [`CarSolver::solve`] does.
     pub fn solve_from_attitude(
         &mut self,
         case: &Case,

@@ -7,6 +7,8 @@
 //! q = C f,      C = the rows (gamma, phi, theta) of G_x^-1 in the columns of the vertical force and both moments  (1)
 //! ```
 //!
+//! The force is positive down, so that f.q is work. Both columns of the moments have the opposite sign in C.
+//!
 //! At rest all forces are along n. Then C^-1 is the Hessian of the energy, and a positive definite C means a minimum. Forces
 //! along the ground do work as the attitude changes (jacking, anti-dive), and make C unsymmetric. A positive symmetric part,
 //!

@@ -69,8 +69,8 @@ fn widened<const N: usize>(narrow: Dual<f64, N>, unknowns: [usize; N]) -> Wide {
     wide
 }
 
-/// Unknowns on which the pose of a wheel depends: the attitude of the body and the wheel's own travel. For a solid
-/// axle, also the other wheel's travel.
+/// Unknowns on which the pose of a wheel depends: height and attitude of the body, and the wheel's own travel. For a
+/// solid axle or twist beam, also the other wheel's travel.
 fn unknowns_of<const N: usize>(number: usize) -> [usize; N] {
     let all = [
         ROLL,
@@ -163,7 +163,7 @@ pub(super) fn inverse(matrix: &Matrix) -> Option<Matrix> {
     Some(Factors::of(matrix)?.inverse())
 }
 
-/// Unknowns that stay fixed in motions of the body: the attitude, and the factors of the tyre forces.
+/// Unknowns that stay fixed in motions of the body: height and attitude, and the factors of the tyre forces.
 pub(super) const HELD: [usize; 6] = [
     ROLL,
     PITCH,

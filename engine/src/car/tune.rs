@@ -138,7 +138,7 @@ impl CarTuning {
 }
 
 /// Tunes a car from several starts. In the result, one start is the best. The function fails if a range is empty, or if
-/// the cases cannot be solved from any start.
+/// an axle with goals on its rig cannot be solved. It also fails if the cases cannot be solved from any start.
 pub fn tune(
     car: &Car,
     goals: CarGoals<'_>,

@@ -15,7 +15,7 @@
 //! by a shaft:      S' = W' + (w - (w.a) a) x (C - W)                                    (1)
 //! ```
 //!
-//! W' and w are the velocity of the wheel centre and the angular velocity of the carrier, with respect to wheel travel. (The
+//! W' and w are the velocity of the wheel centre and the angular velocity of the carrier, with respect to the drive. (The
 //! shaft is assumed to lie along a. The effect of angles in its joints is neglected.) With V = C' or S', the springs carry
 //! the following upward force on the wheel:
 //!
@@ -24,9 +24,9 @@
 //! front, drive:   -N + d F_total V_x/V_z      rear, drive:     N + d F_total V_x/V_z     (2)
 //! ```
 //!
-//! p and d are the axle's shares of the braking force and of the drive force. V_x/V_z is also the slope of the line to the
-//! instantaneous centre in side view. The percentage is the part of the load transfer N that, by equation (2), the springs do
-//! not carry.
+//! p and d are the axle's shares of the braking force and of the drive force. For V = C', V_x/V_z is also the slope of
+//! the line to the instantaneous centre in side view: its rise per length towards the rear. The percentage is the part
+//! of the load transfer N that, by equation (2), the springs do not carry.
 
 use super::instant_centre::CONTACT_VELOCITY;
 use super::{Inputs, Need, Unit, formulas};
@@ -35,7 +35,7 @@ use crate::number::Real;
 const SOURCE: &str =
     "W. F. Milliken, D. L. Milliken, Race Car Vehicle Dynamics, SAE 1995, ch. 17; by virtual work";
 
-/// Returns 100 share (L/h) V_x/V_z, in percent. `by_carrier` is the fraction of the torque that the carrier takes.
+/// Returns 100 `share` (L/h) V_x/V_z, in percent. `by_carrier` is the fraction of the torque that the carrier takes.
 #[inline(always)]
 fn slope<T: Real>(inputs: &Inputs<T>, share: f64, by_carrier: f64) -> T {
     let c = &inputs.constants;

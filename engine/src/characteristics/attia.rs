@@ -47,7 +47,7 @@ pub fn attia_kingpin<T: Real>(lower_ball_joint: Vector3<T>, strut_upper: Vector3
 }
 
 /// Equation (17): inclination of the line 7-10 (`strut_upper`, `wheel_centre`) in the transverse plane, positive with the
-/// wheel centre above 7 and outboard of it.
+/// wheel centre below 7 and outboard of it.
 ///
 /// The formula uses the line 7-10 in place of the spin axis, and projects this line. So the result equals camber only if 7-10
 /// is the spin axis and the wheel is not steered.

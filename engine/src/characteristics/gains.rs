@@ -64,7 +64,8 @@ fn of_directions<T: Real>(
     }
 }
 
-/// Evaluates an expression for the formula of an angle. `None` for characteristics that are not angles.
+/// Evaluates an expression for the formula of an angle: of the listed angles, or of all four without a list. `None` for
+/// other characteristics.
 macro_rules! of_angle {
     ($characteristic:expr, $formula:ident => $value:expr) => {
         of_angle!($characteristic, $formula => $value, Camber, Toe, Caster, KingpinInclination)
@@ -117,7 +118,7 @@ pub(super) fn by_direction<T: Real>(c: Characteristic, inputs: &Inputs<T>) -> Op
 
 /// Derivative of an angle with respect to its direction, as a series along the motion. The second coefficient is the
 /// derivative of the angle's slope with respect to the direction, because the order of the two differentiations does not
-/// matter.
+/// matter. `None` for other characteristics.
 #[inline(always)]
 pub(super) fn by_direction_along<T: Real>(
     c: Characteristic,

@@ -11,7 +11,8 @@
 //! - change of a member's nearest point from its middle to its end,
 //! - parallel members (the formula takes the middle of their overlap),
 //! - members that intersect: their distance is 0 at the intersection and grows again beyond it,
-//! - end of a member on the edge of a rim.
+//! - end of a member on the edge of a rim,
+//! - distances and angles that are 0.
 
 mod formula;
 mod input;
@@ -167,7 +168,7 @@ impl Measure {
         }
     }
 
-    /// Rockers that influence the measure.
+    /// Rockers that directly influence the measure. Empty for values of equilibria.
     pub fn rockers(&self, mechanism: &Mechanism) -> Vec<RockerId> {
         match self {
             Measure::Quantity(quantity) => return quantity.rockers(mechanism),
@@ -281,7 +282,8 @@ impl Measure {
         self.formula(&vectors)
     }
 
-    /// Seeds the adjoint of a geometric measure with its derivatives with respect to the vectors that it reads.
+    /// Seeds the adjoint of a geometric measure with its derivatives with respect to the vectors that it reads. The
+    /// seeds are constants, so only the value of the result is right, not its rates.
     pub fn seed<const N: usize>(
         &self,
         at: &Configuration<Jet<f64, N>>,

@@ -48,7 +48,7 @@ impl Quantity {
     }
 
     /// Rockers that directly influence the quantity. If one of them, or a rocker that moves it, is at a toggle, the quantity
-    /// has no value.
+    /// has no value. The rotation of a steered axle's knuckle does not count, only its points.
     pub fn rockers(self, mechanism: &Mechanism) -> Vec<RockerId> {
         let mut asked = ReadSet::by(mechanism, Slots::default().with(self.reads()));
         if let Quantity::Coordinate(point, _) = self {

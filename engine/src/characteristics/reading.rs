@@ -275,8 +275,8 @@ mod tests {
     use std::cell::Cell;
     use std::path::Path;
 
-    /// For each slot whose part exists in a suspension, the test reads only this slot. The slot's input must then have
-    /// a value.
+    /// The test reads each slot alone from three suspensions. In at least one of them, the slot's input must have a
+    /// value.
     #[test]
     fn every_slot_is_read_to_where_it_is_kept() {
         let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies");

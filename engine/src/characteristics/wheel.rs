@@ -335,7 +335,7 @@ impl Slot {
         )
     }
 
-    /// Returns true if the slot may move with a rocker. These are the slots of springs, rockers and bars.
+    /// Returns true for the slots of springs, rockers and bars. They may move with a rocker that carries no wheel.
     pub(crate) fn may_turn(self) -> bool {
         use Slot::{BarAngle, BarAngleRate, HeaveSpring, RockerAngle};
         use Slot::{Spring, SpringLength, SpringLengthRate};

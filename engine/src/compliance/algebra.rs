@@ -18,8 +18,8 @@
 use crate::mechanism::Pose;
 use crate::number::{Dual, Matrix3, Outlined, Real, SimdReal, Valued, Vector3, outlined};
 
-/// The ratio of angle and sine is computed by a power series if the square of the sine is below this limit. The power
-/// series is differentiable at 0. Its last term is below 1e-17.
+/// A power series computes the ratio of angle and sine if the square of the sine is below this limit. The angle must also be
+/// below 90 degrees. The power series is differentiable at 0. Its last term is below 2e-20.
 const SMALL_SINE_SQUARED: f64 = 1e-3;
 
 /// Cross products v x e_k with the three unit vectors, as columns.
@@ -279,7 +279,7 @@ fn angle_by_small_sine<T: Valued>(squared: T) -> T {
     sum * squared + squared.one()
 }
 
-/// Ratio t/sin t of any angle. Few angles need this code, so it is compiled as a separate function.
+/// Ratio t/sin t of an angle between 0 and 180 degrees. Few angles need this code, so it is compiled as a separate function.
 struct AngleBySine<T> {
     squared: T,
     cosine: T,
@@ -316,7 +316,7 @@ pub(super) fn second_order<T: Real, const N: usize>(
 mod tests {
     use super::*;
 
-    /// If many small rotations about one axis are combined, the logarithm returns this axis and the sum of the angles.
+    /// If two equal rotations about one axis are combined, the logarithm returns this axis times the sum of the angles.
     #[test]
     fn the_logarithm_inverts_turns() {
         for angle in [1e-9, 1e-3, 0.031, 0.032, 0.4, 1.9, 3.0] {

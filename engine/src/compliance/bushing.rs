@@ -191,7 +191,8 @@ impl<T: Valued> Bushing<T> {
         (Vector3::new(x.0, y.0, z.0), Vector3::new(x.1, y.1, z.1))
     }
 
-    /// Returns forces and tangents. `e` is in the axes of the vehicle. `body` is R_i; `None` for a body at rest.
+    /// Returns forces and tangents. `e` and the results are in the axes in which body i has the rotation `body` (R_i);
+    /// `None` for a body at rest.
     #[inline(always)]
     pub(super) fn force(
         &self,
@@ -257,7 +258,8 @@ impl<T: Valued> Bushing<T> {
         }
     }
 
-    /// Stiffness at zero deflection and zero torsion. The calculation of the forces at the design load uses it.
+    /// Stiffness against shifts at zero deflection, without forces and without torsional stiffness. The calculation of the
+    /// forces at the design load uses it.
     pub(super) fn slack(&self) -> BushingForce<T> {
         let like = self.axes.columns[0].x;
         let nothing = Matrix3::null(like);
@@ -305,9 +307,9 @@ mod tests {
         Bushing { axes, laws }
     }
 
-    /// The tangents equal the derivatives of force and moment with respect to small rotations. The test uses angles
-    /// below and above the limit of the power series. The forces have an energy, so the tangents are symmetric except
-    /// for a term with the moment.
+    /// The tangent of the moment equals the derivative of the moment with respect to small rotations. The test uses angles
+    /// below and above the limit of the power series. The torques have an energy, so this tangent is symmetric except for a
+    /// term with the moment.
     #[test]
     fn tangents_are_derivatives() {
         for angle in [0.0, 0.1, 0.4999, 0.5001, 1.3] {

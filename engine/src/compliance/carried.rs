@@ -40,7 +40,7 @@ pub(crate) struct ElasticMember {
     /// Name of the force, which follows the name of the load in a column name.
     pub(crate) name: String,
     pub(crate) part: MemberPart,
-    /// True if the axle has this part only once.
+    /// True for the tension of a link that the axle has only once.
     pub(crate) is_single: bool,
 }
 
@@ -91,7 +91,7 @@ pub(crate) struct CarriedForces {
 }
 
 impl CarriedForces {
-    /// Returns the force of a part. `None` if the state has no such part.
+    /// Returns the force of a part. `None` if the state has no such part; 0 for a joint at which no part acts.
     pub(crate) fn of(&self, part: &MemberPart) -> Option<f64> {
         match *part {
             MemberPart::Rod(number) => self.joints.get(number).copied(),
@@ -114,7 +114,8 @@ impl CarriedForces {
 }
 
 impl Built<f64> {
-    /// Returns all parts whose forces are in the results: rods and links, then joints, bushings, and the spring.
+    /// Returns all parts whose forces are in the results: rods and links, then joints, bushings, the rod of the spring's
+    /// rocker, and the spring.
     /// `bushings` contains the names of the bushings, in the order of their readings.
     pub(crate) fn members(&self, mechanism: &Mechanism, bushings: &[String]) -> Vec<ElasticMember> {
         let places = &self.places;
@@ -194,7 +195,7 @@ impl Built<f64> {
         joints.chain(rods).chain(limbs)
     }
 
-    /// Returns true for the outer joint of an arm that a spring or a drop link bends.
+    /// Returns true for the outer joint of an arm without bushings that a spring or a drop link bends.
     fn is_bent(&self, joint: PointId) -> bool {
         let is_seat = |place: &LimbPlace| *place == LimbPlace::Seat(Some(joint));
         self.places.bar == Some(joint) || self.places.limbs.iter().any(is_seat)

@@ -39,8 +39,8 @@ impl<T: Scalar> Coupling<T> {
     }
 }
 
-/// Forces of the parts on one holder (body or subframe), in the axes of this holder. The forces depend on the carrier's
-/// pose relative to the holder, and on [`EXTRA`] further coordinates.
+/// Forces of the parts that one holder (body or subframe) carries, in the axes of this holder. The forces depend on the
+/// carrier's pose relative to the holder, and on [`EXTRA`] further coordinates.
 pub(super) struct InFrame<T> {
     sum: Sum<T>,
     force: [T; EXTRA],

@@ -11,7 +11,8 @@ use crate::number::{Each, Scalar, Vector3};
 pub enum Relaxed {
     /// All parts have zero force in the design position. Under the spring's force, the design position is no equilibrium.
     Free,
-    /// The design position is the equilibrium under the wheel load that matches the spring's force there.
+    /// Without constant preloads, the design position is the equilibrium under the wheel load that matches the spring's
+    /// force there.
     AtDesignLoad,
 }
 
@@ -24,9 +25,11 @@ pub struct BushingPart<T = f64> {
     pub shapes: [Shape<T>; 6],
     /// Constant forces and torques that are added to those of the laws.
     pub preload: [T; 6],
-    /// Direction of the bushing's x axis in the design position, in the kernel's frame; `None` for the default.
+    /// Direction of the bushing's x axis in the design position, in the kernel's frame; `None` for the default. The x axis
+    /// of a strut's mount is the component normal to its z axis.
     pub x_axis: Option<Vector3<T>>,
-    /// Direction from which the z axis is computed: its component normal to the x axis. `None` for the vertical.
+    /// Direction from which the z axis is computed: its component normal to the x axis. `None` for the vertical. The mount
+    /// of a strut has its z axis along this direction; `None` for the line of the strut.
     pub z_axis: Option<Vector3<T>>,
 }
 
@@ -57,7 +60,7 @@ pub struct Subframe<T = f64> {
 }
 
 impl<T: Scalar> Subframe<T> {
-    /// Mean position of the mounts, the reference point of the subframe's motion.
+    /// Mean position of the mounts of both sides, the reference point of the subframe's motion. It carries no derivatives.
     pub(super) fn reference(&self, like: T) -> Vector3<T> {
         let share = 1.0 / self.mounts.len().max(1) as f64;
         let places = self.mounts.iter().map(|mount| mount.at.map(|c| c.value()));
@@ -102,9 +105,9 @@ pub struct LinkPart<T = f64> {
 /// Member that can have axial stiffness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LinkMember {
-    /// Rod, or leg of an arm, between body or rack and the carrier.
+    /// Rod, or leg of an arm, between body, subframe or rack and the carrier.
     Rod {
-        /// End at the body or the rack.
+        /// End at the body, the subframe or the rack.
         inner: PointId,
         /// End at the carrier.
         outer: PointId,
@@ -151,7 +154,8 @@ impl Compliance {
         self.spring.as_ref()?.rate()
     }
 
-    /// Returns true if the design position is an equilibrium.
+    /// Returns true if the parts are relaxed at the design load and have no constant forces. The design position is then an
+    /// equilibrium, unless a torque curve is not zero at angle 0.
     pub fn rests_in_design(&self) -> bool {
         let of_bushings = self.bushings.iter().flat_map(|part| part.preload);
         let of_links = self.links.iter().map(|part| part.preload);
@@ -159,7 +163,7 @@ impl Compliance {
         self.relaxed == Relaxed::AtDesignLoad && offsets.all(|offset| offset == 0.0)
     }
 
-    /// Returns true if no part is elastic.
+    /// Returns true if no bushing and no link is elastic. A spring does not count.
     pub fn is_rigid(&self) -> bool {
         self.bushings.is_empty() && self.links.is_empty()
     }

@@ -19,8 +19,8 @@ use super::wheel::{Change, ElasticWheel, Equilibrium, HeldQuantity};
 use crate::linear::square::{MOST, SquareLu};
 use crate::number::{Dual, Each, Jet, Scalar, Valued, Vector3};
 
-/// Factorised equations of an equilibrium, with one quantity held. All derivatives with respect to loads use these
-/// equations.
+/// Factorised equations of an equilibrium, with one quantity held. All derivatives with respect to loads and travel use
+/// these equations.
 #[derive(Clone, Debug)]
 pub struct Tangent<T: Valued = f64> {
     pub(super) state: State<T>,
@@ -48,7 +48,7 @@ impl<T: Scalar> ElasticWheel<T> {
         })
     }
 
-    /// Computes the tangent in an equilibrium.
+    /// Computes the tangent in an equilibrium. `None` if it is singular.
     pub fn tangent(&self, at: &Equilibrium<T>, held: HeldQuantity) -> Option<Tangent<T>> {
         let (state, task) = self.held_as(at, held);
         let equations = self.built.system.equations(&state, &task, None).ok()?;
@@ -105,8 +105,8 @@ impl<T: Scalar> ElasticWheel<T> {
         Some(geometry.figures(&moving, self.constants).map(|c| c[1]))
     }
 
-    /// Returns the state with its derivatives with respect to an input. The result omits the unknowns that do not
-    /// affect angles and positions of the wheel.
+    /// Returns the state with its derivatives with respect to an input. The result omits the derivatives of unknowns that do
+    /// not affect angles, positions and the vertical force of the wheel.
     pub(super) fn moving_by(
         &self,
         tangent: &Tangent<T>,
@@ -139,8 +139,8 @@ impl<T: Scalar> ElasticWheel<T> {
         Some([Vector3::new(x, y, z) + turn.cross(lever), turn])
     }
 
-    /// Returns the state with the derivatives `rate`. The result omits the unknowns that do not affect angles and
-    /// positions of the wheel.
+    /// Returns the state with the derivatives `rate`. The result omits the derivatives of unknowns that do not affect angles,
+    /// positions and the vertical force of the wheel.
     pub(super) fn moving(&self, state: &State<T>, rate: &Step<T>) -> State<Jet<T, 2>> {
         let mut moving = state.map(Jet::constant);
         let [x, y, z, a, b, c] = rate.carrier.each(|c| Jet([c.zero(), c]));

@@ -1,9 +1,9 @@
 //! Ends of equilibrium: the travel, rack displacement or load beyond which the search finds no stable equilibrium.
 //!
-//! The search increases a value from a known equilibrium, in steps of at most a twentieth of the value. Newton's method
-//! starts each state from the previous state. After a step without a stable equilibrium, the search halves the step.
-//! After a success, it doubles the step. The search ends when the step is 1e-10 of the value. The last state that it
-//! found is an equilibrium. It found no equilibrium at a larger value.
+//! The search increases a value from a known equilibrium, in steps of at most a twentieth of the value. Near zero, steps are
+//! relative to a typical value. Newton's method starts each state from the previous state. After a step without a stable
+//! equilibrium, the search halves the step. After a success, it doubles the step. The search ends when the step is 1e-10 of
+//! the value. It also ends at the largest value. Beyond a limit of the driving force, a step counts as failed.
 //!
 //! At such an end the tangent is singular: a motion has no stiffness. With the tangent K and the motion x that inverse
 //! iteration finds, a part gives way if
@@ -13,10 +13,10 @@
 //! ```
 //!
 //! If the path of equilibria turns back at its end, K^-1 grows with the inverse square root of the remaining distance.
-//! At a distance of 1e-10, the factor is about 1e5. Torque laws of large rotations and side forces that follow the
-//! wheel have no energy, so K is not symmetric. So a state can lose its stability (`solve.rs`) while K stays regular.
-//! If a state neither gives way nor loses its stability, Newton's method has failed for another reason. The cause of
-//! the end is then unknown.
+//! At a distance of 1e-10, the factor is about 1e5. A part also gives way if its own eliminated equations are unstable.
+//! Moments of fixed direction and side forces whose points of action follow the wheel have no energy, so K is not
+//! symmetric. So a state can lose its stability (`solve.rs`) while K stays regular. If a state neither gives way nor loses
+//! its stability, Newton's method has failed for another reason. The cause of the end is then unknown.
 
 use super::fault::{Motion, NoEquilibrium};
 use super::loads::WheelLoads;
@@ -39,11 +39,11 @@ const LONGEST_TRAVEL: f64 = 1000.0;
 const USUAL_TRAVEL: f64 = 20.0;
 const USUAL_LOAD: f64 = 1000.0;
 const USUAL_MOMENT: f64 = 100.0;
-/// Largest step, as a fraction of the value.
+/// Largest step, as a fraction of the value or of the larger typical value.
 const LARGEST_STEP: f64 = 0.05;
-/// Smallest step, as a fraction of the value. At this step, the search has found an end.
+/// Smallest step, as a fraction of the value or of the larger typical value. At this step, the search has found an end.
 const RESOLUTION: f64 = 1e-10;
-/// Largest number of steps in one direction. Without failures, 140 steps reach a thousand times the typical value.
+/// Largest number of steps in one direction. Without failures, 162 steps reach a thousand times the typical value.
 const MOST_TRIES: usize = 4000;
 /// A force below minus this value (N) counts as negative. Smaller negative forces are rounding errors.
 pub(super) const NEGATIVE: f64 = 1e-6;
@@ -90,9 +90,9 @@ pub enum DrivingForce {
 pub enum Event {
     /// The vertical force at a contact point turns negative, although the wheel has a spring.
     WheelLifts,
-    /// The suspension meets a bump stop.
+    /// The suspension meets a bump stop or a rebound stop.
     StopMet,
-    /// A spring loses its force.
+    /// The force of a spring with its stops turns negative.
     SpringSlack,
     /// A bushing is deflected beyond an end of its force curve, or rotated by more than 60 degrees.
     Extrapolated,
@@ -115,8 +115,8 @@ pub struct EquilibriumEnd {
     pub value: f64,
     /// Cause of the end.
     pub cause: EndCause,
-    /// Events before the end, each with the first value at which the event is present. The list omits events that are
-    /// already present at 0.
+    /// Events before the end, each with the value beyond which the event is present. The list omits events that are already
+    /// present at 0.
     pub events: Vec<(Event, f64)>,
 }
 
@@ -236,7 +236,7 @@ pub(super) trait Followable {
         from: &Self::State,
         task: &Self::Task,
     ) -> Result<Self::State, (Option<usize>, Obstacle)>;
-    /// Returns the force that drives a motion. For contact points, this is the largest vertical force.
+    /// Returns the force that drives a motion. For contact points, this is the vertical force of the largest magnitude.
     fn force(&self, of: DrivingForce, state: &Self::State, task: &Self::Task) -> f64;
     /// Returns true if an event has happened.
     fn is_past(&self, event: Event, state: &Self::State, task: &Self::Task) -> bool;

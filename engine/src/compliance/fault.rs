@@ -54,9 +54,10 @@ pub enum Motion {
 /// Reason why there is no equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoEquilibrium {
-    /// Fraction of the change that the solver reached, from 0 (no part of the change) to 1 (full change).
+    /// Fraction of the change that the solver reached, from 0 (no part of the change) to 1 (full change). In a level of a
+    /// test, the change starts at zero load.
     pub share: f64,
-    /// True if the solver found an equilibrium that is not stable, so it reached no fraction of the change.
+    /// True if the solver reached no fraction of its last change, because the equilibrium that it found is not stable.
     pub is_unstable: bool,
     /// Part that gives way, and its motion; `None` if they could not be found.
     pub softest: Option<(String, Motion)>,

@@ -107,8 +107,8 @@ impl<T: Valued> Floating<T> {
         let (f, k, n) = (outer.force, outer.by_shift, outer.by_turn);
         let f_q = cross_matrix(f).negated().plus(&k.times_cross(lever));
         let m_q = cross_matrix(outer.moment).negated().plus(&n.negated());
-        // The outer bushing exerts the force f at p and a torque on the link. The link's unknowns are its shift v and
-        // rotation w.
+        // The derivatives of the outer bushing's energy with respect to the link are the force f at p and a torque. The
+        // link's unknowns are its shift v and rotation w.
         let k_arm = k.times_cross(arm).negated();
         let mut own_rows = [[Matrix3::null(like); 2]; 2];
         own_rows[0] = [k, k_arm];
@@ -133,7 +133,7 @@ impl<T: Valued> Floating<T> {
         if at.balance_only {
             own_rows[1][1].add_product(self.spin, self.spin, like.one());
         }
-        // The carrier receives -f at p and the opposite torque.
+        // The derivatives with respect to the carrier are the force -f at p and the opposite torque.
         let carrier_by_link = [
             [k.negated(), k_arm.negated()],
             [

@@ -20,13 +20,13 @@ pub enum Parameter {
     /// Rate of a bushing along an axis (0 to 2) or about an axis (3 to 5). If the law is a force curve: factor on the
     /// forces of the curve.
     Stiffness(usize, usize),
-    /// Cubic term of a bushing.
+    /// Cubic term of a bushing, if the law is not a force curve.
     Cubic(usize, usize),
     /// Constant force or torque of a bushing.
     Preload(usize, usize),
-    /// Component of the direction of a bushing's x axis.
+    /// Component of the direction of a bushing's x axis, if this direction is given.
     AxisX(usize, Axis),
-    /// Component of the direction that determines a bushing's z axis.
+    /// Component of the direction that determines a bushing's z axis, if this direction is given.
     AxisZ(usize, Axis),
     /// Stiffness of a link: force per length or per strain, as the study gives it.
     Link(usize),
@@ -100,7 +100,7 @@ impl Compliance {
     }
 
     /// Changes the value of a parameter by `change`. If `is_relative` is true, `change` is a fraction of the value.
-    /// Returns false if the new value is not above 0.
+    /// Returns false if the new value is not above 0, and true if these parts do not have the parameter.
     pub(crate) fn change_rate(
         &mut self,
         parameter: Parameter,
@@ -210,7 +210,7 @@ impl<'t> OnTape<'t> {
     }
 
     /// Adds derivatives with respect to the inputs to an equilibrium of the suspension. The height or the load that the
-    /// equilibrium holds stays held.
+    /// equilibrium holds stays held. `None` if the tangent is singular.
     pub fn carried(&self, at: &Equilibrium) -> Option<Equilibrium<Tracked<'t>>> {
         let mut task = at.solution.task.map(Tracked::constant);
         for (parameter, added) in &self.added {
@@ -232,7 +232,8 @@ impl<'t> OnTape<'t> {
     }
 
     /// Adds derivatives with respect to the inputs to an equilibrium under loads that act in addition to the loads of a
-    /// station. The height or the wheel load of the station stays held. This height or load can depend on the inputs.
+    /// station. The height or the wheel load of the station stays held. This height or load can depend on the inputs. The
+    /// other loads are constants. `None` if the tangent is singular.
     pub fn carried_about(
         &self,
         station: &Equilibrium<Tracked<'t>>,

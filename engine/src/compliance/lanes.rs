@@ -5,9 +5,9 @@
 //! number of the other lanes, to the last bit. In lanes, a product and a following sum are rounded only once. So the
 //! results differ from those of the solver for one wheel by rounding errors.
 //!
-//! Lanes first try the whole change in one step. If this step fails for a travel, they try two, four and eight equal
-//! steps. If a lane needs even smaller steps, or its equilibrium is not stable, the lane has no result. The solver for
-//! one wheel then solves this wheel from the beginning.
+//! Lanes first try the whole change in one step. If this step fails for a travel and the design position is an
+//! equilibrium, they try two, four and eight equal steps. If a lane needs even smaller steps, or its equilibrium is not
+//! stable, the lane has no result. The solver for one wheel then solves this wheel from the beginning.
 
 #![expect(
     clippy::needless_range_loop,
@@ -75,8 +75,8 @@ pub(crate) struct WheelsInLanes<B> {
     bounds: Bounds,
     /// Number of wheels. The remaining lanes contain copies of the last wheel.
     count: usize,
-    /// True if the design position is an equilibrium. Otherwise external forces hold the design position at first, and
-    /// the solver for one wheel reduces these forces step by step.
+    /// True if the design position of the last wheel is an equilibrium. Otherwise external forces hold the design position at
+    /// first, and the solver for one wheel reduces these forces step by step.
     starts_in_balance: bool,
 }
 
@@ -189,7 +189,7 @@ impl<B: SimdReal> WheelsInLanes<B> {
         reached
     }
 
-    /// Finds the equilibria under loads that act in addition to the loads of a station. The search starts from
+    /// Finds the equilibria under loads that act in addition to the loads of a station, in one step. The search starts from
     /// neighbouring equilibria, like [`ElasticWheel::loaded_about`].
     #[inline(always)]
     pub(crate) fn loaded_about(

@@ -1,11 +1,11 @@
 //! Laws of bushings and links: force against deflection along an axis, or torque against angle.
 //!
 //! ```text
-//! f = shape(d + d0) - shape(d0) + f0 + offset                                                     (1)
+//! f = shape(d + d0) + offset                                                                      (1)
 //! ```
 //!
-//! f0 and d0, with shape(d0) = f0, are force and deflection at the design load. f0 and d0 are 0 unless the design
-//! position is the equilibrium at the design load. The offset is a constant preload, as in Adams. The shape is
+//! f0 and d0, with shape(d0) = f0, are force and deflection at the design load. d0 is 0 for torques. It is also 0 if the
+//! parts are not relaxed at the design load. The offset is a constant preload, as in Adams. The shape is
 //!
 //! ```text
 //! k d + c d^3,   or a curve through points                                                        (2)
@@ -217,8 +217,8 @@ impl<T: Scalar> Law<T> {
 mod tests {
     use super::*;
 
-    /// At the design position, the law has the given force. At all deflections, it equals the unloaded law, shifted by
-    /// d0.
+    /// At the design position, the law has the given force plus the offset. At another deflection, it equals the unloaded
+    /// law, shifted by d0.
     #[test]
     fn a_preloaded_law_is_the_unloaded_one_moved() {
         let cubic = Shape::Cubic {

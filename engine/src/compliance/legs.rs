@@ -3,7 +3,7 @@
 //! The spring or drop link acts at the seat, a point of the arm. The seat is fixed in the frame of the arm's axis e and
 //! outer joint. Let r be the unit vector from the axis to the joint, n = e x r, and l the joint's distance from the
 //! axis. Let b and c be the seat's distances along r and n, and r' and n' the transposes of r and n. A force F at the
-//! seat is equivalent to this force at the joint:
+//! seat is equivalent to this force at the joint, with this tangent if F is constant:
 //!
 //! ```text
 //! n p/l,   p = F.(b n - c r);   tangent -(p/l^2)(r n' + n r') - (F.(b r + c n)/l^2) n n'          (1)
@@ -189,14 +189,15 @@ impl<T: Valued> LegSeat<T> {
     }
 }
 
-/// Drop link of an anti-roll bar. Its outer end is on the carrier, or on an arm with legs.
+/// Drop link of an anti-roll bar. Its outer end is on the carrier, on an arm with legs, or on a rocker. The foot is then the
+/// outer end of the rocker's rod.
 #[derive(Clone, Debug)]
 pub(super) struct BarPart<T> {
     pub(super) foot: BarFoot<T>,
     pub(super) seat: BarSeat<T>,
 }
 
-/// Part on which the outer end of a drop link is.
+/// Part on which the outer end of a drop link (or of the rod of its rocker) is.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum BarFoot<T> {
     /// Point on the carrier, as a vector from the carrier's reference point.
@@ -206,7 +207,7 @@ pub(super) enum BarFoot<T> {
 }
 
 impl<T: Valued> BarPart<T> {
-    /// Displacement of the drop link's outer end.
+    /// Displacement of the foot.
     fn displacement(&self, carrier: &Placed<T>) -> Vector3<T> {
         match &self.foot {
             BarFoot::Carrier(lever) => carrier.displacement(*lever),

@@ -30,7 +30,8 @@ use super::point::PointForce;
 use crate::linear::elimination::eliminate;
 use crate::number::{Each, MaskOf, Matrix3, Outlined, Real, SimdReal, Valued, Vector3, outlined};
 
-/// Sum of forces and moments on the carrier about its reference point, with its tangent.
+/// Sum of the derivatives of the parts' energy with respect to the carrier's shift and rotation, with its tangent. It is
+/// opposite to the force and moment of the parts on the carrier, about the carrier's reference point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sum<T> {
     pub(super) force: [T; 6],
@@ -193,11 +194,11 @@ pub(super) fn joined<T: Copy>(first: Vector3<T>, second: Vector3<T>) -> [T; 6] {
 /// Values of the inner unknowns of a part.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LimbState<T> {
-    /// Position of the part. The solver only uses its shift for links with a bushing at each end.
+    /// Position of the part. The solver uses the shift only for links with a bushing at each end.
     pub(super) placed: Placed<T>,
-    /// Components of the force in a ball joint at the body.
+    /// Components of the force in an arm's ball joint at the body.
     pub(super) pivot: [T; 2],
-    /// Sliding displacement of a strut, or tan(theta/2) of a rocker.
+    /// Sliding displacement of a strut, or tan(theta/2) of a rocker on a rod with axial stiffness.
     pub(super) slide: T,
 }
 
@@ -229,8 +230,9 @@ pub(super) struct Followers<T> {
     /// Vector from the carrier's reference point to the point whose displacement is x; `None` if x is the carrier's
     /// shift and rotation.
     pub(super) joint: Option<Vector3<T>>,
-    /// Response of the rocker's rotation to the displacement of a point. The rocker's rod acts at this point. The
-    /// fields are the vector from the joint to this point, the derivative, and the constant term.
+    /// Response of the rocker's rotation to the displacement of a point. The rocker's rod acts at this point. The fields
+    /// are the vector from the joint (without a joint: from the carrier's reference point) to this point, the derivative,
+    /// and the constant term.
     pub(super) slide: Option<(Vector3<T>, Vector3<T>, T)>,
 }
 
@@ -333,7 +335,8 @@ impl<T: Valued> Followers<T> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Evaluated<T: Valued> {
     pub(super) followers: Followers<T>,
-    /// Residual forces on the inner unknowns, and the residual moment about a rocker's axis.
+    /// Residuals of the equations for the inner unknowns (forces, moments, gaps of a ball joint), and the residual moment
+    /// about a rocker's axis.
     pub(super) inner: [T; 7],
     /// SIMD lanes in which the inner unknowns are stable by themselves.
     pub(super) is_stable: MaskOf<T>,
@@ -425,7 +428,7 @@ impl<T: Valued, const N: usize, const C: usize> Outlined for Elimination<T, N, C
 }
 
 /// Returns the SIMD lanes in which the symmetric part of a matrix is positive definite. Each pivot of LDL' must exceed
-/// the fraction `least_share` of the largest earlier pivot.
+/// the fraction `least_share` of the largest earlier pivot. The first pivot must exceed 0.
 #[inline(always)]
 pub(super) fn is_positive<T: Valued, const N: usize>(
     matrix: &[[T; N]; N],

@@ -65,7 +65,8 @@ impl<T: Real> WheelLoads<T> {
         }
     }
 
-    /// Returns this load plus a multiple of another load. Both loads must have the same trail.
+    /// Returns this load plus a multiple of another load, with the trail of this load. If both have a side force, their
+    /// trails must be equal.
     #[inline(always)]
     pub fn plus(&self, other: &Self, factor: T) -> Self {
         WheelLoads {

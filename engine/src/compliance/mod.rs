@@ -1,11 +1,13 @@
 //! Elasto-kinematics of a wheel: equilibrium with bushings and elastic links, and its derivatives with respect to loads.
 //!
-//! Elastic suspensions have these bodies: the wheel carrier, arms on bushings, links with bushings, the mount of a strut,
-//! and the rocker of a spring. All other parts are rigid. The state has the displacements of the bodies from the design
-//! position. Deflections are computed from these displacements (`algebra.rs`), not as differences of coordinates. The
-//! program eliminates the parts between body and carrier one by one (`limb.rs`, `swinging.rs`, `floating.rs`, `parts.rs`).
-//! A system of at most twelve equations remains (`system.rs`), and Newton's method increases the loads (`solve.rs`).
-//! All formulas work with any number type, so the same code gives derivatives with respect to loads, travel, rack and design.
+//! Elastic suspensions have these bodies: the wheel carrier, arms on bushings, links with bushings, the mount of a
+//! strut, and the rocker of a spring. An axle also has a rack, a subframe and an anti-roll bar. Rods can have axial
+//! stiffness. All other parts are rigid. The state has the displacements of the bodies from the design position.
+//! Deflections are computed from these displacements (`algebra.rs`), not as differences of coordinates. The program
+//! eliminates the parts between body and carrier one by one (`limb.rs`, `swinging.rs`, `floating.rs`, `parts.rs`). A
+//! system of at most twelve equations remains for a wheel or a solid axle (`system.rs`). Newton's method solves it, if
+//! necessary with a gradual increase of the loads (`solve.rs`). The formulas work with numbers that carry derivatives,
+//! so the same code gives derivatives with respect to loads, travel, rack and design.
 
 mod algebra;
 mod axle;

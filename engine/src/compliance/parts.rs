@@ -9,8 +9,9 @@
 //! d = u + D l + a t,   dd = du + w x r + a dt,   r = R l + a t                                    (1)
 //! ```
 //!
-//! A bushing with three rates holds the point of the mount. The spring acts along t. The rod can rotate freely about its
-//! line. The tilt of the strut from its direction a0 in the design position,
+//! A bushing with three rates holds the point of the mount. The spring acts between its lower end on the carrier and the
+//! point of the mount. The rod can rotate freely about its line. The tilt of the strut from its direction a0 in the
+//! design position,
 //!
 //! ```text
 //! q = (a0 x a) s/sin s,   cos s = a0.a                                                            (2)

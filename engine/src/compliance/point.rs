@@ -169,7 +169,7 @@ pub(super) struct BarSeat<T> {
     pub(super) rate: T,
 }
 
-/// Force of half an anti-roll bar on its drop link, by equation (4).
+/// Force of half an anti-roll bar at the point [`BarSeat::point`], by equation (4).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BarForce<T> {
     pub(super) point: PointForce<T>,
@@ -182,7 +182,7 @@ pub(super) struct BarForce<T> {
 }
 
 impl<T: Valued> BarSeat<T> {
-    /// Returns the force for a displacement of the drop link's outer end and a twist of the bar's middle.
+    /// Returns the force for a displacement of the point `point` and a twist of the bar's middle.
     #[inline(always)]
     pub(super) fn force(&self, displacement: Vector3<T>, twist: T) -> BarForce<T> {
         let now = self.point + displacement;
@@ -286,9 +286,9 @@ impl<T: Valued> Seat<T> {
         (lower - self.upper).norm()
     }
 
-    /// Returns the force for a displacement of the seat. If `balance_only` is true (forces at the design load), the
-    /// terms that depend on deflection are omitted. `slide` is tan(theta/2) of a rocker with an elastic rod. `held` is
-    /// an external moment about the rocker's axis.
+    /// Returns the force for a displacement of the seat. If `balance_only` is true (forces at the design load), the result
+    /// omits the stiffness of the spring, the tension of an elastic rod and `held`. `slide` is tan(theta/2) of a rocker with
+    /// an elastic rod. `held` is an external moment about the rocker's axis.
     #[inline(always)]
     pub(super) fn force(
         &self,

@@ -1,9 +1,9 @@
 //! Forces in bushings and links in the design position, if the design position is the equilibrium at the design load.
 //!
-//! Torques are zero in this position. Many sets of forces f0 balance every body under the spring's force and a vertical
-//! force F at the contact point. The program uses the set with the smallest sum f0.K^-1 f0/2, where K contains the
-//! slopes of the laws at zero deflection. B, C and q are the lever arms of the forces f0, of the forces l in the rigid
-//! joints, and of F. With the spring's forces r and the transposes B' and C',
+//! This calculation takes torques and constant forces as zero. Many sets of forces f0 balance every body under the spring's
+//! force and a vertical force F at the contact point. The program uses the set with the smallest sum f0.K^-1 f0/2, where K
+//! contains the slopes of the laws at zero deflection. B, C and q are the lever arms of the forces f0, of the forces l in
+//! the rigid joints, and of F. With the spring's forces r and the transposes B' and C',
 //!
 //! ```text
 //! f0 = K B' v,   B K B' v + C' l - q F = -r,   C v = 0,   q.v = 0                                 (1)
@@ -136,7 +136,7 @@ impl<T: Scalar> Built<T> {
                 if slope.value() == 0.0 {
                     continue;
                 }
-                // f0 includes the constant offset. The law must produce the remaining force.
+                // The law must produce the whole force f0. A constant offset is added to f0.
                 if !law.preloaded(slope * along) {
                     return Err(NoPreload::OutOfReach {
                         bushing: number,

@@ -18,7 +18,7 @@ use crate::number::{Each, Scalar, Valued, Vector3};
 const LARGEST_ROTATION: f64 = std::f64::consts::FRAC_PI_3;
 
 impl<T: Scalar> Built<T> {
-    /// Returns the state of each bushing, in the order of the definition.
+    /// Returns the state of each bushing, in the order of the definition, then the states of the subframe's mounts.
     pub(super) fn bushing_readings(
         &self,
         state: &State<T>,
@@ -70,7 +70,8 @@ impl<T: Scalar> Built<T> {
         self.bushings.iter().filter_map(read).collect()
     }
 
-    /// Returns the tension of each link, in the order of the definition.
+    /// Returns the tension of each link, in the order of the definition. The rod of a rocker whose spring has no law has no
+    /// entry.
     pub(super) fn tensions(&self, state: &State<T>, around: &Surroundings<T>) -> Vec<T> {
         let frames = self.system.frames(&state.carrier, around, false);
         let tension = |place: &LinkPlace| match *place {
@@ -182,7 +183,7 @@ impl System<f64> {
             }
         })?;
         let rocker = seat.rocker.as_ref()?;
-        // The derivative of the energy is minus the force on the rod's outer end.
+        // The derivative of the energy is minus the force of the rod on the suspension.
         let force = -seat.force(moved, slide, 0.0, false).point.force;
         let inward = rocker.inner - seat.point;
         Some(force.norm().copysign(force.dot(inward)))
@@ -229,7 +230,7 @@ impl<T: Scalar> ElasticWheel<T> {
             .bushing_readings(&at.solution.state, &at.around())
     }
 
-    /// Tension of each link, in the order of the definition.
+    /// Tension of each link, in the order of the definition, except the rod of a rocker whose spring has no law.
     pub fn tensions(&self, at: &Equilibrium<T>) -> Vec<T> {
         self.built.tensions(&at.solution.state, &at.around())
     }

@@ -47,8 +47,8 @@ impl<T: Valued> RodTurn<T> {
             by: nothing.columns[0],
             second: nothing,
         };
-        // This angle is positive about the axis. The sign of the angle in the results depends on the type of rod
-        // (pushrod or pullrod).
+        // The derivatives of `end` are with respect to the angle about the axis. The results use the sign of
+        // [`RodTurn::angle`], which is positive if the rod pushes.
         let [end, along, bend] = found.moved_about(inner);
         let rod = end - now;
         let inverse = now.x.one() / rod.dot(along);

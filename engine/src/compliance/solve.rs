@@ -5,6 +5,7 @@
 //!
 //! - the first correction exceeds 60 mm or 0.3 rad: the linear prediction is not reliable,
 //! - a correction exceeds 0.8 of the previous correction: the method does not contract,
+//! - the equations are singular, or the method needs more than 140 steps,
 //! - the result is not stable.
 //!
 //! Corrections s converge as s_(k+1) <= C s_k^2, since the tangents are exact. C is the largest s_(k+1) / s_k^2 so far
@@ -15,7 +16,7 @@
 //! A state is stable if the symmetric part of the tangent is positive definite on the free motions. Rigid joints and
 //! the held height restrict these motions. The solver checks the stability first in every eliminated part, then in the
 //! remaining equations of the carrier. If the solver fails, the fraction of the change that it reached is accurate to
-//! 1e-6.
+//! 2e-6.
 
 use super::limb::is_positive;
 use super::system::{Equations, Held, Hold, Singular, State, Step, System, Task};
@@ -63,7 +64,7 @@ pub(super) enum Obstacle {
 pub(super) struct Solution<T> {
     pub(super) state: State<T>,
     pub(super) task: Task<T>,
-    /// Number of Newton steps to this equilibrium.
+    /// Number of Newton steps to this equilibrium, without those of failed attempts.
     pub(super) steps: usize,
 }
 
@@ -73,7 +74,8 @@ pub(super) struct Stuck {
     /// Fraction of the change that the solver reached.
     pub(super) share: f64,
     pub(super) obstacle: Obstacle,
-    /// Last equilibrium on the path, with its inputs; `None` if the solver reached no fraction.
+    /// Last state on the path, with its inputs; `None` if the solver reached no fraction. External forces may hold a part of
+    /// the balance there.
     pub(super) last: Option<(State<f64>, Task<f64>)>,
 }
 
@@ -215,7 +217,7 @@ pub(super) struct Unraised<S> {
 
 /// Increases the loads, first in one step, then in fractions if this step fails. `newton` finds the state at a fraction
 /// from another state; its last argument is true for the first attempt. Returns the state and the number of Newton
-/// steps.
+/// steps of the successful attempts.
 #[inline]
 pub(super) fn raised<S: Copy>(
     start: &S,
@@ -332,7 +334,7 @@ pub(super) fn between(from: &Task<f64>, to: &Task<f64>, share: f64) -> Task<f64>
 }
 
 /// Returns true if the symmetric part of the carrier's tangent is positive definite for the motions that satisfy the
-/// rows of rigid joints and heights. Each pivot must exceed the fraction `least_share` of the largest pivot.
+/// rows of rigid joints and heights. Each pivot must exceed the fraction `least_share` of the largest earlier pivot.
 pub(super) fn is_definite<T: Scalar>(
     equations: &Equations<T>,
     bounds: Bounds,
@@ -388,9 +390,9 @@ pub(super) fn is_definite_on(
     is_positive_on(projected, free, least_share)
 }
 
-/// Returns true if the first `free` rows and columns of a matrix are positive definite. The pivots must exceed the
-/// fraction `least_share` of the largest pivot. The function fills the rest of the matrix with its largest diagonal
-/// entry.
+/// Returns true if the first `free` rows and columns of a matrix are positive definite. Each pivot must exceed the
+/// fraction `least_share` of the largest earlier pivot. The function fills the rest of the diagonal with the largest
+/// diagonal entry.
 pub(super) fn is_positive_on<const N: usize>(
     mut matrix: [[f64; N]; N],
     free: usize,

@@ -19,18 +19,19 @@ use beside::OwnBeside;
 /// End of an arm or a link at the body or the rack.
 #[derive(Clone, Debug)]
 pub(super) struct End<T> {
-    /// Vector from the part's reference point, in the design position.
+    /// Vector from the part's reference point to this end, in the design position.
     pub(super) lever: Vector3<T>,
     pub(super) on_rack: bool,
     /// Bushing at this end; `None` for a ball joint.
     pub(super) bushing: Option<Bushing<T>>,
-    /// Two unit vectors normal to the lever. The force in a ball joint acts along these vectors.
+    /// Two unit vectors normal to the lever in the design position. They are fixed in the holder. The force in a ball joint
+    /// acts along these vectors.
     pub(super) normals: [Vector3<T>; 2],
 }
 
 /// Arm, or link with a ball joint at the carrier. This outer joint is the reference point of the part. The inner
-/// unknowns are three rotations. If the inner end is a ball joint, its distance to the outer joint is constant, like
-/// the length of a rigid rod.
+/// unknowns are three rotations. If an inner end of an arm is a ball joint, its distance to the outer joint is constant.
+/// A rigid rod keeps this distance. Two forces in the ball joint are then further inner unknowns.
 #[derive(Clone, Debug)]
 pub(super) struct Swinging<T> {
     /// Vector from the carrier's reference point to the outer joint.
@@ -370,7 +371,7 @@ impl<T: Valued> OwnSum<T> {
     }
 
     /// Eliminates the three rotations and the two forces in a ball joint. These forces are normal to the lever of the
-    /// joint. After this, the part can only rotate about the lever.
+    /// joint in the design position. With both joints held, the part can only rotate about the lever.
     #[inline(always)]
     fn eliminate_with_pivot(
         &mut self,

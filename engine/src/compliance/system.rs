@@ -2,8 +2,9 @@
 //!
 //! Unknowns are the shift and rotation of the carrier, and a force for each rigid joint. If the height of the wheel centre
 //! is held, the vertical force at the contact point is unknown as well. The program first eliminates the parts between body
-//! and carrier (`limb.rs`). Let A be the sum of the tangents of these parts. Let C be the rows of the rigid joints (transpose
-//! C'), and h the row of the height. Let q be the wrench of a vertical unit force at the contact point. A Newton step solves
+//! and carrier (`limb.rs`). Let A be the sum of the tangents of all parts and loads. Let C be the rows of the rigid joints
+//! (transpose C'), and h the row of the height. Let q be the wrench of a vertical unit force at the contact point. A Newton
+//! step solves
 //!
 //! ```text
 //! | A  C' -q | | du, w |     | unbalanced forces     |
@@ -379,9 +380,9 @@ impl<T: Valued> System<T> {
         next
     }
 
-    /// Returns the largest translation and the largest rotation of a step. The forces of ball joints are not included.
-    /// The rotation of a link about its own line is not included either. This rotation moves no point of the
-    /// suspension, and it is inaccurate if the torsional stiffness is low.
+    /// Returns the largest translation and the largest rotation of a step. Changes of forces are not included. The rotation
+    /// of a link about its own line is not included either. This rotation moves no point of the suspension, and it is
+    /// inaccurate if the torsional stiffness is low.
     #[inline(always)]
     pub(super) fn size_of(&self, step: &Step<T>) -> [T::Plain; 2] {
         outlined!(

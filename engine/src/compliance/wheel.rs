@@ -62,8 +62,8 @@ impl<T: Scalar> Equilibrium<T> {
     }
 }
 
-/// State of a bushing in its axes, as for a left wheel. Force and torque act on the body that moves: the arm, the link,
-/// or the mount of a strut.
+/// State of a bushing in its axes, as for a left wheel. Force and torque act on the body that moves. This body is an arm, a
+/// link, the mount of a strut, the wheel carrier on a hinge, or the subframe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BushingReading<T = f64> {
     /// Deflection along x, y and z.
@@ -83,9 +83,9 @@ pub struct BushingReading<T = f64> {
 pub struct SpringReading<T = f64> {
     /// Length of the spring.
     pub length: T,
-    /// Force, positive in compression.
+    /// Force of the spring with its stops, positive in compression.
     pub force: T,
-    /// True if the suspension is in contact with the bump stop.
+    /// True if the suspension is in contact with the bump stop or the rebound stop.
     pub meets_stop: bool,
 }
 
@@ -97,8 +97,8 @@ pub struct ElasticWheel<T = f64> {
     pub(super) constants: Constants,
     pub(super) bounds: Bounds,
     pub(super) relaxed: Relaxed,
-    /// True if a bushing or a link has a constant force. Because of this force, the design position may not be an
-    /// equilibrium.
+    /// True if a bushing, a link or a mount of the subframe has a constant force. Because of this force, the design position
+    /// may not be an equilibrium. Also true without the springs of a solid axle.
     pub(super) has_offset: bool,
     pub(super) start: State<T>,
 }
@@ -186,7 +186,8 @@ impl<T: Scalar> ElasticWheel<T> {
         }
     }
 
-    /// Checks that every motion has a stiffness while the wheel height stays fixed.
+    /// Checks that every part has stiffness while the wheel height stays fixed. The check finds a free motion of the carrier
+    /// only if a pivot of its equations is exactly zero.
     fn check_held(&self) -> Result<(), ElasticFault> {
         let equations = self
             .built
@@ -205,7 +206,8 @@ impl<T: Scalar> ElasticWheel<T> {
     }
 
     /// Returns the rotation that corresponds to the spin of a link about its line. The rotation axis is the axis of the
-    /// vehicle nearest to this line. Only torsional stiffness resists this rotation.
+    /// vehicle nearest to this line. Only torsional stiffness resists this rotation. For an arm, the line is from its outer
+    /// joint to its front end; other parts get the x axis.
     pub(super) fn spin_of(&self, limb: usize) -> Motion {
         let along = match &self.built.system.limbs[limb] {
             Limb::Swinging(arm) => arm.ends[0].lever,
@@ -222,14 +224,14 @@ impl<T: Scalar> ElasticWheel<T> {
     }
 
     /// Returns the vertical force at the contact point that balances bushings and spring in the design position. `None`
-    /// if the design position is not an equilibrium. Constant forces of bushings and links are not included.
+    /// if the parts are not relaxed at the design load. Constant forces of bushings and links are not included.
     pub fn design_load(&self) -> Option<T> {
         (self.relaxed == Relaxed::AtDesignLoad).then_some(self.start.vertical)
     }
 }
 
 impl ElasticWheel {
-    /// Returns the largest unbalanced force in a state, on the carrier or on a part of the suspension. A moment counts
+    /// Returns the largest unbalanced force in an equilibrium, on the carrier or on a part of the suspension. A moment counts
     /// as the force that produces it at a lever of 300 mm. The result is infinite if the equations cannot be formed.
     pub fn out_of_balance(&self, at: &Equilibrium) -> f64 {
         let Solution { state, task, .. } = &at.solution;
@@ -260,7 +262,7 @@ impl ElasticWheel {
         worst
     }
 
-    /// Returns true if the design position is an equilibrium.
+    /// Returns true if no external forces need to hold the design position at first.
     pub(super) fn starts_in_balance(&self) -> bool {
         self.relaxed == Relaxed::AtDesignLoad && !self.has_offset
     }

@@ -15,14 +15,14 @@ pub struct Column {
     pub output: String,
     /// Unit, for example `deg_per_mm`. Empty for a plain number.
     pub unit: String,
-    /// Meaning of a positive value, in words. `None` for derivatives.
+    /// Meaning of a positive value, in words. `None` for derivatives, coordinates of points and measures of one wheel.
     pub positive: Option<&'static str>,
     /// Order of the derivative; 0 for a value.
     pub order: usize,
     /// Coordinate of the axle with respect to which the column is a derivative, for example `left travel`. `None` for
     /// values, and for derivatives with respect to the drive coordinate or time.
     pub by: Option<&'static str>,
-    /// Index of the output in the plan. `None` for a force under a load.
+    /// Index of the output in the plan. `None` for other columns, for example a force under a load.
     pub(crate) of: Option<usize>,
     /// Factor from a value in radians and length units to the printed value.
     pub(crate) factor: f64,
@@ -52,7 +52,7 @@ impl Column {
         Column::of_value((*name).to_owned(), unit.suffix(length), positive, factor)
     }
 
-    /// Makes the column of a value that only axles have.
+    /// Makes the column of a value that is not an output of a plan for one wheel.
     pub(crate) fn of_value(
         output: String,
         unit: String,

@@ -19,7 +19,7 @@ use std::ops::ControlFlow;
 /// The mechanism at one station, in the study's axes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
-    /// Drive value: wheel travel, or arm angle in degrees.
+    /// Drive value: wheel travel, or an angle in degrees.
     pub drive: f64,
     /// Rack displacement.
     pub rack: f64,
@@ -36,9 +36,9 @@ pub struct Placement {
     pub spin_axis: [f64; 3],
     /// Two points of the steering axis.
     pub steering_axis: Option<[[f64; 3]; 2]>,
-    /// Contact point of the wheel, if its radius is known.
+    /// Contact point of the wheel. `None` if its radius is unknown, or for one wheel at a turning point (fold) of the motion.
     pub contact: Option<[f64; 3]>,
-    /// Roll centre, in the car's centre plane. `None` if the wheel's velocities are unknown, or if the centre is at
+    /// Roll centre, for one wheel in the car's centre plane. `None` if the wheel's velocities are unknown, or if the centre is at
     /// infinity. This also applies to the next two fields.
     pub roll_centre: Option<[f64; 3]>,
     /// Instantaneous centre in front view, in the transverse plane of the contact point.
@@ -244,7 +244,8 @@ impl Placement {
     }
 }
 
-/// Two points of the steering axis: its joints. For an instantaneous axis, one point below and one above the wheel centre.
+/// Two points of the steering axis: its joints. For an instantaneous axis, one point below and one above the point nearest to
+/// the wheel centre.
 fn steering_axis<T: Real>(
     suspension: &Suspension,
     at: &Configuration<T>,

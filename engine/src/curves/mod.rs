@@ -50,7 +50,7 @@ pub enum Status {
     /// Solved, but close to a singular pose: derivatives and sensitivities have fewer than six correct digits.
     IllConditioned,
     /// Solved, but no member supports the loads: the leverage of the spring is too small for six correct digits of the
-    /// forces. The forces have no values.
+    /// forces. With elastic parts: no equilibrium exists under a load. The forces of this load have no values.
     Unsupported,
     /// Solved, but a rod has reached its toggle at this station, or earlier on the way from the design position. The first
     /// element is the rod of the left (or only) wheel, the second is that of the right wheel. Quantities that depend on the
@@ -106,7 +106,7 @@ pub struct MotionColumn {
     pub key: &'static str,
     /// Unit, for example `mm`.
     pub unit: &'static str,
-    /// True if the study gives the coordinate, false if it follows from the pose.
+    /// True if the coordinate names a station: the study gives it. False if it follows from the pose, and for the time.
     pub is_given: bool,
     /// True if files have a column for the coordinate.
     pub is_written: bool,
@@ -196,7 +196,7 @@ pub struct Curves {
     pub stations: Vec<Station>,
     /// Sensitivities, station by station. Empty unless the study requests them.
     pub sensitivities: Vec<Sensitivity>,
-    /// Counts of the work done. All zero for an axle.
+    /// Counts of the work done. All zero for an axle, and for elastic parts.
     pub work: Work,
     /// Reasons why the slower continuation method solved stations instead of the tracker, each with the number of stations.
     pub left_to_continuation: Vec<(Rejection, usize)>,
@@ -239,8 +239,8 @@ impl Curves {
         self.stations.iter().any(|s| s.values[column].is_ok())
     }
 
-    /// Numbers of empty cells for each column and reason, at stations with a pose. The count omits cells that are empty
-    /// because of a toggle or a missing support: the station's status reports these reasons.
+    /// Numbers of empty cells for each column and reason, at stations with a pose and without a toggle. The count omits cells
+    /// that are empty because of a missing support: the station's status reports a toggle or a missing support.
     pub fn empty_cells(&self) -> Vec<(usize, NoValue, usize)> {
         let mut counts: Vec<(usize, NoValue, usize)> = Vec::new();
         for column in 0..self.columns.len() {

@@ -411,8 +411,8 @@ impl<'a, const N: usize> Run<'a, N> {
 /// Index of the travel among the coordinates of the motion.
 const TRAVEL: usize = 0;
 
-/// Coordinates of the motion: travel, the drive's angle, rack and time. If an angle is the drive, the travel is a result. If
-/// a time law is given, the drive value is a result.
+/// Coordinates of the motion: travel, the drive's angle, rack and time. If an angle is the drive, the travel is a result. The
+/// time does not name a station, because the drive value does.
 pub(super) fn motion(plan: &Plan, length: &'static str) -> Vec<MotionColumn> {
     let travel = MotionColumn {
         is_given: !plan.drive.is_angle(),

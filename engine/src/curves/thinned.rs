@@ -4,7 +4,8 @@ use crate::plan::Plan;
 use crate::solve::StationOrder;
 
 impl Plan {
-    /// Returns the plan with at most this many drive values and rack displacements, and without loads.
+    /// Returns the plan with at most `most` stations, among them at most `most_racks` rack displacements, and without loads. Its
+    /// times no longer belong to its stations.
     pub fn thinned(&self, most: usize, most_racks: usize) -> Plan {
         let racks = evenly(&self.racks, most_racks);
         let values = evenly(self.station_order.values(), most / racks.len());

@@ -120,8 +120,9 @@ impl<'a, const N: usize> Linearised<'a, N> {
         &self.lu
     }
 
-    /// Adds the gradient of an output with respect to every hardpoint coordinate to `gradient`. The function calls `seed`
-    /// once. `seed` gives the derivatives of the output with respect to the configuration, through the methods of
+    /// Adds the gradient of an output with respect to the hardpoints to `gradient`. It is complete only for the points of
+    /// [`DesignSeries::with_sensitivities_to`](super::DesignSeries::with_sensitivities_to). The function calls `seed` once.
+    /// `seed` gives the derivatives of the output with respect to the configuration, through the methods of
     /// [`Seeds`].
     #[inline]
     pub fn gradient(

@@ -1,4 +1,4 @@
-//! Designs of an axle. The evaluator moves points of both wheels and solves both wheels at every station of the motion.
+//! Designs of an axle. The evaluator solves both wheels at every required position of the axle.
 //!
 //! A variable moves a point of the left wheel and the same point of the right wheel. The two displacements are mirror images,
 //! even if the hardpoints of the right wheel differ from the left ones.
@@ -31,7 +31,7 @@ pub(crate) struct AxleStations<'s> {
     pub placements: Vec<Placement>,
     of_motion: usize,
     pub(super) design: usize,
-    /// True for builds. Each half of a solid axle then moves separately.
+    /// True for builds. Each half of a rigid axle (solid axle or twist beam) then has separate points.
     pub of_builds: bool,
     /// Values and rates to read, for an axle with elastic parts. `None` for an axle without elastic parts.
     pub elastic: Option<ElasticAxleParts>,

@@ -139,7 +139,7 @@ fn grouped(placements: &[Placement], carriers: Carriers) -> Option<Vec<Together>
     Some(groups)
 }
 
-/// Sorts groups by the displacement of the steering gear. `size` is the length [`Suspension::size`] of the axle.
+/// Collects the groups with the same displacement of the steering gear. `size` is the length [`Suspension::size`] of the axle.
 fn by_gear(grouped: Vec<Together>, size: f64) -> Vec<Gear> {
     let mut gears: Vec<Gear> = Vec::new();
     for (index, group) in grouped.into_iter().enumerate() {
@@ -241,8 +241,8 @@ impl<'a> AxleLanes<'a> {
         })
     }
 
-    /// Gathers the points of both wheels of designs, from the design number `first`. The right wheel of a solid axle follows
-    /// from the left wheel, except in builds.
+    /// Gathers the points of both wheels of designs, from the design number `first`. The right wheel of a rigid axle (solid axle
+    /// or twist beam) follows from the left wheel, except in builds.
     #[inline(always)]
     fn gather<B: SimdReal>(
         &self,

@@ -11,14 +11,14 @@ pub const BLOCK: usize = 128;
 pub(super) const SIDE_BY_SIDE: usize = MOST_LANES;
 const _: () = assert!(BLOCK.is_multiple_of(SIDE_BY_SIDE));
 
-/// A design without a pose at a station.
+/// A design without a pose, or without all values because of a toggle, at a station.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FailedStation {
     /// Index of the design in the block.
     pub design: usize,
     /// Index of the station.
     pub station: usize,
-    /// Reason for the missing pose.
+    /// Reason for the missing pose or values.
     pub failure: NoPose,
 }
 
@@ -32,8 +32,8 @@ pub struct Block {
     designs: usize,
     /// Values, `[design / SIDE_BY_SIDE][output][station][design % SIDE_BY_SIDE]`.
     values: Aligned,
-    /// Slopes, `[design / SIDE_BY_SIDE][output][design % SIDE_BY_SIDE]`: derivatives with respect to the drive
-    /// coordinate in the design position. For an axle, derivatives with respect to each moving coordinate.
+    /// Slopes, `[design / SIDE_BY_SIDE][slope][design % SIDE_BY_SIDE]`. For a wheel, slope k is the derivative of output k with
+    /// respect to the drive coordinate in the design position. For an axle, slopes are `AxleStations::gains`.
     slopes: Aligned,
     /// Failures in the order of the designs' indices.
     pub(super) failures: Vec<FailedStation>,
@@ -96,7 +96,7 @@ impl Block {
     }
 
     /// Derivative with respect to the drive coordinate in the design position. NaN for a quantity that contains velocities,
-    /// unless the sweep requests this derivative.
+    /// unless the sweep requests this derivative. For an axle, `output` is the index of the requested derivative.
     #[inline]
     pub fn slope(&self, design: usize, output: usize) -> f64 {
         self.slopes[self.slope_place(design, output)]
@@ -156,7 +156,7 @@ impl Block {
         row * SIDE_BY_SIDE + design % SIDE_BY_SIDE
     }
 
-    /// Stations without a pose, in the order of the designs.
+    /// Stations without a pose or without all values, in the order of the designs.
     pub fn failures(&self) -> &[FailedStation] {
         &self.failures
     }

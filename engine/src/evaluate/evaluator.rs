@@ -1,8 +1,7 @@
 //! Evaluation of a block of designs: hardpoints in, values out.
 //!
 //! This module separates a sweep from the solver. A sweep handles samples, CPU threads and files. The solver handles poses.
-//! The values of a design depend only on this design, never on its neighbours in the block. After the first block, only
-//! failures allocate memory.
+//! The values of a design depend only on this design, never on its neighbours in the block.
 
 use super::lanes::{LaneSolver, NotInLanes};
 use super::one_by_one::OneByOne;
@@ -52,8 +51,9 @@ pub(super) trait FindsSlopes: Send {
 
 /// Evaluator of blocks of designs of a wheel or an axle. Each thread has a separate evaluator.
 ///
-/// Designs are solved in SIMD lanes if every requested quantity can be read there. Designs that the tracker rejects are solved
-/// one by one. Without lanes, all designs are solved one by one. The choice of method depends only on the design.
+/// Designs are solved in SIMD lanes if lanes support the vehicle, the stations and every requested quantity ([`NotInLanes`]).
+/// Designs that are rejected in lanes are solved one by one. Without lanes, all designs are solved one by one. The choice of
+/// method depends only on the design.
 pub struct Evaluator<'a> {
     /// Number of points of a wheel.
     points: usize,

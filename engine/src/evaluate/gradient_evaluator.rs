@@ -1,8 +1,8 @@
 //! Quantities at stations with their gradients with respect to the hardpoints, for several designs at a time.
 //!
 //! Designs that the tracker accepts are differentiated in SIMD lanes, if the quantities can be read there. A single design has
-//! one station in each lane; the results are identical, bit for bit. Other designs are differentiated one by one, with the
-//! adjoint of the closure equations. The choice of method depends only on the design.
+//! one station in each lane where possible; the results are identical, bit for bit. Other designs are differentiated one by
+//! one, with the adjoint of the closure equations. The choice of method depends only on the design.
 
 use super::gradients_one_by_one::{DifferentiatesOneByOne, OneByOne};
 use super::{AxleStations, Gradients, Jacobians, Pairs, Stations};
@@ -25,7 +25,7 @@ pub struct Evaluated {
     gradients: Vec<Vector3<f64>>,
     /// Reason why each design cannot be solved. `None` if the design can be solved.
     faults: Vec<Option<DesignFault>>,
-    /// True if a design has a pose at a station, `[design][station]`.
+    /// True if a design has a pose with derivatives at a station, `[design][station]`. For a wheel, false at a toggle.
     solved: Vec<bool>,
 }
 
@@ -57,7 +57,8 @@ impl Evaluated {
         self.faults[design].as_ref()
     }
 
-    /// Returns true if a design has a pose at a station.
+    /// Returns true if a design has a pose with derivatives at a station. A single wheel has none at a toggle; for an axle, only
+    /// the quantities that depend on the toggle have no values.
     pub fn is_solved(&self, design: usize, station: usize) -> bool {
         self.solved[design * self.stations + station]
     }

@@ -11,8 +11,8 @@ use std::ops::ControlFlow;
 
 /// Solver of one design after another.
 pub(super) trait DifferentiatesOneByOne: Send {
-    /// Evaluates the design with this index at every station with a pose. It evaluates the left wheel, and also the right
-    /// wheel unless the right wheel is the mirror image of the left wheel.
+    /// Evaluates the design with this index at every station with a pose. `design` has the points of the left wheel, and those
+    /// of the right wheel unless this is the mirror image of the left wheel.
     fn evaluate(
         &mut self,
         design: Pairs<'_>,

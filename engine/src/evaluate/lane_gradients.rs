@@ -8,8 +8,8 @@
 //!
 //! The sum costs one adjoint per pose. The derivatives cost one adjoint per pose and angle.
 //!
-//! The caller receives Jacobians pose by pose; the module does not store them. The Jacobian of a strut takes 864 bytes per
-//! pose. Storing the Jacobians of a whole curve would take as long as computing them.
+//! The caller receives Jacobians pose by pose; the module does not store them. The Jacobian of four angles of a strut takes
+//! 864 bytes per pose. Storing the Jacobians of a whole curve would take as long as computing them.
 
 mod differentiate;
 mod results;
@@ -53,7 +53,8 @@ pub struct Gradients<'a> {
 
 impl<'a> Gradients<'a> {
     /// Prepares gradients of these quantities. Returns `None` if a quantity or the mechanism cannot be differentiated
-    /// in lanes ([`LaneReader::has_gradients`]), or if the drive is not the travel.
+    /// in lanes ([`LaneReader::has_gradients`]), if the drive is not the travel, or if the tracker does not support every
+    /// station.
     pub fn new(
         suspension: &'a Suspension,
         stations: &Stations,

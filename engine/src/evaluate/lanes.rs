@@ -15,13 +15,13 @@ use crate::threads::Interrupt;
 pub enum NotInLanes {
     /// The caller requested to solve designs one by one.
     Asked,
-    /// The tracker does not support the drive or the study's own design.
+    /// The tracker does not support the drive or the study's own design, or an axle in roll has no wheel radius.
     Mechanism,
-    /// Two stations coincide, or the mechanism cannot reach a station.
+    /// Two stations coincide, or a station is too far away.
     Stations,
     /// A requested quantity cannot be read in lanes.
     Reading,
-    /// Each wheel of an axle has a separate travel, or their mean travel follows from a load.
+    /// The wheels of an axle have different travels, or given travels on one plane, or their mean travel follows from a load.
     Travels,
     /// Lanes do not support these elastic parts: an elastic mount of a strut, or an axle with elastic parts.
     Elastic,

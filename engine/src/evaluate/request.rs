@@ -80,7 +80,7 @@ impl<'s> Request<'s> {
     }
 
     /// Adds derivatives with respect to the drive coordinate in the design position, for the quantities of one wheel
-    /// for which `is_wanted` is true. The request for an axle already contains these derivatives.
+    /// for which `is_wanted` is true. Requests for axles and for elastic parts already contain these derivatives.
     pub(crate) fn with_slopes(mut self, is_wanted: impl Fn(usize) -> bool) -> Self {
         if let Requested::Corner(corner) = &mut self.of {
             for (number, has_slope) in corner.has_slope.iter_mut().enumerate() {
@@ -162,8 +162,8 @@ impl<'s> Request<'s> {
 
     /// Makes an evaluator of values with gradients with respect to these points. It uses lanes of this width where possible.
     /// If `width` is `None`, it works one by one. Gradients with respect to other points must not be used. Axles are
-    /// evaluated one by one, and have gradients with respect to all points. An error says why the vehicle's own design cannot
-    /// be solved, and names the wheel.
+    /// evaluated one by one, and have gradients with respect to all points; elastic parts of an axle are ignored. An error says
+    /// why the vehicle's own design cannot be solved, and names the wheel. A wheel with elastic parts always gives an error.
     pub(crate) fn gradients(
         &self,
         points: &[PointId],

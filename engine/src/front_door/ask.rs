@@ -28,7 +28,7 @@ impl Motion {
     /// Makes a motion with evenly spaced travels over a range, both ends included, and the rack straight ahead.
     ///
     /// # Errors
-    /// Returns an error if an end is not finite, the range is empty, or there are fewer than two stations.
+    /// Returns an error if an end is not finite, the upper end is not above the lower one, or there are fewer than two stations.
     pub fn travel(range: RangeInclusive<f64>, stations: usize) -> Result<Self, Error> {
         let [low, high] = ends("the travel", &range)?;
         if stations < 2 {
@@ -135,7 +135,7 @@ impl Study {
     }
 
     /// Returns the study with designs sampled from the ranges of variables. [`Study::sweep`] computes these designs, and
-    /// reports errors in the ranges.
+    /// reports errors in the method, the variables and the number of samples.
     ///
     /// A grid has the same number of values for every variable, and `samples` is that number to the power of the number of
     /// variables. For example, 5 values for each of 3 variables give 125 samples. To give variables different numbers of
@@ -205,7 +205,7 @@ impl Variable {
     ///
     /// # Errors
     /// [`Error::UnknownPoint`] if no point has this name. Also returns an error if an end of the range is not finite, or if
-    /// the range is empty.
+    /// the upper end is not above the lower one.
     pub fn offset(
         suspension: &Suspension,
         point: &str,
@@ -250,8 +250,8 @@ impl Variable {
 
 impl Target {
     /// Makes a target curve of a characteristic over the travel. `points` are pairs of travel and target value, in the unit
-    /// of the characteristic's column. Monotone cubics connect the points. The tuning compares the curve at the stations of
-    /// the motion between the ends of the curve. `tolerance` is the acceptable deviation, in the same unit.
+    /// of the characteristic's column. Monotone cubics connect the points. The tuning compares the curve at its points,
+    /// and at the stations of the motion between its ends. `tolerance` is the acceptable deviation, in the same unit.
     ///
     /// # Errors
     /// [`Error::Lacking`] if the suspension lacks an input of the characteristic. Also returns an error for fewer than two
@@ -353,7 +353,7 @@ impl Suspension {
     }
 }
 
-/// Returns the ends of a range, or an error if the range is empty.
+/// Returns the ends of a range, or an error unless both are finite and the upper end is above the lower one.
 fn ends(what: &str, range: &RangeInclusive<f64>) -> Result<[f64; 2], Error> {
     let low = finite(&format!("{what}'s lowest value"), *range.start())?;
     let high = checked(
@@ -365,7 +365,7 @@ fn ends(what: &str, range: &RangeInclusive<f64>) -> Result<[f64; 2], Error> {
     Ok([low, high])
 }
 
-/// Returns the number of values of each variable in a grid with `points` designs. `None` if there is no such grid.
+/// Returns the number of values of each variable in a grid with `points` designs, at least 2. `None` if there is no such grid.
 fn steps_of_grid(points: u64, variables: usize) -> Option<u64> {
     let variables = u32::try_from(variables).ok().filter(|n| *n > 0)?;
     // Below 2^53, the nearest whole number is the exact root if an exact root exists. Other code refuses larger numbers.

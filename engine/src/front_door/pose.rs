@@ -28,7 +28,7 @@ impl SuspensionPose {
         self.points.get(name).copied()
     }
 
-    /// Positions of all points, with their names.
+    /// Positions of all points except those on a rocker at a toggle, with their names.
     pub fn points(&self) -> impl Iterator<Item = (&str, [f64; 3])> {
         self.points.iter().map(|(name, p)| (name.as_str(), *p))
     }
@@ -43,8 +43,8 @@ impl SuspensionPose {
 
 impl Suspension {
     /// Computes the pose of the suspension with the wheel at `travel` above its design position and the rack displaced by
-    /// `rack` along the suspension's +y. The pose contains every point, and every characteristic for which the suspension has
-    /// the inputs.
+    /// `rack` along the suspension's +y. The pose contains every point except those on a rocker at a toggle. It contains every
+    /// characteristic that has a value and for which the suspension has the inputs.
     ///
     /// The result is the pose that a continuous motion from the design position reaches. Other assemblies of the mechanism at
     /// this travel are excluded.
@@ -74,7 +74,7 @@ impl Suspension {
     ///
     /// # Errors
     /// [`Error::NoPose`] if the wheel cannot reach this pose. [`Error::Design`] if the design position itself cannot be
-    /// solved.
+    /// solved. [`Error::Number`] if a number is not finite.
     pub fn pose_at(&self, travel: f64, rack: f64) -> Result<SuspensionPose, Error> {
         let mut own = WheelStudy::of(self.clone());
         own.motion = Motion::at(travel, rack)?;

@@ -15,7 +15,7 @@ use std::sync::atomic::AtomicBool;
 /// CPU threads of a sweep, and a flag that stops the sweep.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SweepControl<'a> {
-    /// Number of CPU threads. `None` for one thread per core. Results do not depend on the number of threads.
+    /// Number of CPU threads. `None` for rayon's default, usually one per core. Results do not depend on the number of threads.
     pub threads: Option<NonZeroUsize>,
     /// Flag that stops the sweep. Once the flag is true, the sweep ends after the current designs.
     pub interrupt: Option<&'a AtomicBool>,
@@ -92,7 +92,7 @@ impl Study {
         tune(&self.vehicle, optimise, control).map_err(|fault| Error::design(self.wheel(), &fault))
     }
 
-    /// Solves the designs of the sweep on all cores. While it runs, it passes the rows of the designs to `sink`, block
+    /// Solves the designs of the sweep on CPU threads. While it runs, it passes the rows of the designs to `sink`, block
     /// by block in the order of the designs. Memory holds only a few blocks, for any number of designs. Returns the
     /// names of the columns: first the variables, then the outputs. The sweep ends early if `sink` breaks or the
     /// control stops it. `sink` has then received all earlier rows, and the method still returns the names. The sweep
@@ -125,9 +125,10 @@ impl Study {
     ///
     /// # Errors
     /// [`Error::NotAsked`] without a call of [`Study::sampling`]. [`Error::Empty`] if the sampling has no variable.
-    /// [`Error::Number`] if the number of samples is 0 or does not fit a grid. [`Error::MovesNothing`] if a variable moves no
-    /// coordinate. [`Error::Design`] if the design itself cannot be solved. [`Error::File`] if the file of designs has an
-    /// error.
+    /// [`Error::Number`] if the number of samples is 0, too large or does not fit a grid, or if the method allows fewer variables.
+    /// [`Error::MovesNothing`] if a variable moves no coordinate. [`Error::Design`] if the design itself cannot be solved.
+    /// [`Error::File`] if the file of designs has an error. [`Error::TwoColumns`] if two columns have the same name.
+    /// [`Error::Threads`] if the CPU threads cannot start.
     pub fn sweep(
         &self,
         control: SweepControl<'_>,

@@ -37,8 +37,8 @@ pub struct DesignVariable {
     /// Unique name: `tie_rod_inner_dz`, `lower_arm_front+lower_arm_rear_dz`, `tie_rod_inner_z` for a coordinate,
     /// `lower_arm_front+lower_arm_rear_turn_x` for a rotation.
     pub name: String,
-    /// Points that the variable moves, and its range: an offset from the design in the study's length unit and axes, or
-    /// degrees for a rotation.
+    /// Points that the variable moves, and its range: an offset from the design, or a coordinate if it is absolute, in the
+    /// study's length unit and axes. Degrees for a rotation.
     pub(super) moved: Variable,
     /// True if the number is the coordinate itself, false if it is an offset.
     pub(super) absolute: bool,
@@ -46,7 +46,7 @@ pub struct DesignVariable {
 
 impl DesignVariable {
     /// Variables of a study: the variables of `[optimise]`, else the variables of `[sweep]`, else every coordinate of every
-    /// hardpoint.
+    /// point. A sweep over a file of designs has no variables of its own.
     pub fn of(study: &Study) -> Vec<Self> {
         if let Some(optimise) = &study.optimise {
             return optimise.variables.iter().map(Self::tuned).collect();
@@ -58,8 +58,8 @@ impl DesignVariable {
         }
     }
 
-    /// Finds the variable with this name: a variable of `[optimise]` or `[sweep]`, or the offset or coordinate of any
-    /// hardpoint along an axis.
+    /// Finds the variable with this name: a variable of `[optimise]` or `[sweep]`, or the offset or coordinate of any point
+    /// along an axis. If the study has `[optimise]`, variables of a table of designs are not found.
     ///
     /// # Errors
     /// [`FunctionError::UnknownVariable`] if no variable has this name. The error suggests the closest name.
@@ -103,7 +103,7 @@ impl DesignVariable {
         }
     }
 
-    /// Offsets of every coordinate of every hardpoint, in a range of +-10 mm.
+    /// Offsets of every coordinate of every point, in a range of +-10 mm.
     fn every_coordinate(suspension: &Suspension) -> Vec<Self> {
         let far = 0.01 * suspension.length_unit.per_metre();
         let all = Variable::every_coordinate(suspension, [-far, far]);

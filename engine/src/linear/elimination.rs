@@ -50,7 +50,7 @@ pub(crate) fn eliminate<T: Valued, const N: usize, const C: usize>(
     is_regular
 }
 
-/// Exchanges rows so that row `k` has the largest pivot.
+/// Exchanges row `k` with a later row, so that it has the largest pivot.
 #[inline(always)]
 fn take_pivot<T: Valued, const N: usize, const C: usize>(
     a: &mut [[T; N]; N],

@@ -1,5 +1,6 @@
 //! LU factorisation with partial pivoting. It solves the six closure equations. A path tangent can add a row and a column
-//! to these equations. It also solves the twelve equations of a certificate and the fifteen equations of Attia's paper.
+//! to these equations. It also solves the twelve equations of a certificate, the fifteen equations of Attia's paper and the
+//! tangent of a car.
 
 use crate::number::{Each, Jet, Scalar, array_of};
 
@@ -22,7 +23,8 @@ pub type Lu6<T> = Lu<T, 6>;
 
 impl<T: Scalar> Lu6<T> {
     /// Factorises a closure Jacobian. The last three columns of the Jacobian (moments) are lengths, so the function divides the
-    /// determinant by `size`^3. The determinant is +-1 for six orthogonal unit lines, and 0 at a singularity.
+    /// determinant by `size`^3. The determinant is +-1 for six orthogonal unit lines, and 0 at a singularity. `None` as in
+    /// [`Lu::of`].
     #[inline]
     pub fn new(jacobian: Matrix6<T>, size: f64) -> Option<Self> {
         Lu::of(jacobian, size.powi(-3))
@@ -30,8 +32,8 @@ impl<T: Scalar> Lu6<T> {
 }
 
 impl<T: Scalar, const N: usize> Lu<T, N> {
-    /// Factorises a matrix. `None` if a pivot is zero or NaN. The stored determinant is the determinant of the matrix,
-    /// multiplied by `unit`.
+    /// Factorises a matrix. The stored determinant is the determinant of the matrix, multiplied by `unit`. `None` if this
+    /// number is zero or not finite, for example because a pivot is zero or NaN.
     #[inline]
     pub fn of(mut a: [[T; N]; N], unit: f64) -> Option<Self> {
         let mut order: [usize; N] = array_of(|i| i);
@@ -66,7 +68,8 @@ impl<T: Scalar, const N: usize> Lu<T, N> {
         })
     }
 
-    /// Determinant of the matrix. On a path without singularities, its sign does not change.
+    /// Determinant of the matrix, multiplied by the `unit` of [`Lu::of`]. On a path without singularities, its sign does not
+    /// change.
     pub fn determinant(&self) -> f64 {
         self.determinant
     }
@@ -116,7 +119,7 @@ impl<T: Scalar, const N: usize> Lu<T, N> {
         x
     }
 
-    /// Solves A x = b for a matrix and a right-hand side that are Taylor series in the drive. `self` holds the factors of
+    /// Solves A x = b for a matrix and a right-hand side that are Taylor series in one variable. `self` holds the factors of
     /// the constant part of `matrix`.
     pub(crate) fn solve_series<const M: usize>(
         &self,
@@ -127,7 +130,7 @@ impl<T: Scalar, const N: usize> Lu<T, N> {
         coefficient_by_coefficient(b, entry, |right| self.solve(right))
     }
 
-    /// Solves A^T x = b for a matrix and a right-hand side that are Taylor series in the drive, like [`Lu::solve_series`].
+    /// Solves A^T x = b for a matrix and a right-hand side that are Taylor series, like [`Lu::solve_series`].
     #[inline]
     pub(crate) fn solve_transposed_series<const M: usize>(
         &self,

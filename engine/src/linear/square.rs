@@ -14,7 +14,7 @@ pub(crate) struct SquareLu<T> {
 }
 
 impl<T: Scalar> SquareLu<T> {
-    /// Factorises the first `size` rows and columns. `None` if a pivot is zero or NaN.
+    /// Factorises the first `size` rows and columns. `None` if a pivot is zero or not finite.
     #[inline]
     pub(crate) fn of(mut a: [[T; MOST]; MOST], size: usize) -> Option<Self> {
         let mut order: [usize; MOST] = array_of(|i| i);
@@ -50,7 +50,7 @@ impl<T: Scalar> SquareLu<T> {
         })
     }
 
-    /// Solves A x = b for x.
+    /// Solves A x = b for x. Entries of the result beyond the first `size` ones equal those of `b`.
     #[inline]
     pub(crate) fn solve(&self, b: &[T; MOST]) -> [T; MOST] {
         let mut x = *b;

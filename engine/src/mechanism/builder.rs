@@ -270,7 +270,7 @@ impl SuspensionBuilder {
         Ok(())
     }
 
-    /// Hardpoints in the topology's order, with the topology's names.
+    /// Hardpoints in the caller's order, with the topology's names.
     fn given(
         &self,
         topology: &'static Topology,

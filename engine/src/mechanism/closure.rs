@@ -1,8 +1,8 @@
 //! Six closure equations of a mechanism in the pose of its knuckle: five constraints (see [`crate::mechanism::constraint`])
 //! and a drive.
 //!
-//! Let J be the Jacobian of these equations with respect to the pose. Each row contains the Pluecker coordinates of the
-//! line along which a constraint acts. So J is singular exactly where the mechanism is singular.
+//! Let J be the Jacobian of these equations with respect to the pose. Each row is the wrench of a constraint: for most
+//! constraints, the Pluecker coordinates of its line. So J is singular exactly where the mechanism is singular.
 
 use super::constraint::{ArmAngle, PartDimensions, Row, TravelRow};
 use super::pose::{Configuration, Pose, Sink, Twist, Wrench};
@@ -13,8 +13,8 @@ use crate::number::{Each, Matrix3, Outlined, Real, Vector3};
 /// Sixth equation: the drive with its present value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Driver<T> {
-    /// Height of the wheel centre above its design position. For a rigid axle, this value is either the mean travel or the
-    /// difference of travels. The other of the two stays constant.
+    /// Height of the wheel centre above its design position. For a rigid axle, this value is either the mean travel or half
+    /// the difference of travels. The other of the two stays constant.
     Travel(T),
     /// Angle of the first arm, from its design position.
     ArmAngle {
@@ -371,7 +371,8 @@ impl Closure<f64> {
     }
 
     /// Takes one Newton step from a pose. Returns the corrected pose, the size of the correction as a length, and the
-    /// factorised Jacobian. A rotation counts as the displacement that it causes at the distance `size`.
+    /// factorised Jacobian. A rotation counts as the displacement that it causes at the distance `size`. `None` if the Jacobian
+    /// is singular.
     pub(crate) fn newton_step(
         &self,
         at: &Configuration<f64>,

@@ -8,28 +8,30 @@ use std::fmt;
 /// Reason why a station has no pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Failure {
-    /// The drive cannot reach the requested value: the mechanism folds at `limit`.
+    /// The drive cannot reach the requested value: the mechanism folds at `limit`, or the solver could not follow it further.
     Unreachable {
         /// Kind of drive.
         drive: Drive,
-        /// Value at the fold.
+        /// Value at the end of the path: a length, or an angle in radians.
         limit: f64,
-        /// Reason for the fold.
+        /// Reason for the end.
         cause: LimitCause,
     },
-    /// At zero travel, the rack cannot reach the requested displacement.
+    /// With the drive at zero, the rack cannot reach the requested displacement. For a rigid axle, the held travel takes the
+    /// place of the rack displacement.
     RackUnreachable {
-        /// Displacement at the fold, towards the kernel's +y.
+        /// Displacement at the end of the path, towards the kernel's +y.
         limit: f64,
-        /// Reason for the fold.
+        /// Reason for the end.
         cause: LimitCause,
     },
-    /// The solver reached the pose, but its derivatives do not exist there.
+    /// The solver reached the pose, but its derivatives do not exist there. Or a steering gear makes the design of its axle
+    /// singular.
     Singular,
     /// A certificate was requested, but the pose could not be certified.
     Uncertified(Unproven),
     /// The solver reached the pose. But a requested quantity depends on a rocker that is at its toggle in this pose, or has
-    /// passed it.
+    /// passed it. Or a knuckle of a steered axle is at or beyond its toggle.
     Toggle(Rod),
     /// The drive of Attia's paper requests the arm's highest or lowest position, or a position beyond it.
     DeadCentre,
@@ -50,14 +52,14 @@ pub enum FormulationFailure {
     DriveEnds {
         /// Kind of drive.
         drive: Drive,
-        /// Last drive value that the solver reached on this branch, in the study's convention.
+        /// Last drive value that the solver reached on this branch, in the study's convention: a length, or radians.
         value: f64,
         /// Part that is singular at the end of the branch.
         cause: &'static str,
     },
     /// The solution branch of the design position ends before the angle theta of Attia's paper.
     ThetaEnds {
-        /// Last angle that the solver reached on this branch.
+        /// Last angle that the solver reached on this branch, in radians.
         value: f64,
         /// Part that is singular at the end of the branch.
         cause: &'static str,
@@ -174,7 +176,7 @@ pub struct PartMeasure {
 /// A toggle of a rocker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Toggle {
-    /// Travel at the toggle, exact up to rounding errors.
+    /// Last travel at which the rod still has leverage. The toggle is about 1e-10 mechanism sizes beyond it.
     pub travel: f64,
     /// Rod that is in line with its lever: the rod of the rocker, or the rod of another rocker that moves this rocker.
     pub rod: Rod,
@@ -220,22 +222,23 @@ pub enum DesignFault {
     },
     /// The tie rod lies in the plane through steering axis and rack joint, so the tie rod cannot rotate the knuckle.
     Toggle,
-    /// The strut has no length above the ball joint.
+    /// The strut has no length: its mount is at the foot of the perpendicular from the ball joint to the strut axis.
     NoStrutLength,
     /// The upper arm is in line with the steering axis, so the arm does not hold the knuckle.
     UpperArmInLine {
         /// Upper ball joint.
         outer: PointId,
     },
-    /// Two points that define a rod, a strut axis or the wheel's spin axis coincide.
+    /// Two points that define a rod, a strut, the axis of an arm or knuckle, or the wheel's spin axis coincide or almost
+    /// coincide.
     Coincident {
         /// First point.
         first: PointId,
         /// Second point.
         second: PointId,
     },
-    /// The coordinates are too large, or the points are too close to each other compared with their distance from the
-    /// origin. Double precision cannot distinguish them.
+    /// The suspension is too large or too small, or its points are too close to each other compared with their distance from
+    /// the origin. Double precision cannot distinguish the points.
     OutOfScale,
     /// The drive of Attia's paper is singular in the design position.
     DeadCentre {
@@ -314,7 +317,7 @@ impl DesignFault {
     }
 }
 
-/// Writes the fault with indices of points, from 0, in the order of the topology's hardpoints. [`DesignFault::describe`] writes
+/// Writes the fault with indices of points, from 0, in the order of the mechanism's points. [`DesignFault::describe`] writes
 /// names instead.
 impl fmt::Display for DesignFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

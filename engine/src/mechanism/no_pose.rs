@@ -3,7 +3,8 @@
 use super::Failure;
 use crate::model::{Frame, LengthUnit, Side};
 
-/// Reason why a vehicle has no pose at a station, or has a pose but no values that depend on a rocker.
+/// Reason why a vehicle has no pose at a station. Or reason why its pose is not certified, is not stable, or gives no values
+/// that depend on a rocker.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum NoPose {
     /// The wheel of a single-wheel study has no pose.
@@ -24,7 +25,8 @@ pub enum NoPose {
     RigidAxle {
         /// Travel of the left wheel minus that of the right one.
         difference: f64,
-        /// Reason for the failure. The limit in the reason is half a difference of travels, in the frame of a wheel.
+        /// Reason for the failure. The limit of the drive is half a difference of travels, in the frame of a wheel. The limit of
+        /// the rack is a mean travel.
         failure: Failure,
         /// Wheel in whose frame the limit is given.
         side: Side,
@@ -33,8 +35,8 @@ pub enum NoPose {
     /// of travels should raise it, or the iteration did not converge.
     #[error("there is no difference of the travels at which both wheels touch the ground")]
     NoGround,
-    /// No mean travel gives the axle the required load. Either the load does not grow with the travel, or a wheel cannot reach
-    /// the travel.
+    /// No mean travel gives the axle the required load. Either the load does not grow with the travel, a wheel cannot reach
+    /// the travel, or the iteration did not converge.
     #[error("there is no mean travel at which the wheels carry the required load")]
     NoLoad,
     /// A certificate was requested. The poses of both wheels are certified, but the ground under the wheels is not

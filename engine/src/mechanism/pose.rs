@@ -44,7 +44,7 @@ pub struct Configuration<'a, T> {
     pub design: &'a [Vector3<T>],
     /// Pose of the knuckle.
     pub pose: Pose<T>,
-    /// Displacement of the rack, towards the kernel's +y.
+    /// Displacement of the rack, towards the kernel's +y. For a rigid axle, the travel that a constraint holds.
     pub rack: T,
     /// Velocity of the knuckle per unit of rack displacement, with the drive fixed. `Some` only if the mechanism has an
     /// instantaneous steering axis and a requested quantity needs this axis.
@@ -320,7 +320,8 @@ impl<'a, T: Real> Configuration<'a, T> {
         }
     }
 
-    /// Implements [`Configuration::push_point`] as a separate function with a dynamic sink, so that it is compiled only once.
+    /// Implements [`Configuration::push_point`] as a separate function with a dynamic sink, so that it is compiled only once
+    /// for each number type.
     #[inline(never)]
     fn push_point_outlined(&self, id: PointId, gradient: Vector3<T>, mut sink: &mut dyn Sink<T>) {
         self.push_point_inline(id, gradient, &mut sink);
@@ -375,8 +376,8 @@ impl<'a, T: Real> Configuration<'a, T> {
         self.push_carried(arm.outer, by[4], sink);
     }
 
-    /// Position and velocity of a point that is not on a rocker, from the velocity of the knuckle. This version is for SIMD
-    /// lanes.
+    /// Position and velocity of a point that is not on a rocker, from the velocity of the knuckle with the rack fixed. This
+    /// version is for SIMD lanes.
     #[inline(always)]
     pub(crate) fn moving_below_rockers(&self, id: PointId, motion: &Twist<T>) -> [Vector3<T>; 2] {
         match self.mechanism.body(id) {

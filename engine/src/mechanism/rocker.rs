@@ -1,8 +1,8 @@
 //! Angle to which a rod turns a rocker.
 //!
-//! A rocker turns about an axis fixed in its base, along the unit vector e. The base is the vehicle or a solid axle. On
-//! a solid axle, all vectors below are in the axle's frame in the design position. Equation (12) converts them to the
-//! vehicle's frame.
+//! A rocker turns about an axis fixed in its base, along the unit vector e. The base is the vehicle, or the knuckle of a rigid
+//! axle: a solid axle, or the near half of a twist beam. On such a knuckle, all vectors below are in its frame in the design
+//! position. Equation (12) converts them to the vehicle's frame.
 //!
 //! A rod of constant length turns the rocker. The vector l is this rod in the design position. c is the foot of the
 //! perpendicular from the rod's inner end to the axis. r is the lever from c to that end in the design position, and
@@ -15,10 +15,9 @@
 //! H = A^2 + B^2, w^2 = H - C^2 = B^2 - E (2 A + E)                                              (4)
 //! ```
 //!
-//! In the design position E = 0, cos = 1 and sin = 0, so w = -B there, and w keeps that sign. |w| is the lever arm of
-//! the rod about the axis times |l|. The ratio |w|/(|r| |l|) is the rod's *leverage*: 1 if the rod is square to the
-//! lever, 0 at toggle. At a toggle, rod, lever and axis lie in one plane. A rocker stops there, and derivatives do
-//! not exist.
+//! In the design position E = 0, cos = 1 and sin = 0, so w = -B there, and w keeps that sign. |w| is the lever arm of the rod
+//! about the axis times |l|. The ratio |w|/(|r| |l|) is the rod's *leverage*: 1 if the rod is square to lever and axis, 0 at
+//! toggle. At a toggle, rod, lever and axis lie in one plane. A rocker stops there, and derivatives do not exist.
 //!
 //! # Derivatives
 //!
@@ -184,8 +183,8 @@ impl<T: Real> Turn<T> {
     }
 }
 
-/// Returns true if w^2/(r.r l.l) of a rod is large enough for six accurate digits of a derivative. The number itself is
-/// accurate to a few units in the last place. Returns false for NaN.
+/// Returns true if w^2/(r.r l.l) of a rod is large enough for six accurate digits of a derivative. The absolute error of the
+/// number is a few rounding units. Returns false for NaN.
 #[inline]
 pub(crate) fn is_effective(ends: Ends<f64>) -> bool {
     Turn::of(ends).leverage_squared > DEGENERATE
@@ -212,7 +211,7 @@ impl<T: Real> Configuration<'_, T> {
         self.ends_in_base(rocker, self.in_base(rocker, now))
     }
 
-    /// Returns true if the base of a rocker is the knuckle of a solid axle.
+    /// Returns true if the base of a rocker is the knuckle: a solid axle, or the near half of a twist beam.
     #[inline(always)]
     fn is_on_axle(&self, rocker: Rocker) -> bool {
         self.mechanism.body(rocker.first) == Body::Knuckle
@@ -295,7 +294,7 @@ impl<T: Real> Configuration<'_, T> {
         )
     }
 
-    /// Adds the derivative of `gradient . rocker_point(id, point)` to the sink. The derivative with respect to the
+    /// Adds the derivative of `gradient . rocker_point(id, designed)` to the sink. The derivative with respect to the
     /// point's own design position is returned instead of added.
     #[inline(always)]
     pub(crate) fn push_rocker_point(
@@ -416,14 +415,14 @@ enum RockerSeed<T> {
 }
 
 impl Configuration<'_, f64> {
-    /// Leverage of a rocker's rod: 1 if the rod is square to its lever, 0 at toggle, NaN beyond the toggle.
+    /// Leverage of a rocker's rod: 1 if the rod is square to lever and axis, 0 at toggle, NaN beyond the toggle.
     pub(crate) fn leverage(&self, id: RockerId) -> f64 {
         let turn = Turn::of(self.ends(self.mechanism.rocker(id)));
         turn.leverage_squared.sqrt()
     }
 
-    /// Rod at a toggle that stops a rocker here: the rocker's own rod, or the rod of a rocker that turns it. `None` if no such rod
-    /// is at a toggle.
+    /// Rod at or beyond a toggle that stops a rocker here: the rocker's own rod, or the rod of a rocker that turns it. `None` if
+    /// no such rod is at or beyond a toggle.
     pub(crate) fn toggle(&self, id: RockerId) -> Option<Rod> {
         let before = self
             .mechanism

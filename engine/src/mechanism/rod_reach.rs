@@ -88,7 +88,8 @@ impl<B: SimdReal> RodReach<B> {
         }
     }
 
-    /// Lanes in which the rod certainly keeps its leverage on the whole path to another position. False for NaN.
+    /// Lanes in which the rod certainly keeps its leverage on the whole path to another position. The path of the rod's outer
+    /// end must be an arc of at most 60 degrees. False for NaN.
     #[inline(always)]
     pub fn keeps_leverage_to(&self, other: &Self) -> B::Mask {
         let largest = |a: B, b: B| B::select(a.less(b), b, a);

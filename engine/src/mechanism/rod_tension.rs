@@ -24,8 +24,8 @@ impl<T: Scalar> Configuration<'_, T> {
         -axis.dot(couple) / axis.dot((inner - first).cross(pull))
     }
 
-    /// Tension in the rod of a rocker for a moment on the rocker. The moment is positive in the direction of the rocker's
-    /// positive angle.
+    /// Tension in the rod of a rocker for a moment on the rocker. The rocker's axis is fixed in the body. The moment is
+    /// positive in the direction of the rocker's positive angle.
     pub(crate) fn rod_tension_by_moment(&self, id: RockerId, moment: T) -> T {
         let rocker = self.mechanism.rocker(id);
         let [first, second] = [rocker.first, rocker.second].each(|id| self.designed(id));

@@ -40,7 +40,7 @@ pub enum HardpointFault {
     Both {
         /// A hardpoint of one alternative.
         first: &'static str,
-        /// First hardpoint of the other alternative.
+        /// First hardpoint in the list of the other alternative. The study may have left it out.
         second: &'static str,
         /// Name of the group.
         group: &'static str,
@@ -74,7 +74,8 @@ impl HardpointFault {
         })
     }
 
-    /// Returns a fault if the study gives only some of the hardpoints of a group.
+    /// Returns a fault if the study gives only some of the hardpoints of a group, or mixes two of its alternatives. `None` for
+    /// a complete group and for a group without hardpoints.
     pub fn of_group(
         topology: &'static Topology,
         group: &'static Group,
@@ -282,7 +283,8 @@ fn plausible_size(suspension: &Suspension) -> Vec<GeometryFault> {
     }
 }
 
-/// Checks that the wheel is outboard of the points on the body. The position of the coordinate origin has no effect.
+/// Checks that the wheel is outboard of the mean of the points on body and rack. The position of the coordinate origin has no
+/// effect.
 fn right_side(suspension: &Suspension) -> Vec<GeometryFault> {
     let (mechanism, design) = (&suspension.mechanism, &suspension.design);
     let points = mechanism.points.iter().zip(design);

@@ -12,7 +12,7 @@ use std::cell::Cell;
 pub struct Work {
     /// Poses from the closed form.
     pub closed_form_solves: u64,
-    /// Evaluations of the closed form, for all poses from the closed form.
+    /// Evaluations of the closed form, for poses and for their Taylor series.
     pub closed_form_evaluations: u64,
     /// Newton iterations, on the closure equations or on the equations of the formulation `point_coordinates`.
     pub newton_iterations: u64,

@@ -222,7 +222,7 @@ impl LengthUnit {
         }
     }
 
-    /// Converts a length from another unit to this one. The result is rounded once. A length in the same unit does not
+    /// Converts a length from another unit to this one by one multiplication or division. A length in the same unit does not
     /// change at all.
     pub fn convert(self, length: f64, from: LengthUnit) -> f64 {
         match (from.with_newtons(), self.with_newtons()) {

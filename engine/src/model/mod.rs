@@ -49,11 +49,11 @@ pub enum Body {
     /// Moved sideways by the steering rack.
     Rack,
     /// Fixed in the vehicle in x and z. Sideways it moves opposite to a knuckle point by the same distance. For the
-    /// mounts of a twist beam.
+    /// far mount of a twist beam.
     Opposite(PointId),
     /// Moved by the steering gear. The design position of the given point stores the present position of this point.
     SteeringGear(PointId),
-    /// The wheel carrier.
+    /// The wheel carrier. For a solid axle, the axle itself; for a twist beam, its near half.
     Knuckle,
     /// A control arm, which rotates about its axis.
     Arm(ArmId),
@@ -79,7 +79,7 @@ pub struct Arm {
     pub front: PointId,
     /// Rear point of the axis.
     pub rear: PointId,
-    /// The joint to the knuckle.
+    /// The joint to the knuckle. For a semi-trailing arm, the wheel centre.
     pub outer: PointId,
 }
 
@@ -87,11 +87,11 @@ pub struct Arm {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Constraint {
     /// A rod of fixed length between a point of the chassis, the rack or an arm, and a knuckle point. Removes one degree of
-    /// freedom. A two-legged arm is two such rods with the same outer point.
+    /// freedom. A two-legged arm is two such rods with the same outer point. One end of a Watt link is on a rocker.
     Link {
-        /// End on the chassis, the rack or an arm.
+        /// End on the chassis, the rack, an arm or a Watt rocker. For a twist beam, the far mount.
         inner: PointId,
-        /// End on the knuckle.
+        /// End on the knuckle, or on a Watt rocker that the axle carries.
         outer: PointId,
     },
     /// A telescopic strut, fixed to the knuckle and held by a ball joint at `top`. `top` stays on a line fixed in the
@@ -223,7 +223,7 @@ pub enum ClosedForm {
 /// Coordinate that drives the mechanism.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Drive {
-    /// Height of the wheel centre above its design position.
+    /// Height of the wheel centre above its design position. For a rigid axle, the travel that is not held.
     Travel,
     /// Angle of the first control arm from its design position. A positive angle raises its outer joint.
     ArmAngle,
@@ -249,7 +249,7 @@ pub struct Mechanism {
     pub rockers: Vec<Rocker>,
     /// Knuckle point whose position, with the knuckle's rotation, describes the pose.
     pub origin: PointId,
-    /// Centre of the wheel, on the knuckle.
+    /// Centre of the wheel, on the knuckle. For a steered solid axle, on a rocker.
     pub wheel_centre: PointId,
     /// Spin axis of the wheel.
     pub spin_axis: SpinAxis,
@@ -276,12 +276,12 @@ impl Mechanism {
         self.points.iter().position(|p| p.name == name).map(PointId)
     }
 
-    /// Returns true if a rack steers the wheel.
+    /// Returns true if the topology has a point on a rack. This is also true for wheels that the study does not steer.
     pub fn has_rack(&self) -> bool {
         self.points.iter().any(|point| point.body == Body::Rack)
     }
 
-    /// Returns true if a rack or a drag link steers the wheel.
+    /// Returns true if the mechanism has a point on a rack ([`Mechanism::has_rack`]), or if a drag link steers the wheel.
     pub fn is_steered(&self) -> bool {
         self.has_rack() || self.axle_steering().is_some()
     }
@@ -351,8 +351,8 @@ impl Mechanism {
         }
     }
 
-    /// Returns true for a point of the far half of a rigid axle (the half of the other wheel). The program computes the far
-    /// half from the near half.
+    /// Returns true for a point of the far half of a rigid axle (the half of the other wheel). Also true for a point that the
+    /// study does not give. The program computes these points from the near half.
     pub fn is_far(&self, id: PointId) -> bool {
         self.rigid_axle
             .as_ref()
@@ -389,8 +389,8 @@ impl Mechanism {
         design.iter().fold(0.0, farthest).sqrt()
     }
 
-    /// Largest absolute coordinate of a design, or the size of the mechanism if the size is larger. Rounding errors of
-    /// positions are proportional to this length.
+    /// Largest distance of a point from the origin of the coordinates, or the size of the mechanism if it is larger. Rounding
+    /// errors of positions are proportional to this length.
     pub fn coordinate_scale(&self, design: &[Vector3<f64>]) -> f64 {
         let largest = |far: f64, p: &Vector3<f64>| far.max(p.norm_squared());
         design
@@ -400,7 +400,8 @@ impl Mechanism {
             .max(self.size(design))
     }
 
-    /// Pairs of points that define a length or a direction: arm axes, rods, strut and spin axis.
+    /// Pairs of points that define a length or a direction: arm axes, links, strut, hinges and spin axis. Rockers and their
+    /// rods are not included.
     pub fn lengths(&self) -> impl Iterator<Item = (PointId, PointId)> {
         let arms = self.arms.iter().map(|arm| (arm.front, arm.rear));
         let constraints = self
@@ -422,8 +423,9 @@ impl Mechanism {
         arms.chain(constraints).chain(spin_axis)
     }
 
-    /// Returns true if two points keep their distance in every pose. This is true for points of one body and for the two
-    /// ends of a rod. It is also true for the outer joint of an arm and a point of the arm's axis.
+    /// Returns true if two points are known to keep their distance in every pose. This is true for points of one body and for
+    /// the two ends of a rod. It is also true for the outer joint of an arm and a point of the arm's axis. The result is false
+    /// for other points of an arm or rocker together with its axis or joint, although their distance is constant.
     pub fn are_rigidly_joined(&self, a: PointId, b: PointId) -> bool {
         let are = |p: PointId, q: PointId| (a, b) == (p, q) || (b, a) == (p, q);
         let on_ground = |id| matches!(self.body(id), Body::Chassis);

@@ -114,8 +114,8 @@ impl RigidAxle {
         }
     }
 
-    /// Writes the axle as seen from its other wheel, in the frame of that side, into `into`. Points that are neither
-    /// in a pair nor single are the same for both wheels.
+    /// Writes the axle as seen from its other wheel, in the frame of that side, into `into`. A point that the study does not
+    /// give keeps its offset from the point with which it moves. So the steering gear of a steered axle must be centred.
     #[inline(always)]
     pub fn turn_over<T: Real>(&self, design: &[Vector3<T>], into: &mut [Vector3<T>]) {
         into.copy_from_slice(design);

@@ -1,8 +1,8 @@
 //! Rockers: parts on an axis fixed in the body or in a solid axle, which a rod rotates. Examples are the bell crank of a
 //! pushrod or pullrod, an anti-roll bar with its drop link, and the rocker of a Watt linkage.
 //!
-//! The hardpoints of rockers form groups that a topology offers in addition to its own hardpoints. A study gives every
-//! hardpoint of a group, or none of them.
+//! The hardpoints of rockers form groups that a topology offers in addition to its own hardpoints. A study gives all
+//! hardpoints of one of the lists in [`Group::complete`], or no hardpoint of the group.
 
 use super::topology::{Group, optional};
 use super::{Body, Mechanism, PointId};
@@ -24,8 +24,8 @@ pub struct Rocker {
     pub second: PointId,
     /// End of the rod on the rocker.
     pub inner: PointId,
-    /// Other end of the rod: on an arm, the knuckle or an earlier rocker. For a rocker on a solid axle, this end is on the
-    /// chassis.
+    /// Other end of the rod: on an arm, the knuckle or an earlier rocker. For a rocker on a solid axle, it can also be on the
+    /// chassis or the steering gear. For a twist beam, it is the far mount.
     pub outer: PointId,
 }
 

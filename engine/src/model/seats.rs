@@ -14,7 +14,8 @@ pub struct Seat {
     pub name: &'static str,
     /// The body.
     pub body: Body,
-    /// Distance of the point from the straight lines between the body's other points, in the design position.
+    /// Distance of the point from the nearest segment between two of the body's other points, in the design position.
+    /// Infinite if the body has no other points.
     pub distance: f64,
 }
 

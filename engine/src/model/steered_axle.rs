@@ -36,8 +36,9 @@
 //! difference of the equations  = difference of travels - (c_n.z - w_n.z - c_f.z + w_f.z)/2     (5)
 //! ```
 //!
-//! Both travels are 0 in the design pose, for every s. So the path to a station begins in the design pose: the knuckles turn
-//! first, then the axle moves. The travels of a station are always the heights of the wheel centres above their hardpoints.
+//! Both travels of the equations are 0 in the design pose, for every s. So the path to a station begins in the design pose:
+//! the knuckles turn first, then the axle moves. The travels of a station always follow from the heights of the wheel centres
+//! above their hardpoints.
 //! Derivatives with respect to hardpoints are taken at constant values of these travels.
 
 use super::topology::{Given, Group, NO_LINK, NO_TIE_ROD, optional};

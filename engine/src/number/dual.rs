@@ -58,7 +58,8 @@ impl<T: Real> Dual<T, 3> {
 }
 
 impl<T: Real, const N: usize> Dual<T, N> {
-    /// True if arithmetic operations are function calls instead of inlined code.
+    /// True if all arithmetic operations are function calls. If it is false, sums, products and quotients are still calls for
+    /// large `T` ([`Real::IS_LARGE`]).
     const IS_LONG: bool = N > 4 && !T::IN_REGISTERS;
 
     #[inline]

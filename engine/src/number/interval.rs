@@ -5,7 +5,8 @@
 //! double, so the code can compute it (D. E. Knuth, *The Art of Computer Programming* 2, 4.2.2). Sine, cosine and the
 //! inverse functions come from the platform. The code assumes that their error is at most two units in the last place.
 //!
-//! A result that is NaN or unbounded becomes the interval of all real numbers, which certifies nothing.
+//! A result that is NaN, and a quotient whose divisor contains zero, become the interval of all real numbers, which certifies
+//! nothing. A bound that overflows becomes infinite.
 
 use super::{Real, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -242,7 +243,7 @@ impl Real for Interval {
     fn constant(self, value: f64) -> Self {
         Interval::point(value)
     }
-    /// Square root of the non-negative part of the interval.
+    /// Square root of the non-negative part of the interval. All real numbers if there is no such part.
     #[inline]
     fn sqrt(self) -> Self {
         if self.high < 0.0 {
@@ -278,7 +279,7 @@ impl Real for Interval {
     }
     #[inline]
     fn scaled(self, factor: f64) -> Self {
-        // Halving and doubling are exact except near underflow. Near underflow, the code widens the product.
+        // Halving is exact except near underflow. Near underflow, the code widens the product.
         if factor == 0.5 && self.low.abs().min(self.high.abs()) > f64::MIN_POSITIVE * 2.0 {
             return Interval {
                 low: 0.5 * self.low,

@@ -90,7 +90,8 @@ impl<T, const N: usize> Index<usize> for Jet<T, N> {
     }
 }
 
-/// Adds or subtracts coefficient by coefficient. For numbers in registers, the code is inline.
+/// Adds or subtracts coefficient by coefficient. For numbers in registers, the code is a small piece
+/// ([`Outlined::IS_SMALL`]).
 macro_rules! by_coefficients {
     ($trait:ident, $method:ident, $operation:ident, $operator:tt) => {
         impl<T: Real, const N: usize> Jet<T, N> {

@@ -4,8 +4,8 @@
 //! Each operation works on two registers, because one chain of dependent operations leaves the processor idle.
 //!
 //! [`Real::plus_product`] and [`Real::minus_product`] round once. All other operations are IEEE operations. So results are
-//! bit-identical for every width. (Plain numbers use the fused product and sum of the mathematical library, with the same
-//! bits but more slowly.)
+//! bit-identical for every width. (Without AVX2, they use the fused product and sum of the mathematical library, with the
+//! same bits but more slowly. A plain `f64` is not a lane and rounds twice.)
 //!
 //! Code that runs on [`Lanes`] must be inlined into the one function that is compiled for the instruction set. Mark it
 //! `#[inline(always)]`, and avoid closures that the compiler might not inline. [`Real::outlined`] makes a separate function
@@ -235,10 +235,10 @@ impl Width {
         self.run(Count)
     }
 
-    /// Runs a task in lanes of this width.
+    /// Runs a task in lanes of this width. A processor without AVX-512 runs a task of that width in AVX2 lanes.
     ///
     /// # Panics
-    /// If the width is not available.
+    /// If neither is available.
     pub fn run<T: SimdTask>(self, task: T) -> T::Output {
         #[cfg(target_arch = "x86_64")]
         if self == Width::Avx512
@@ -254,7 +254,7 @@ impl Width {
     /// of its number type, not [`Width::lanes`].
     ///
     /// # Panics
-    /// If the width is not available.
+    /// If these lanes are not available.
     pub(crate) fn run_in_avx2_lanes<T: SimdTask>(self, task: T) -> T::Output {
         #[cfg(any(not(target_arch = "x86_64"), hardpoint_portable))]
         if self == Width::Portable {

@@ -51,8 +51,8 @@ pub trait Real:
     /// True if the number is larger than a plain number. Types that consist of several such numbers use function calls for
     /// their arithmetic.
     const IS_LARGE: bool = size_of::<Self>() > 8;
-    /// True if the number contains derivatives of derivatives. Its arithmetic then uses function calls (see
-    /// `call_outlined`).
+    /// True for derivatives of large numbers ([`Real::IS_LARGE`]), such as derivatives of derivatives, and for recorded
+    /// numbers. The arithmetic of their vectors consists of separate functions or small pieces ([`Outlined::IS_SMALL`]).
     const IS_NESTED: bool = false;
     /// True if one division and some products may replace two divisions. False for intervals, because a divisor that
     /// contains zero would also make the other quotient unbounded.
@@ -64,7 +64,7 @@ pub trait Real:
     fn sqrt(self) -> Self;
     /// Arc sine.
     fn asin(self) -> Self;
-    /// Angle of the vector (`x`, `self`) from the x-axis, in (-pi, pi].
+    /// Angle of the vector (`x`, `self`) from the x-axis, in [-pi, pi]. It is -pi for -0 above a negative `x`.
     fn atan2(self, x: Self) -> Self;
     /// The constant 1 or -1, with the sign of the value.
     fn sign(self) -> Self;
@@ -80,7 +80,7 @@ pub trait Real:
         self - a * b
     }
 
-    /// Inverses 1/`self` and 1/`other`.
+    /// Inverses 1/`self` and 1/`other`. If one number is zero, both results may be undefined.
     #[inline(always)]
     fn inverses(self, other: Self) -> [Self; 2] {
         if Self::SHARES_DIVISIONS {

@@ -8,8 +8,9 @@ pub const MOST_LANES: usize = 16;
 
 /// One or more independent numbers that undergo the same operations at the same time.
 ///
-/// Every operation is the IEEE operation, lane by lane. So a lane's result is bit-identical for any neighbours and any
-/// number of lanes. Code that depends on the values must use [`SimdReal::select`].
+/// Every basic operation is the IEEE operation, lane by lane. So a lane's result is bit-identical for any neighbours and any
+/// number of lanes in [`super::Lanes`]. A plain `f64` is also such a number, but rounds [`super::Real::plus_product`] twice.
+/// Code that depends on the values must use [`SimdReal::select`].
 pub trait SimdReal: Local + Valued<Plain = Self> {
     /// Count of numbers in the bundle.
     const LANES: usize;

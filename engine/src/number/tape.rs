@@ -4,8 +4,8 @@
 //! the derivatives of a result with respect to all inputs, for a few times the cost of the result (A. Griewank, A. Walther,
 //! *Evaluating Derivatives*, 2nd ed., SIAM 2008, chapter 3). [`super::Dual`] is the better choice for a few inputs.
 //!
-//! The record belongs to the CPU thread, and a number contains only its index in the record. So the number fits in two
-//! registers. If it contained a reference to its record, it would be passed through memory. Rig tests with derivatives
+//! The record belongs to the CPU thread, and a number contains only its value and its index in the record. So the number fits
+//! in two registers. If it contained a reference to its record, it would be passed through memory. Rig tests with derivatives
 //! would take a tenth longer.
 
 use super::{Real, Scalar, array_of};
@@ -99,7 +99,7 @@ impl Adjoints {
     }
 
     /// Processes all marked numbers below `end`, from last to first. Only the derivatives with respect to the inputs
-    /// remain, because inputs have no operands.
+    /// remain; all others are set to zero again.
     fn pass_back(&mut self, end: usize, inputs: &Range<usize>, nodes: &[Node]) {
         for word in (inputs.start / 64..end.div_ceil(64)).rev() {
             // Operands have lower indices than their results. The flag of an operand is often in the same 64-bit word.
@@ -200,7 +200,7 @@ impl Record {
 }
 
 impl Tape {
-    /// Makes an empty tape, which becomes the thread's newest tape.
+    /// Makes an empty tape, which becomes the thread's newest tape. Drop it before tapes that are older.
     #[expect(
         clippy::new_without_default,
         reason = "a tape changes its thread's record"
@@ -242,7 +242,7 @@ impl Tape {
     /// those of separate passes.
     ///
     /// # Panics
-    /// If the tape has fewer numbers than `inputs`.
+    /// May panic if the tape has fewer numbers than `inputs`.
     pub fn gradients(
         &self,
         of: &[Tracked<'_>],

@@ -5,9 +5,8 @@ use std::fmt::Debug;
 
 /// A number with a plain value in each lane.
 ///
-/// Formulas that depend on a comparison use this trait. Plain numbers and numbers with derivatives have one lane, so a
-/// formula may branch on [`SimdReal::all`] and skip the branch that no lane needs. If lanes differ, [`Valued::choose`]
-/// selects lane by lane.
+/// Formulas that depend on a comparison use this trait. A formula may branch on [`SimdReal::all`] and skip the branch that
+/// no lane needs. Numbers outside SIMD registers have one lane. If lanes differ, [`Valued::choose`] selects lane by lane.
 pub trait Valued: Real {
     /// Type of the value without its derivatives.
     type Plain: SimdReal + Debug;

@@ -7,8 +7,8 @@
 //! length has been checked.
 //!
 //! Each piece is compiled as a method of its own type, in the module of that type. So a changed formula recompiles only the
-//! lanes of that formula. The compiler inlines operations on registers into the piece; each operation becomes one
-//! instruction.
+//! lanes of that formula. The compiler inlines operations on registers into the piece; most operations become one
+//! instruction per register.
 
 #![allow(
     unsafe_code,

@@ -53,7 +53,7 @@ pub struct Rows<'a> {
     pub equalities: usize,
     /// Largest violation, in the unit of the rows, with which a row still counts as satisfied. This limit applies only to rows
     /// whose gradient is a linear combination of the gradients of the held constraints. Without this limit, duplicate rows would
-    /// contradict one another, because they are equal only up to rounding errors.
+    /// contradict one another, because they are equal only up to rounding errors. All inequality rows may use 1 % of it.
     pub slack: f64,
 }
 
@@ -81,7 +81,8 @@ pub struct ActiveSet {
     held: Vec<Held>,
     sign: Vec<f64>,
     multipliers: Vec<f64>,
-    /// Flags of the rows, then of the lower bounds, then of the upper bounds. A flag is true if the constraint is held.
+    /// Flags of the rows, then of the lower bounds, then of the upper bounds. A flag is true if the constraint is held, or if
+    /// its gradient depends on held constraints and its violation is within the tolerance.
     is_held: Vec<bool>,
     step: Vec<f64>,
     /// Vectors n, v, z and w of (2).
@@ -93,8 +94,8 @@ pub struct ActiveSet {
     norms: Vec<f64>,
 }
 
-/// Relative tolerance of a row. A row counts as satisfied if its violation is at most this fraction of the sum of the
-/// absolute values of its terms.
+/// Relative tolerance of an inequality row or bound. It counts as satisfied if its violation is at most this fraction of the
+/// sum of the absolute values of its terms.
 const ROUNDING: f64 = 1e-13;
 /// Threshold of dependence: a gradient depends on the held gradients if less than this share of its squared length lies
 /// outside their span.
@@ -228,8 +229,8 @@ impl ActiveSet {
         Ok(())
     }
 
-    /// Returns the constraint with the largest violation, measured as a distance, and its negative violation. `None` if all
-    /// constraints are satisfied.
+    /// Returns the inequality row or bound with the largest violation, measured as a distance, and its negative violation.
+    /// `None` if all are satisfied. Constraints with a flag in `is_held` are not examined.
     fn most_violated(&self, rows: Rows<'_>, lower: &[f64], upper: &[f64]) -> Option<(Held, f64)> {
         let n = self.variables;
         let mut worst = (0.0, None);

@@ -16,8 +16,8 @@ use nalgebra::DVector;
 pub struct Assessed {
     /// Residuals of the targets, with their derivatives.
     pub goal: Linearisation,
-    /// Rows of the constraints, with their derivatives. If a value has an extreme between stations, the row contains the
-    /// value at this extreme.
+    /// Rows of the constraints, with their derivatives. If a value of a rigid wheel has a worse extreme near a station, the
+    /// row contains the value at this extreme.
     pub rows: Linearisation,
     /// Smallest margin of each constraint.
     pub margins: Vec<Margin>,

@@ -10,7 +10,7 @@
 //!
 //! An active-set method finds this minimum exactly. Each variable is either free or held at a bound. An orthogonal
 //! factorisation solves for the free variables. If this step crosses bounds, the method stops at the first of them and holds
-//! these variables. If the step crosses no bound, the method frees the held variable whose release lowers the objective most.
+//! this variable. If the step crosses no bound, the method frees the held variable whose release lowers the objective most.
 //! (Ch. L. Lawson, R. J. Hanson, Solving Least Squares Problems, 1974, chapter 23; P. B. Stark, R. L. Parker,
 //! Bounded-variable least-squares: an algorithm and applications, Computational Statistics 10, 1995.) The method does not
 //! form the normal equations. The normal equations would square the singular values of J W, which already spread over eight
@@ -183,8 +183,8 @@ impl BoundedLeastSquares {
         dot(self.column(j), &self.remainder) + damping * self.step[j]
     }
 
-    /// Index of the variable at a bound whose release reduces the sum of squares most, relative to the norm of the variable's
-    /// column.
+    /// Index of the variable whose move away from its bound, alone, would reduce the damped sum of squares most. Variables that
+    /// have turned back do not count. `None` if no move reduces the sum by more than rounding errors.
     fn worst_multiplier(&self, damping: f64) -> Option<usize> {
         // A slope is an inner product of n terms with the remainder. The remainder is a sum of the offset and n columns. The
         // sizes of the offset and of the columns bound the rounding error of the slope.
@@ -321,8 +321,8 @@ mod tests {
     }
 
     impl Case {
-        /// A random problem with n variables and m residuals. Every third problem has low rank. In every second problem, some
-        /// bounds are active from the beginning.
+        /// A random problem with n variables and m residuals. Every third problem has a rank of at most 1 + n/2. In every
+        /// second problem, some bounds may be active from the beginning.
         fn random(seed: u64, n: usize, m: usize) -> Self {
             let mut noise = Noise::new(seed);
             let mut jacobian = DMatrix::from_fn(m, n, |_, _| noise.next());

@@ -5,8 +5,9 @@ use super::multistart::fits;
 use super::starts::STARTS_BEFORE_REFUSAL;
 use super::{Bounds, Constrained, Control, Held, Multistart, Options, Termination};
 
-/// Finds a smallest set of constraints that cannot be satisfied together. The function starts with all constraints that the
-/// runs of the tuning report as contradictory. It removes a constraint if the other constraints still cannot be satisfied.
+/// Finds constraints that cannot be satisfied together, and of which none can be left out. The function starts with all
+/// constraints that the runs of the tuning report as contradictory. If these can be satisfied, it starts with all constraints,
+/// but with at most 12. It removes a constraint if the other constraints still cannot be satisfied.
 ///
 /// `of_rows` gives the constraint of each row, `count` is the number of constraints. `can_be_kept` returns true if a run with
 /// only these constraints satisfies them. The result is empty if no such set is found.
@@ -27,7 +28,7 @@ pub(crate) fn smallest_conflict(
     blamed.sort_unstable();
     blamed.dedup();
     if blamed.is_empty() || can_be_kept(&blamed) {
-        // The reported constraints alone can be satisfied. So other constraints take part in the conflict.
+        // No constraint is reported, or the reported constraints alone can be satisfied. So others take part in the conflict.
         blamed = (0..count).collect();
         if blamed.len() > 12 || can_be_kept(&blamed) {
             return Vec::new();
@@ -42,7 +43,7 @@ pub(crate) fn smallest_conflict(
     blamed
 }
 
-/// Returns true if a run from one of the first starts satisfies all constraints of this problem.
+/// Returns true if a run from one of the first starts satisfies all constraints of this problem, or is interrupted.
 pub(crate) fn is_satisfied_from<P: Constrained>(
     starts: &Multistart,
     bounds: &Bounds,

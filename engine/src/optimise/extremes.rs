@@ -4,10 +4,10 @@
 //! at the extreme of the parabola through the three values, and uses the value's derivative with respect to the drive value
 //! (the travel or the arm angle). At an end of the motion the search uses the parabola through the last three values. The
 //! extreme of this parabola must lie within the motion. The row of the station then holds the value at the extreme. So limits
-//! hold at all extremes. At an extreme the value has zero slope along the drive value. So the slopes of the row do not need
-//! the derivative of the extreme's position. While the design changes, an extreme may move past a station. When the extreme
-//! is halfway between two stations, the row of the other station takes over the value at this extreme. So the largest row
-//! stays continuous.
+//! hold at all extremes that the values at the stations show. At an extreme the value has zero slope along the drive value.
+//! So the slopes of the row do not need the derivative of the extreme's position. While the design changes, an extreme may
+//! move past a station. When the extreme is halfway between two stations, the row of the other station takes over the value at
+//! this extreme. So the largest row stays continuous.
 
 use super::Linearisation;
 use super::layout::{Extremes, Leg, Part};
@@ -39,7 +39,7 @@ pub(super) struct Search {
     ends: [f64; 2],
     /// Latest position and slope.
     before: Option<(f64, f64)>,
-    /// Second derivative of the parabola through three stations.
+    /// Estimate of the second derivative: first from the parabola through three stations, then from two slopes.
     curvature: f64,
     /// Rise of the parabola's extreme above the station's value.
     rise: f64,
@@ -81,8 +81,8 @@ pub(super) fn searches(
 }
 
 impl Search {
-    /// Begins a search from the parabola through station `k` and its neighbours. `None` if the parabola has no extreme near
-    /// the station.
+    /// Begins a search from the parabola through station `k` and its neighbours. `None` if there are fewer than three
+    /// stations, if a neighbour has a worse value, or if the parabola has no extreme near the station.
     fn about(k: usize, count: usize, at: impl Fn(usize) -> (f64, f64), sign: f64) -> Option<Self> {
         let first = k.checked_sub(1);
         let beyond = |other: usize| sign * at(other).1 > sign * at(k).1;
@@ -119,7 +119,7 @@ impl Search {
     }
 
     /// Makes a step with the slope at the current position. Returns true if the current position was close enough to the
-    /// extreme.
+    /// extreme, or if no further step is possible.
     pub(super) fn advance(&mut self, slope: f64) -> bool {
         if let Some((place, before)) = self.before
             && place != self.place

@@ -97,8 +97,8 @@ pub enum Termination {
     /// No design is good enough. This design is as good as the best one found, but the search for a smaller change did not
     /// converge.
     BestNotKnownNearest,
-    /// No step lowers the cost by more than the share [`Options::reduction_below`], or the step would be shorter than
-    /// [`Options::step_below`]. But the optimality conditions are not satisfied.
+    /// The run ended as with `NoFurtherDescent`, `StepBelowResolution` or `Stationary`. But the optimality conditions are not
+    /// satisfied, or a constraint is violated.
     NotStationary,
     /// No small move raises the yield.
     LargestYield,
@@ -138,8 +138,8 @@ impl Termination {
         }
     }
 
-    /// Checks the reason against the imbalance of the optimality conditions. The end counts as a minimum only if the
-    /// imbalance is below [`CONVERGED`].
+    /// Checks the reason against the imbalance of the optimality conditions. An end without further progress counts as a
+    /// minimum only if the imbalance is below [`CONVERGED`].
     pub(super) fn checked(self, residual: f64) -> Self {
         match self {
             Termination::NoFurtherDescent
@@ -211,7 +211,7 @@ pub struct Fit {
     pub termination: Termination,
     /// Imbalance of the optimality conditions of the last minimisation, relative to the sizes of their terms. 0 if rounding
     /// errors explain the imbalance. The last minimisation lowers either the misfit, or the distance from the design under a
-    /// limit on the misfit. `None` if the run did not end at a minimum of the distance.
+    /// limit on the misfit. `None` if a search for the smallest distance is needed, but was not made or did not converge.
     pub residual: Option<f64>,
     /// The start and every iteration after it.
     pub history: Vec<Iteration>,
@@ -224,14 +224,15 @@ pub struct Fit {
 pub struct ConstraintState {
     /// Values of the rows.
     pub values: DVector<f64>,
-    /// Largest violation.
+    /// Largest violation, in the unit of the rows.
     pub violation: f64,
     /// True for each row that some variable moves. The other rows count neither as satisfied nor as violated.
     pub movable: Vec<bool>,
     /// Derivative of half the sum of squared residuals with respect to each row's limit, negated. `None` if the run did not
     /// end at a minimum of this sum.
     pub multipliers: Option<Vec<f64>>,
-    /// Other multipliers that also satisfy the optimality conditions. They exist if gradients are linearly dependent.
+    /// Multipliers by least squares, if they satisfy the optimality conditions. They differ from `multipliers` by more than
+    /// rounding errors only if gradients are linearly dependent.
     pub alternatives: Option<Vec<f64>>,
     /// Rows and bounds that contradict one another, if there are any.
     pub culprits: Vec<Held>,
@@ -248,8 +249,8 @@ impl Fit {
         self.violation() <= KEPT
     }
 
-    /// Describes the reason for the end of the run in words, with the imbalance of the optimality conditions if the run did
-    /// not converge.
+    /// Describes the reason for the end of the run in words. If the run did not converge, adds the imbalance of the optimality
+    /// conditions. Does not add it after a request to stop, or if constraints contradict one another.
     pub fn ended(&self) -> String {
         let is_short = matches!(
             self.termination,

@@ -7,8 +7,8 @@
 //!
 //! A residual counts as constant if a move of any variable across its range changes it by less than [`UNMOVED`]. The tuning
 //! checks this at its start and at every evaluation. If such a residual changes later, the tuning runs again with it. Only
-//! residuals of more than one tolerance are removed, because smaller ones hide nothing. So targets with a band stay in the
-//! problem: their residual is zero inside the band, and grows when the value leaves the band.
+//! residuals above 1 (one tolerance, if the weights are equal) are removed, because smaller ones hide nothing. So a target
+//! whose value is within its band stays in the problem: its residual is zero, and grows when the value leaves the band.
 
 use super::constrained::{Assessment, Constrained, Shape};
 use super::{Bounds, Fit, Infeasible, LeastSquares, Linearisation, Multistart, Termination};
@@ -23,7 +23,7 @@ pub(super) const UNMOVED: f64 = 1e-9;
 /// Largest number of repetitions of all starts. The starts run again if a residual changes that was constant at the design.
 const ROUNDS: usize = 3;
 
-/// Residual above which a target is missed, in multiples of the tolerance.
+/// Residual or deviation above which a target is missed, in multiples of the tolerance.
 pub(super) const MISSED: f64 = 1.0;
 
 /// Returns true if a move of some variable across its range changes a residual.

@@ -35,10 +35,10 @@ use crate::sorting::sort_by;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-/// Number of points of a Pareto front of two criteria.
+/// Largest number of points of a Pareto front.
 const POINTS: usize = 50;
-/// Largest number of minimisations (1) for each point of a Pareto front. Every gap without a point also needs some
-/// minimisations.
+/// Largest number of halved gaps for each point of a Pareto front of two criteria. Every gap without a point is also halved
+/// several times. Each time needs two minimisations (1).
 const EFFORT: usize = 3;
 /// Number of equal intervals into which the levels divide the range of a limited criterion, for a Pareto front of three criteria.
 const LEVELS: usize = 6;
@@ -231,7 +231,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             let lowered = 1 - held;
             let level = gap.middle(held);
             let from = [&points[gap.ends[0]].x, &points[gap.ends[1]].x];
-            // The run starts from the end of the gap that already satisfies the level.
+            // This end of the gap already satisfies the level. A new point must be better than this end.
             let has = &points[gap.ends[held]].amounts;
             let found = self
                 .lower(lowered, &[(held, level)], &from)

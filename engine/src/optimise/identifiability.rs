@@ -74,7 +74,7 @@ pub struct Identifiability {
     pub rank: usize,
     /// Basis of the directions without effect: combinations of variables that leave all targets unchanged. They also leave
     /// the rows given to [`Identifiability::keeping`] unchanged. In each direction, one variable moves across its whole
-    /// range. This variable does not occur in the other directions of the basis.
+    /// range. Each direction contains a variable that does not occur in the other directions of the basis.
     pub unseen: Vec<Direction>,
 }
 
@@ -241,7 +241,7 @@ mod tests {
         Identifiability::new(&evaluation, &Bounds::new(ranges).unwrap(), 1e-3)
     }
 
-    /// The third column is half the difference of the first and the second column. The fourth column is zero.
+    /// The third column is half the first column, minus the second column. The fourth column is zero.
     #[test]
     fn combinations_are_named() {
         let mut noise = Noise::new(3);
@@ -302,7 +302,7 @@ mod tests {
         }
     }
 
-    /// A direction is free while the misfit rises by less than 0.1 and the variables stay in their ranges. The test covers
+    /// A direction is free while the misfit rises by at most 0.1 and the variables stay in their ranges. The test covers
     /// directions without effect, and directions whose free share is known.
     #[test]
     fn directions_are_free_until_they_are_felt() {

@@ -11,12 +11,12 @@ use crate::evaluate::{Gradients, Stations};
 use crate::model::Suspension;
 use crate::number::{Vector3, Width};
 
-/// Evaluates the targets of one wheel.
+/// Evaluates the targets and constraints of one wheel.
 #[derive(Clone)]
 pub(super) struct LaneRows<'a> {
-    /// Evaluator of each leg (a motion at one rack displacement). `None` if no row uses the leg.
+    /// Evaluator of each leg (a motion at one rack displacement). `None` if no evaluated row uses the leg.
     legs: Vec<Option<Gradients<'a>>>,
-    /// Parts of the constraints. `None` if some part is not available in lanes.
+    /// Parts of the constraints. `None` if constraints are not wanted, or if some part is not available in lanes.
     parts: Option<Vec<LanePart>>,
     /// Rates of every coordinate of a design with respect to each variable, `[variable][point][axis]`.
     along: Vec<f64>,
@@ -75,7 +75,7 @@ impl<'a> LaneRows<'a> {
         Some(rows)
     }
 
-    /// Returns true if all constraints can be evaluated in SIMD lanes (several poses at once).
+    /// Returns true if constraints are wanted, and all of them can be evaluated in SIMD lanes (several poses at once).
     pub(super) fn has_parts(&self) -> bool {
         self.parts.is_some()
     }

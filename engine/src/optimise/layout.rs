@@ -77,7 +77,7 @@ pub(super) struct Leg {
 #[derive(Clone, Debug)]
 pub(super) struct Part {
     pub constraint: usize,
-    /// True if the limit applies only in the design position.
+    /// True if the part is evaluated only in the design position. This includes values that are the same in every pose.
     is_at_design: bool,
     pub limited: Limited,
 }
@@ -89,13 +89,13 @@ pub struct RowLabel {
     pub constraint: usize,
     /// Index of the part of the constraint.
     pub part: usize,
-    /// True for the upper limit.
+    /// True for the upper limit and for an equality.
     pub is_upper: bool,
     /// Index of the leg: a motion at one rack displacement. The index after the last leg denotes the stations of an axle or
     /// of elastic parts.
     pub leg: usize,
-    /// Index of the station. If the part has an extreme between this station and its neighbours, the row applies to that
-    /// extreme instead.
+    /// Index of the station. If the part has a worse extreme between this station and its neighbours, the row applies to
+    /// that extreme instead.
     pub station: usize,
 }
 
@@ -141,7 +141,7 @@ pub struct TargetLayout {
     pub(super) rows: usize,
     /// Measures of the targets of one wheel.
     pub(super) measures: Vec<Measure>,
-    /// Targets of an axle or of elastic parts. `None` for a rigid wheel.
+    /// Targets and limits of an axle or of elastic parts. `None` for a rigid wheel.
     pub(super) beside: Option<Beside>,
     pub(super) parts: Vec<Part>,
     pub(super) labels: Vec<RowLabel>,
@@ -446,14 +446,14 @@ struct TargetRow {
 /// Deviation from a target, in multiples of the target's tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
-    /// Root mean square over the target's stations.
+    /// Root mean square over the target's stations and over all builds.
     pub rms: f64,
-    /// Largest deviation, with its sign.
+    /// Largest deviation of all builds, with its sign.
     pub worst: f64,
-    /// Drive value of the largest deviation.
+    /// Drive value of the largest deviation. For an axle, the abscissa of the target's curve, as written in the study.
     pub worst_at: f64,
     /// Rack displacement of the largest deviation, towards the kernel's +y.
     pub worst_rack: f64,
-    /// Number of stations at which the target is compared.
+    /// Number of residuals of the target in one build.
     pub stations: usize,
 }

@@ -50,7 +50,7 @@ const DRIFT: f64 = 1e-6;
 /// First damping, relative to the square of the longest column of J W. It damps directions whose effect on the residuals is
 /// less than a thirtieth of the largest effect.
 const FIRST_DAMPING: f64 = 1e-3;
-/// Smallest accepted ratio of actual to predicted reduction.
+/// Smallest accepted ratio of actual to predicted reduction. A negligible reduction is accepted at any ratio.
 const ACCEPTABLE: f64 = 1e-4;
 /// Ratios below which the damping rises for the next step, and above which it falls.
 const POOR: f64 = 0.25;

@@ -78,8 +78,9 @@ impl<'a> MovedWheel<'a> {
         }
     }
 
-    /// Completes the design of a solid axle after its left half has moved. The right half moves as the mirror image of the
-    /// left half. `self` is the axle as seen from its left wheel, `right` the same axle as seen from the right wheel.
+    /// Completes the design of a solid axle or twist beam after its left half has moved. The right half moves as the mirror
+    /// image of the left half. `self` is the axle as seen from its left wheel, `right` the same axle as seen from the right
+    /// wheel.
     pub(super) fn complete(
         &mut self,
         right: &mut MovedWheel<'a>,

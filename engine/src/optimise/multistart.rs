@@ -91,7 +91,7 @@ pub fn constrained_multistart<P: Constrained>(
     Multistart { starts, best }
 }
 
-/// Index of the start nearest to the design, among those with the smallest misfit. `None` if no start has a misfit.
+/// Index of the start nearest to the design, among those with the smallest misfit. `None` if no start satisfies the constraints.
 fn nearest_of_least(
     starts: &[Start],
     bounds: &Bounds,

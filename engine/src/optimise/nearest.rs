@@ -23,8 +23,8 @@ use nalgebra::DVector;
 const NO_MOVE: f64 = 1e-9;
 /// Intermediate levels, as shares of the difference between the lowest misfit and the level.
 const RUNGS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
-/// Largest violation that a step may cause: this multiple of the level, or of one tolerance if that is larger. Steps with a
-/// larger violation would lead to other minima.
+/// Smallest limit for the rise of the violation by a step: one tolerance, or one visible unit of a constraint. In this module
+/// the limit is the level, if that is larger. Steps with a larger violation would lead to other minima.
 pub(super) const NEAR_LEVEL: f64 = 1.0;
 /// Largest numbers of evaluations, as shares of [`Options::max_evaluations`]. The first constant applies to all runs
 /// together, the second to each run.

@@ -12,7 +12,8 @@
 //! the targets, and each measured point of a target has the same weight. Each station needs one pose, one factorisation, and
 //! one adjoint for each value.
 //!
-//! Constraints also hold between the stations: see [`extremes`](super::extremes).
+//! Limits of a rigid wheel also hold between the stations: see [`extremes`](super::extremes). Other limits, and equalities,
+//! hold at the stations only.
 
 mod margins;
 
@@ -47,14 +48,14 @@ pub struct Objective<'a> {
     /// Right wheel of an axle, if its hardpoints differ from the left ones.
     pub(super) right: Option<MovedWheel<'a>>,
     /// Evaluation in SIMD lanes (several poses at once), for designs and builds that the solver in lanes accepts. `None` if
-    /// a target is not available in lanes, or if lanes are switched off.
+    /// lanes are switched off, if a target is not available in lanes, or if no target applies to a leg.
     pub(super) lanes: Option<LaneRows<'a>>,
     robust: Option<Robust<'a>>,
     solver: Solver<'a>,
     toggles: Toggles,
     reader: Box<dyn ReadStations + 'a>,
-    /// Evaluator of poses ([`Reader`]) with one more derivative with respect to the drive value. The search for extremes
-    /// needs this derivative.
+    /// Evaluator of poses ([`Reader`]) with two derivatives with respect to the drive value, for the search for extremes.
+    /// `None` if no limit applies to extremes.
     sloped: Option<Reader<3>>,
     /// Design series from which the derivatives of member forces follow. `None` if no target or constraint uses a member
     /// force.
@@ -117,9 +118,9 @@ impl<'a> Objective<'a> {
         })
     }
 
-    /// Makes the problem of a robust tuning. Its residuals are the residuals of the builds. If `width` is given, builds of a
-    /// rigid wheel are solved in lanes; all other builds are solved one by one. `assembled` comes from
-    /// [`Vehicle::assembled`]; the wheels of `assembled` may have additional spindle points.
+    /// Makes the problem of a robust tuning. Its residuals are the residuals of the builds. If `width` is given, the builds of
+    /// a rigid wheel that lanes can evaluate are solved in lanes. All other builds are solved one by one. `assembled` comes
+    /// from [`Vehicle::assembled`]; the wheels of `assembled` may have additional points.
     pub fn of_builds(
         assembled: &'a Vehicle,
         variables: &'a [Variable],
@@ -178,7 +179,7 @@ impl<'a> Objective<'a> {
         self.layout.builds
     }
 
-    /// Number of builds that were evaluated in lanes.
+    /// Number of builds that the last evaluation solved in lanes.
     pub fn builds_in_lanes(&self) -> usize {
         let robust = self.robust.as_ref().filter(|_| self.lanes.is_some());
         robust.map_or(0, Robust::builds_in_lanes)
@@ -378,7 +379,7 @@ impl<'a> Objective<'a> {
     }
 
     /// Runs the listed searches for extremes between the stations of a leg (a motion at one rack displacement). In the
-    /// rows, the value at each extreme replaces the value at its station.
+    /// rows, the value at an extreme replaces the value at its station if it is nearer to the limit or beyond it.
     fn find_extremes(&mut self, leg: &Leg, rows: &mut Linearisation) -> Result<(), Infeasible> {
         let Objective {
             layout,

@@ -353,8 +353,8 @@ mod tests {
         }
     }
 
-    /// One variable is near its bound. The end of its interval satisfies (4) and (5). The test solves these equations in
-    /// closed form for a true value at the end of the interval. Errors beyond the bound are cut off.
+    /// One variable is at its bound. The end of its interval satisfies (4) and (5) of `profile_interval`. The test evaluates
+    /// these equations in closed form for a true value at the end of the interval.
     #[test]
     fn one_variable_at_its_bound_has_a_limit() {
         let rows = 400;
@@ -416,7 +416,7 @@ mod tests {
     }
 
     /// If no bound is within four standard errors of either end, the interval equals the interval of Student's distribution.
-    /// Closer to a bound the interval is narrower, since errors beyond the bound are cut off.
+    /// Closer to a bound, the end on the side of this bound differs.
     #[test]
     fn bounds_count_within_four_standard_errors() {
         for rows in 8..30 {
@@ -441,7 +441,7 @@ mod tests {
         }
     }
 
-    /// If the model fits the measurements exactly, the uncertainty is a billionth of a tolerance, not zero.
+    /// If the model fits the measurements exactly, their scatter counts as a billionth of a tolerance, not as zero.
     #[test]
     fn exact_measurements_have_rounding_errors() {
         let rows = 9;

@@ -87,7 +87,7 @@ impl<'a> Tuner<'a> {
         found
     }
 
-    /// Moves the starts with a misfit below the level back towards the design, and chooses the result.
+    /// Moves the starts with a misfit up to the level back towards the design, unless `good_enough` is 0. Chooses the result.
     fn drawn_near(&self, lowered: &[Start], fixed: &FixedRows, options: &Options) -> Multistart {
         let mut starts = lowered.to_vec();
         let least = least_misfit(&starts);

@@ -132,7 +132,7 @@ pub(super) struct Balance {
 }
 
 impl Pushes {
-    /// Adds the gradient of a row. `is_free` is true for an equality, whose multiplier may have either sign.
+    /// Adds the gradient of a row, level or bound. `is_free` is true for an equality, whose multiplier may have either sign.
     pub(super) fn add(&mut self, gradient: &[f64], is_free: bool) {
         self.gradients.extend_from_slice(gradient);
         self.is_free.push(is_free);
@@ -226,7 +226,7 @@ mod tests {
         }
     }
 
-    /// At the minimum of |x| + |y|, each of the two kinks has two gradients, and a combination of them is 0.
+    /// One gradient cannot balance the slope. Together with the gradients on the other sides of a kink, it can.
     #[test]
     fn gradients_on_both_sides_of_a_kink_balance_together() {
         let scale = plain(2);

@@ -131,7 +131,7 @@ fn val_a_bound_active_at_the_minimum_is_met_exactly() {
     assert!((fit.x[0] - x).abs() < 1e-8, "{} {x}", fit.x[0]);
 }
 
-/// Near a zero of the residuals, each iteration squares the misfit.
+/// Near a zero of the residuals, the misfit after an iteration is at most the square of the misfit before it.
 #[test]
 fn zeros_are_approached_quadratically() {
     let fit = run(

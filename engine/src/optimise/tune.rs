@@ -24,8 +24,8 @@ use crate::study::{Optimise, RobustAim, Vehicle};
 use crate::threads::on_large_stacks;
 use nalgebra::{DMatrix, DVector};
 
-/// Change of the misfit, in multiples of the tolerance, for a move across the whole range. A direction with a smaller effect
-/// counts as leaving the targets unchanged.
+/// Change of the residuals (root mean square, in multiples of the tolerance) for a move across the whole range. A direction
+/// with a smaller effect counts as leaving the targets unchanged.
 const UNSEEN: f64 = 0.01;
 /// Violation of a constraint, in visible units (1 mm or 1 degree), up to which a move counts as keeping the constraint.
 const MOVED_KEPT: f64 = 0.01;
@@ -46,9 +46,10 @@ pub struct Tuning {
     /// Indices of violated constraints that no variable changes.
     pub unmoved_constraints: Vec<usize>,
     /// Indices of constraints that contradict one another. If any one of them were removed, the others could be satisfied.
-    /// Empty if all can be satisfied together.
+    /// Empty if all can be satisfied together, or if no such set was found.
     pub contradiction: Vec<usize>,
-    /// Expected yield of a tuning for yield, or the reason why a build has no values. `None` for all other tunings.
+    /// Expected yield of a tuning for yield, or the reason why a build has no values. `None` for all other tunings. Also
+    /// `None` if no start satisfies the constraints, or if the tuning was stopped before the search for the yield.
     pub expected_yield: Option<Result<ExpectedYield, Infeasible>>,
 }
 
@@ -75,7 +76,8 @@ pub struct Best {
     pub identifiability: Identifiability,
     /// Outcome for each constraint.
     pub constraints: Vec<ConstraintOutcome>,
-    /// Standard errors of the variables. `None` unless the targets are measurements.
+    /// Standard errors of the variables. `None` unless the targets are measurements, there are no constraints, and the fit
+    /// ended at a minimum. Also `None` if there are too few residuals.
     pub errors: Option<StandardErrors>,
 }
 
@@ -85,7 +87,7 @@ pub struct ConstraintOutcome {
     /// Margin to the nearest limit, in the constraint's unit; negative if the limit is violated.
     pub margin: f64,
     /// Drive value of the station with the smallest margin, or of the extreme near it. `None` if the constraint does not change
-    /// along the motion.
+    /// along the motion, or applies at only one drive value.
     pub at: Option<f64>,
     /// True if the nearest limit is the upper one.
     pub is_upper: bool,
@@ -340,7 +342,7 @@ impl<'a> Tuner<'a> {
         found
     }
 
-    /// Standard errors of a fit that ended at a minimum.
+    /// Standard errors of a fit. `None` under the conditions of [`Best::errors`].
     fn errors(&self, fit: &Fit) -> Option<StandardErrors> {
         if !self.optimise.fit || !fit.termination.at_minimum() || fit.constraints.is_some() {
             return None;

@@ -45,7 +45,8 @@ impl Limit {
 /// Price of a limit: reduction of the misfit if the limit moves outwards by one unit. The misfit is a multiple of the tolerances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Price {
-    /// The limit does not bind, or the misfit is good enough despite the limit.
+    /// The limit does not bind, or the misfit is good enough despite the limit. Also if the run did not end at a minimum, or
+    /// searched for the largest yield.
     Nothing,
     /// Reduction of the misfit if the limit moves outwards by one unit of the constraint.
     PerUnit(f64),

@@ -76,8 +76,8 @@ pub struct ExpectedYield {
     pub judged: [f64; 2],
     /// Number of the further builds.
     pub judged_builds: usize,
-    /// True if no end of the search has more builds within the bands than the optimum without scatter. The result is then the
-    /// optimum without scatter.
+    /// True if no end of the search that satisfies the constraints has more builds within the bands than the optimum without
+    /// scatter. The result is then the optimum without scatter.
     pub keeps_plain: bool,
 }
 
@@ -123,8 +123,8 @@ impl<'a> YieldSearch<'a> {
         })
     }
 
-    /// Raises the yield from the optimum without scatter. An error gives the reason why a build of that optimum has no
-    /// values.
+    /// Raises the yield from the optimum without scatter. An error gives the reason why a build of that optimum, or of an end
+    /// of the search, has no values. A request to stop can also be the reason.
     fn run(&self, plain: &DVector<f64>) -> Result<Found, Infeasible> {
         let sigmas = self.sigmas(plain)?;
         let plain_share = self.share(plain)?;

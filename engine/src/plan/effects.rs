@@ -17,8 +17,8 @@ pub struct Effect {
     pub what: String,
     /// Setting in the study that turned the effect on; empty if the effect is off.
     pub because: String,
-    /// Estimated cost relative to the position alone: 0.5 makes a run 1.5 times as long. Zero if the effect is off. Other
-    /// effects do not influence this cost.
+    /// Estimated cost relative to the position alone: 0.5 makes a run 1.5 times as long. Zero if the effect is off. The costs
+    /// of sensitivities and rockers grow with the number of derivatives; otherwise effects do not influence each other's cost.
     pub cost: f64,
 }
 
@@ -183,7 +183,8 @@ impl Plan {
         })
     }
 
-    /// Description, reason and cost of a rocker (of the spring or the anti-roll bar), if a requested quantity depends on it.
+    /// Description, reason and cost of a rocker (of the spring or the anti-roll bar). `None` unless a requested quantity depends
+    /// on it, or its spring carries requested loads.
     fn rocker(&self, study: &Study, id: RockerId) -> Option<(String, String, f64)> {
         let mechanism = &study.wheel().mechanism;
         let moves = |direct: &RockerId| {

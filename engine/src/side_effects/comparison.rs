@@ -11,7 +11,8 @@ const ROUNDING: f64 = 1e-9;
 /// output.
 const LEAST_CHANGE: f64 = 1e-12;
 
-/// Changes that targets request over `[motion]`: for each output, its changes in the order of the drive value.
+/// Changes that targets request over `[motion]`: for each output, its changes in the order of the drive value. If an output has
+/// several wheels, these are the changes of the last wheel.
 #[derive(Default)]
 pub(super) struct RequestedChanges(HashMap<String, Vec<RequestedChange>>);
 

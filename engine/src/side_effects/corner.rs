@@ -148,7 +148,7 @@ fn gains(study: &Study) -> Vec<Characteristic> {
     gains
 }
 
-/// Stations of a motion, sorted by rack displacement, and the grid of these stations over drive and rack.
+/// Stations of a motion, one rack displacement after another, and the grid of these stations over drive and rack.
 fn stations(motion: &Motion, length: LengthUnit) -> (Vec<Station>, Grid) {
     let racks = motion.rack.iter();
     let places = racks.flat_map(|rack| motion.values.iter().map(|value| vec![*value, *rack]));
@@ -249,8 +249,8 @@ impl Looked<'_> {
         places
     }
 
-    /// Stations nearest to these drive values. Empty if `site`, the place of a target or constraint, is on another
-    /// motion.
+    /// Stations nearest to these drive values, at the rack displacements of `site`, the place of a target or constraint. Empty if
+    /// `site` is on another motion. Leaves out rack displacements that the motion does not have.
     fn at(&self, site: &Site, drives: &[f64]) -> Vec<usize> {
         if site.motion.as_ref().map(|(name, _)| name.as_str()) != self.name {
             return Vec::new();

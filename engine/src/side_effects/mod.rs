@@ -18,7 +18,8 @@
 //! station of `[motion]` with the nearest drive value.
 //!
 //! A target for a gain also counts for the quantity whose slope is the gain: bump steer for toe, motion ratio for spring
-//! length. Limits of a constraint also count as a target, because the study allows any value between these limits.
+//! length. For one wheel and for load cases of a car, limits of a constraint also count as a target, because the study allows
+//! any value between these limits.
 
 mod axle;
 mod car;
@@ -51,9 +52,9 @@ pub struct SideEffect {
     /// Largest value after the tuning.
     pub after_max: Option<f64>,
     /// Largest change that no target requests, with its sign. Changes are compared in multiples of the tolerance. 0 if
-    /// only rounding changes the values. `None` if no station has a value both before and after.
+    /// all changes are rounding errors or requested. `None` if no station has a value both before and after.
     pub largest_change: Option<f64>,
-    /// Largest change that targets request at the same stations. 0 if they request none.
+    /// Largest part of a change at the same stations that follows from targets, with its sign. 0 if there is none.
     #[serde(default)]
     pub asked_change: f64,
     /// Station of the largest change. Empty if nothing changes.
@@ -94,7 +95,7 @@ impl SideEffect {
         }
     }
 
-    /// Returns true if the values before and after the tuning differ at most by rounding errors.
+    /// Returns true if no value was lost, and all changes are rounding errors or requested by targets.
     pub fn is_unchanged(&self) -> bool {
         self.lost == 0 && self.largest_change.unwrap_or(0.0) == 0.0
     }

@@ -11,7 +11,7 @@ use crate::study::{Study, Vehicle};
 use std::collections::{HashMap, HashSet};
 
 /// Distance below which two positions are equal, as a share of the motion's range. For a coordinate that does not move, the
-/// distance is in study units.
+/// distance is in the coordinate's own unit (lengths, radians).
 const SAME_PLACE: f64 = 1e-9;
 
 /// Values of a design over a motion, or in the load cases of a car.
@@ -55,7 +55,8 @@ pub(super) struct Series {
     pub straight_only: bool,
     /// Name of the wheel, for an axle or a car.
     pub wheel: Option<&'static str>,
-    /// Stations at which a target or a constraint applies to the output, or to a gain that is the slope of the output.
+    /// Stations at which a target or a constraint applies to the output, or to a gain that is the slope of the output. For an
+    /// axle, only targets count.
     pub wanted: Vec<usize>,
     /// Gains with targets or constraints that are slopes of the output.
     pub gains: Vec<Gain>,
@@ -69,7 +70,7 @@ pub(super) struct Gain {
     pub wanted: HashSet<usize>,
     /// Slope of the output at all stations, in printed units.
     pub slopes: Vec<Option<f64>>,
-    /// Travel of the wheel at all stations. `None` if the motion does not give it.
+    /// Travel of the wheel at all stations. `None` if it is unknown.
     pub travels: Vec<Option<f64>>,
 }
 
@@ -165,8 +166,8 @@ impl Grid {
         }
     }
 
-    /// Station whose coordinate `along` is nearest to that of a position. `None` if another coordinate of the position is
-    /// not in the grid.
+    /// Station whose coordinate `along` is nearest to that of a position. `None` if another coordinate of the position, or the
+    /// combination of the coordinates, is not in the grid.
     pub(super) fn station(&self, place: &[f64], along: usize) -> Option<usize> {
         let mut key = Vec::with_capacity(place.len());
         for (k, value) in place.iter().enumerate() {

@@ -29,22 +29,22 @@
 //!     T = k.((o - b) x (i - b)) / (|k x (o - b)| |k x (i - b)|)                                     (4)
 //! ```
 //!
-//! U and T are sines. For an upper arm, U belongs to the angle between the steering axis and the arm, seen along the arm's
-//! axis. For a strut, U belongs to the deviation of strut and steering axis from a right angle. T belongs to the angle between
+//! U and T are sines. For an upper arm, U belongs to the angle between the steering axis and the plane through the arm's axis
+//! and u. For a strut, U belongs to the deviation of strut and steering axis from a right angle. T belongs to the angle between
 //! the half planes from the steering axis to the two ends of the tie rod. With the arm's angle as the drive, the determinant of
-//! the closure equations is U T times lengths that are constants of the design. So:
+//! the closure equations is U T times lengths that are in general not zero. So:
 //!
 //! - every fold of the arm's angle has U T = 0, and the cause is the part whose factor is zero.
 //! - if U T = 0, the arm does not move in the motion t, because C has rank 5. So a fold of the travel has this cause if and
 //!   only if U T = 0 at that fold. The same holds for a fold of the rack at fixed travel. (An example is an upright steering
 //!   axis, with which steering does not lift the wheel.) Otherwise no part is the cause.
 //!
-//! The links of a rigid axle have no such parts. Its limit names the link with the largest multiplier w in w J = 0, where J
-//! is the whole Jacobian. This link carries the largest force that holds the axle at the fold.
+//! The links of a rigid axle have no such parts. Its limit (`analyse/limits.rs`) names the link with the largest multiplier
+//! w in w J = 0, where J is the whole Jacobian. This link carries the largest force that holds the axle at the fold.
 //!
 //! If the rack moves, C has an additional column for it, and the path may be regular where C has rank 4. Then some
 //! combination of the constraints, m C = 0, is the cause, namely the links with m not 0. Such a combination occurs only
-//! in mechanisms without arms; with arms the cause is (3) or (4). A hinge is never singular.
+//! in mechanisms without a closed form; with a closed form, the cause is (3) or (4). A hinge is never singular.
 
 use super::closed_form::{Roles, UpperRoles};
 use super::continuation::{Curve, CurvePoint, Moving};
@@ -153,7 +153,7 @@ fn part_measures(at: &Configuration<f64>) -> Option<[PartMeasure; 2]> {
 }
 
 /// Outer ends of the links whose constraints depend on each other with the rack fixed: the links with m not 0 in m C
-/// = 0. Empty if C has its full rank.
+/// = 0. Empty if C has its full rank, or is not finite.
 pub(crate) fn dependent_links(
     closure: &Closure<f64>,
     at: &Configuration<f64>,

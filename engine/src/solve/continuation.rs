@@ -86,8 +86,8 @@ const SHORTEST_STEP: f64 = 1e-12;
 const MOST_STEPS: usize = 5000;
 /// Cosine of the largest change of the tangent's direction in a step.
 const STRAIGHT: f64 = 0.9;
-/// Largest last correction with which Newton's method counts as converged, in multiples of the mechanism's size. The
-/// method stops when its corrections are rounding errors.
+/// If corrections no longer shrink, Newton's method counts as converged up to this size of the previous correction, in
+/// multiples of the mechanism's size. The noise of the start point can raise this limit.
 const CLOSE: f64 = 1e-9;
 
 impl CurvePoint {
@@ -327,7 +327,7 @@ impl Curve<'_> {
 
     /// Fold between two points at which the value moves in opposite directions.
     fn fold(&self, before: &CurvePoint, after: &CurvePoint, step: f64) -> Option<CurvePoint> {
-        // Starts with a secant from the nearer of the two points.
+        // A secant shows which of the two points is nearer to the fold. Newton's method starts there.
         let part = before.moved[1] / (before.moved[1] - after.moved[1]);
         let mut point = if part < 0.5 { *before } else { *after };
         let mut last = f64::INFINITY;

@@ -33,20 +33,21 @@ pub struct FormulationMotion<'a> {
 /// A solved pose.
 #[derive(Clone, Copy, Debug)]
 pub struct FormulationPose {
-    /// Pose of the knuckle as a Taylor series along the drive. Coefficients that are not requested are 0.
+    /// Pose of the knuckle as a Taylor series along the drive. Coefficients that are not requested may be 0.
     pub pose: Pose<Jet<f64, 3>>,
     /// Displacement of the rack, towards the kernel's +y.
     pub rack: f64,
     /// Condition number of the equations.
     pub condition: f64,
-    /// Drive value minus its value in the design position.
+    /// Drive value minus its value in the design position, with the sign that the equations use.
     pub drive: f64,
 }
 
 /// Event that the solver reports while it visits the stations of a motion.
 #[derive(Clone, Copy, Debug)]
 pub enum FormulationVisit {
-    /// The design position with the rack displaced. The solver visits it before the stations of this rack displacement.
+    /// The design position with the rack displaced. The solver visits it, if it exists, before the stations of this rack
+    /// displacement.
     Start {
         /// Pose of the knuckle.
         pose: Pose<Jet<f64, 3>>,

@@ -61,7 +61,7 @@ impl Toggles {
         }
     }
 
-    /// Adds these rockers to the check.
+    /// Makes a check for these rockers and the rockers of this check.
     pub fn and(&self, mechanism: &Mechanism, rockers: impl IntoIterator<Item = RockerId>) -> Self {
         Toggles::of(mechanism, self.watched.iter().copied().chain(rockers))
     }
@@ -148,7 +148,7 @@ impl Toggles {
     }
 
     /// Checks the next station of the visit. `value` is the change of the drive from the start, and `solver` the solver that visits
-    /// the stations. Finds the first checked rocker that is at a toggle at this station, or was at a toggle at an earlier station.
+    /// the stations. Finds the first checked rocker that has reached a toggle at this station, or on the way to it.
     /// Returns the kind of this rocker's rod. `None` if there is no such rocker.
     pub fn note<const N: usize>(
         &self,
@@ -237,7 +237,7 @@ impl Toggles {
         stuck
     }
 
-    /// Returns true if a rocker was at or beyond a toggle at the previous station.
+    /// Returns true if a rocker had reached a toggle at the station of the last call of [`Toggles::note`], or before it.
     pub fn holds(&self, rocker: RockerId) -> bool {
         self.past.get().stuck & 1 << rocker.0 != 0
     }

@@ -101,7 +101,7 @@ pub(super) fn refuse_without_axle(file: &File, problems: &mut Problems) {
         ("[t_bar]", file.t_bar.as_ref().map(Spanned::span)),
         ("[heave_bar]", file.heave_bar.as_ref().map(Spanned::span)),
     ];
-    // A single wheel with elastic parts may also have a spring.
+    // A single wheel with elastic parts may also have a spring, stops and a tyre.
     let springs = [
         ("[spring]", file.spring.as_ref().map(Spanned::span)),
         ("[bump_stop]", file.bump_stop.as_ref().map(Spanned::span)),
@@ -347,7 +347,8 @@ fn plan(
     })
 }
 
-/// Checks that the study gives all inputs of a quantity, and reports missing inputs. Returns true if no input is missing.
+/// Checks that the study gives all inputs of a quantity, and reports missing inputs. Returns true if no input is missing. Also
+/// refuses a quantity that an equilibrium of elastic parts does not have.
 pub(super) fn lacks_nothing(
     text: &Text,
     quantity: Quantity,
@@ -397,7 +398,7 @@ fn refuse_in_equilibrium(text: &Text, [reason, instead]: [&str; 2], problems: &m
     problems.add(text.span(), message).help(instead);
 }
 
-/// Checks that the study gives all inputs that each quantity and the motion need.
+/// Checks that the study gives all inputs that each quantity and the motion need. Also refuses derivatives that do not exist.
 fn check_needs(file: &File, axle: &Axle, plan: &AxlePlan, problems: &mut Problems) -> Option<()> {
     let mut sound = true;
     let has_elastic_derivatives = axle.elastic.is_some() && plan.derivatives > 0;

@@ -29,7 +29,7 @@ pub struct AxleSite {
     pub over: Coordinate,
     /// Values of this coordinate in the motion, as the study writes them: degrees, or lengths along the study's axes.
     pub values: Vec<f64>,
-    /// Values of the other coordinates, in all combinations.
+    /// Values of the other coordinates, in all combinations, or the rows of the motion.
     pub held: AxleMotion,
     /// Description of the other coordinates that the study gives.
     pub words: String,
@@ -83,7 +83,8 @@ impl AxleSite {
         motion + &self.words
     }
 
-    /// Returns true if the site (the stations of a target) contains all stations of the motion with this name.
+    /// Returns true for the motion with this name, if the target gives no values of other coordinates. If such a coordinate
+    /// moves, the site (the stations of a target) may contain only the stations at which it is 0.
     pub fn is_whole_motion(&self, name: Option<&str>) -> bool {
         self.motion.as_deref() == name && self.words.is_empty()
     }
@@ -113,7 +114,8 @@ pub(super) struct Where<'w> {
     side: &'w Option<Text>,
     /// Values of the fixed coordinates, in the order of [`Coordinate::ALL`].
     held: [&'w Option<Spanned<Numbers>>; 6],
-    /// True for a target of a test result without drive values. The target then applies to the design position.
+    /// True for a target of a test result without drive values. The target then applies where the varying coordinate is 0, or
+    /// with limits at its values in the motion.
     is_of_design: bool,
 }
 
@@ -335,7 +337,7 @@ fn keys(of: &[Coordinate]) -> String {
 }
 
 /// Coordinate that varies: the coordinate that the target or band names, or otherwise the only coordinate that moves. If no
-/// coordinate moves, it is the first available one.
+/// coordinate moves, it is the first available one. A target without drive values takes the first that moves.
 fn over(
     written: &Where,
     place: Span<usize>,

@@ -40,7 +40,7 @@ pub struct CarStudy {
     pub text: String,
     /// Studies of the axles, [front, rear].
     pub axles: [Study; 2],
-    /// Files that were read.
+    /// Files of the car and of both axles. Files that the axles' studies name are not included. Empty for a study from texts.
     pub inputs: Vec<PathBuf>,
     /// Masses, tyres, aerodynamics and both axles of the car.
     pub car: Car,

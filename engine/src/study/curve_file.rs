@@ -21,7 +21,7 @@ pub(super) struct WantedColumns<'a> {
     /// Rack displacements of the target. If the file has a column of rack displacements, only rows with one of these
     /// displacements are used.
     pub racks: &'a [f64],
-    /// True if the measured points are used unchanged. Otherwise they are sorted, and the two directions of a hysteresis loop are
+    /// True if the measured points are used unchanged. Otherwise they are sorted, and the passes of a hysteresis loop are
     /// averaged.
     pub as_measured: bool,
     /// Returns the reason why a measured point at a drive value cannot be compared. `None` if the point can be compared.
@@ -250,9 +250,9 @@ pub(super) fn delimiter(text: &str) -> u8 {
     found.map_or(b',', |c| c as u8)
 }
 
-/// Converts measured points to a function of the drive value, sorted by drive value. If the measurement went back and forth
-/// over nearly the same range, the function is the mean of the curves in both directions. Values at the same drive value
-/// are averaged, too.
+/// Converts measured points to a function of the drive value, sorted by drive value. If the measurement has 2 to 8 passes that
+/// share more than half of the range, the function is the mean of the passes. It then covers only the range that all passes
+/// share. Values at the same drive value are averaged, too.
 fn function(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let ways = ways(&points);
     let reach = |way: &[[f64; 2]]| (way[0][0], way[way.len() - 1][0]);

@@ -4,7 +4,8 @@
 //! from the design. Coordinates and offsets are in the study's axes and unit. A name may end with the unit
 //! (`tie_rod_inner_z_mm`). A column `design` is not read, because designs are numbered by their rows, starting with 0.
 //!
-//! A file can also be a result of a sweep, such as `pareto.csv`. Its columns with results are not read.
+//! A file can also be a result of a sweep, such as `pareto.csv`. Its last column is `status`. Its columns with results are not
+//! read.
 
 use super::curve_file::at_record;
 use super::error::{Source, StudyError, StudyErrors};
@@ -25,7 +26,7 @@ pub struct DesignTable {
     pub variables: Vec<SweepVariable>,
     /// Values, row by row.
     values: Vec<f64>,
-    /// SHA-256 digest of the file.
+    /// SHA-256 digest of the file, or of the moves and the values if no file has them.
     pub digest: [u8; 32],
     /// True if the file has a column `design` with numbers other than 0, 1, 2 and so on.
     pub has_other_numbers: bool,

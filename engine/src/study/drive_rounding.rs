@@ -3,8 +3,9 @@
 //! The program computes the stations of a range, converts angles, and rounds numbers in a conversion of units. A station and
 //! a drive value that denote the same pose can therefore differ in their last digits.
 
-/// Sum of the rounding errors of a station and of a drive value, relative to the largest value. Each has at most four
-/// rounded operations: conversion of the unit, two operations for the position in the range, and conversion of an angle.
+/// Bound of the rounding errors of a station and of a drive value together, relative to the largest value. Each has at most
+/// five rounded operations: conversion of the unit, product, sum and quotient for the position in the range, and conversion of
+/// an angle. The error of one operation is at most half of `EPSILON`.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// Largest difference of two drive values that denote the same pose.

@@ -308,7 +308,8 @@ fn set(table: &mut dyn TableLike, key: &str, number: f64) {
     }
 }
 
-/// Removes the sections in which rates are variables. Returns their names.
+/// Removes the sections in which rates are variables or scatter. Returns their names. Entries in the form `[[optimise.variables]]`
+/// are not recognised.
 fn leave_out_rates(root: &mut Table) -> Vec<String> {
     let moves_rates = |section: &Item| {
         let entries = ["variables", "scatter"].into_iter();
@@ -327,8 +328,8 @@ fn leave_out_rates(root: &mut Table) -> Vec<String> {
     names.map(|name| format!("[{name}]")).collect()
 }
 
-/// Writes stiffnesses and link preloads of the right wheel into `[axle.right]`: those that differ from the left wheel's
-/// values, and those that `[axle.right]` already contains. Returns true if any stiffness differs.
+/// Writes stiffnesses, link preloads and the spring rate of the right wheel into `[axle.right]`: those that differ from the left
+/// wheel's values, and those that `[axle.right]` already contains. Returns true if any stiffness or the spring rate differs.
 fn write_right_rates(
     root: &mut dyn TableLike,
     elastic: &AxleComplianceStudy,

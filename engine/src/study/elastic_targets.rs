@@ -19,7 +19,8 @@ use crate::model::{LengthUnit, SteeringAxis, Suspension};
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Results of a study's tests. If several tests have the same load, a suffix distinguishes their names.
+/// Results of a study's tests. A name has suffixes for the trail, and for the held quantity if two tests differ only in it. If
+/// a test with another load has a result of the same name, the load is a suffix, too.
 pub(super) fn figures(elastic: &ComplianceStudy, suspension: &Suspension) -> Vec<ElasticFigure> {
     let mut found: Vec<(KcTest, ElasticFigure)> = Vec::new();
     for test in &elastic.tests {
@@ -133,7 +134,7 @@ pub(super) fn quantity(
     in_equilibrium(name, known, suspension, problems).map(ElasticQuantity::Characteristic)
 }
 
-/// Returns a characteristic with this name. Refuses a characteristic that an equilibrium does not have.
+/// Returns the characteristic `known`. Refuses a characteristic that an equilibrium does not have.
 pub(super) fn in_equilibrium(
     name: &Text,
     known: Characteristic,
@@ -360,7 +361,7 @@ impl RateKeys<'_> {
     }
 }
 
-/// Reads a variable that is the rate of a bushing or a link.
+/// Reads a variable that is the rate of an elastic part.
 pub(super) fn rate(
     variable: &Spanned<file::Variable>,
     named: &RateKeys<'_>,

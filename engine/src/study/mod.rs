@@ -4,8 +4,9 @@
 //! defaults are filled in. So other modules need not interpret it further.
 //!
 //! Reading has two steps. The first one converts the text to the file as written, in which each value has a position. The
-//! second one converts the file to the [`Study`]. Only this module converts degrees to radians, and the study's axes to the
-//! kernel's axes. Every mistake becomes a [`StudyError`] with file, line, key, value and the expected value.
+//! second one converts the file to the [`Study`]. This module converts degrees to radians, and the study's axes to the
+//! kernel's axes, except in fields that say so. Every mistake becomes a [`StudyError`]. It names the file, and if possible
+//! line, key, value and the expected value.
 
 mod axle;
 mod axle_forces;
@@ -103,10 +104,11 @@ pub fn checked_number(number: f64) -> Result<f64, String> {
 pub struct Study {
     /// Name, derived from the name of the file.
     pub name: String,
-    /// Text of the study, with the changes of `--set`, and with the target curves of other files written into it. A result
-    /// that is a study is an edited copy of this text. So the result keeps the comments and needs no other file.
+    /// Text of the study, with the changes of `--set`, and with the targets and bushings of other files written into it. A
+    /// result that is a study is an edited copy of this text. So the result keeps the comments. It needs no other file except
+    /// a file of designs.
     pub text: String,
-    /// Other files that the study names: target curves and designs.
+    /// Other files that the study names: targets, designs and bushings.
     pub inputs: Vec<std::path::PathBuf>,
     /// Vehicle that the study describes, with its motion and outputs.
     pub vehicle: Vehicle,

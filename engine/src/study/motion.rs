@@ -38,7 +38,7 @@ impl Drive {
         self != Drive::Travel
     }
 
-    /// Unit of the drive's values as written.
+    /// Unit of the drive's values in results. A study may write angles in radians (`angle_unit`).
     pub fn unit(self, length: LengthUnit) -> &'static str {
         if self.is_angle() {
             "deg"
@@ -60,7 +60,7 @@ impl Drive {
         }
     }
 
-    /// Converts a value of the drive to the unit of studies: degrees or length units.
+    /// Converts a value of the drive to the unit of results: degrees or length units.
     pub fn printed(self, value: f64) -> f64 {
         if self.is_angle() {
             degrees(value)
@@ -89,7 +89,7 @@ impl Motion {
     }
 }
 
-/// Reads the motion. `None` if it has an error. A named motion has no time law.
+/// Reads the motion. `None` if it has an error. `named_motions::check` refuses the time law of a named motion.
 pub(super) fn motion(
     section: &Spanned<file::Motion>,
     is_named: bool,
@@ -410,7 +410,7 @@ fn shortest_decimal(value: f64) -> Option<(i64, u32)> {
 }
 
 /// Value number `i` of `count` values from `from` to `to`. Both ends are exact. The values between are correctly rounded if
-/// the products are exact. If the ends are symmetric, the values are symmetric, too, with an exact zero.
+/// products and sum are exact. If the ends are symmetric, the values are symmetric, too, with an exact zero.
 pub(super) fn evenly_spaced_at(from: f64, to: f64, count: u64, i: u64) -> f64 {
     let last = count - 1;
     match i {

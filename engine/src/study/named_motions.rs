@@ -22,7 +22,7 @@ pub(super) fn of_wheel(
     motions
 }
 
-/// Checks the names of all motions, and the drives of motions without errors.
+/// Checks the names of all motions. Also checks drives and time laws of the motions of one wheel that have no errors.
 pub(super) fn check(
     file: &file::File,
     motions: &[(String, Motion)],

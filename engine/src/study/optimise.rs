@@ -1,4 +1,4 @@
-//! `[optimise]`: design variables and their moves.
+//! `[optimise]`: design variables and their moves, settings, builds of a robust tuning, and goals of a trade-off.
 
 use super::constraints::constraints;
 use super::elastic_targets::{self, RateKeys, rate_keys};
@@ -213,8 +213,8 @@ fn front(
     Some(goals)
 }
 
-/// Default for `good_enough`. Below this misfit, deviations are less than a tenth of a tolerance, so differences between
-/// designs are not visible.
+/// Default for `good_enough`. Below this misfit, the root mean square of the deviations is less than a tenth of their
+/// tolerances, so differences between designs are not visible.
 pub(crate) const GOOD_ENOUGH: f64 = 0.1;
 /// Default limit of the iterations of one start.
 pub(crate) const MAX_ITERATIONS: u32 = 200;
@@ -236,7 +236,8 @@ fn variables(
         })
         .collect();
     if written.iter().any(|v| v.get_ref().rigid.is_some()) {
-        // With rigid bodies, a point of a body may also have a variable of its own. So the same move may occur twice.
+        // With rigid bodies, a point of a body may also have a variable of its own. So the same move may occur twice. Then no
+        // variables are compared, not even variables without a body.
         return resolved.into_iter().collect();
     }
     let place = |i: usize| {

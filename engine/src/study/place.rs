@@ -25,7 +25,7 @@ pub(super) fn place_of(text: &str, path: &[&str]) -> Range<usize> {
 
 impl Study {
     /// Line of the study's text on which the value at a path of keys begins, counted from 1. For a section, it is the line
-    /// of its header.
+    /// of its header. `None` for a section without a header, or if the text has no such value.
     pub fn line_of(&self, path: &[&str]) -> Option<usize> {
         let document = Document::parse(self.text.as_str()).ok()?;
         let item = path

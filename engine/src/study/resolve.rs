@@ -23,7 +23,7 @@ pub(super) struct Context<'a> {
     pub motion: Option<&'a Motion>,
     /// Further motions, by name.
     pub motions: &'a [(String, Motion)],
-    /// Loads on the wheel.
+    /// Loads on the wheel. Empty for an axle.
     pub loads: &'a [Load],
     /// Both wheels, if the study describes an axle.
     pub axle: Option<&'a AxleStudy>,
@@ -101,7 +101,8 @@ impl Study {
         resolve(path, format!("{name} (with --set)"), text, directory, parts)
     }
 
-    /// Returns the study with edits `path=value`, like those of `--set`. `name` is the file name in messages.
+    /// Returns the study with edits `path=value`, like those of `--set`. `name` is the file name in messages. The path of a
+    /// file of designs becomes relative to the working directory.
     pub fn with_overrides(&self, name: &str, overrides: &[String]) -> Result<Study, StudyErrors> {
         let text = overrides::apply(name, &self.text, overrides)?;
         let parts = if self.is_elastic() {

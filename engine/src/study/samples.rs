@@ -37,13 +37,13 @@ pub struct AxleSample {
     pub placement: Placement,
     /// Quantity.
     pub quantity: Quantity,
-    /// Target range of the quantity. Its field `drive` is the drive value of the curve's point, as written in the study.
+    /// Target range of the quantity. Its field `drive` is the value of the coordinate that varies, as written in the study.
     pub wanted: Sample,
 }
 
 impl Target {
-    /// Target ranges for an axle: one for each point of the target's curve, each combination of fixed coordinates, and each
-    /// quantity. Empty for a target of one wheel.
+    /// Target ranges for an axle: one for each value of the varying coordinate at which the target applies, each pose with this
+    /// value, and each quantity. Empty for a target of one wheel.
     pub fn axle_samples(&self, axle: &Axle) -> Vec<AxleSample> {
         let (TargetKind::Axle(quantities), Some(site)) = (&self.of.kind, &self.site.axle) else {
             return Vec::new();

@@ -109,7 +109,7 @@ pub struct Tolerance {
     pub bands: Vec<Band>,
 }
 
-/// A scattering part: a point, a length or a jig.
+/// A scattering part: a point, a length, a jig or a rate. For an axle it can include the counterpart at the other wheel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contributor {
     /// Name.

@@ -82,8 +82,8 @@ fn refused_steering(file: &File, mechanism: &Mechanism) -> Refused<'static> {
     refused
 }
 
-/// Refuses keys and sections that a solid axle or a twist beam does not support. Returns true if the study contains none of
-/// them.
+/// Refuses keys and sections that a solid axle or a twist beam does not support, and links that do not hold the axle. Returns
+/// true if it refuses nothing.
 pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool {
     let is_steered = suspension.mechanism.axle_steering().is_some();
     let mut refused = refused_steering(file, &suspension.mechanism);

@@ -1,4 +1,4 @@
-//! Subjects of targets and constraints: characteristics, coordinates of points, lengths, members and motions.
+//! Subjects of targets and constraints: characteristics, coordinates of points, lengths, members and forces. Also their motions.
 
 use super::error::Problems;
 use super::members::axis;
@@ -14,7 +14,7 @@ use crate::model::{Constraint, PointId, Suspension};
 use crate::number::Each;
 use toml::Spanned;
 
-/// Point of the study: a hardpoint or an extra point.
+/// Point of the study: a hardpoint or an extra point. Points of the far half of a solid axle are excluded.
 pub(super) fn point(
     text: &Text,
     suspension: &Suspension,

@@ -266,7 +266,8 @@ impl SamplingKeys<'_> {
                     );
                     return problems.refuse(self.section.clone(), message);
                 };
-                // The product samples times (variables + 2) must also be within the limit.
+                // For Saltelli sampling, the product samples times (variables + 2) must also be within the limit. The other
+                // methods have the same limit.
                 let most = MOST_DESIGNS / (variables.len() as u64 + 2);
                 within(samples, 1..=most as i64, problems)? as u64
             }
@@ -431,7 +432,7 @@ pub(super) fn plain(name: &Text, problems: &mut Problems) -> Option<String> {
 }
 
 /// Refuses two variables with the same name. Also refuses a coordinate that one variable sets and another variable moves.
-/// Offsets of several variables are added.
+/// Offsets of several variables are added. Two variables with different names may set the same rate: the last one counts.
 fn distinct(
     written: &[Spanned<file::SweepVariable>],
     variables: &[SweepVariable],

@@ -116,8 +116,8 @@ impl Site {
     }
 }
 
-/// Target curve, value or band. Values are in the kernel's frame, in radians or length units (for gains: radians per length
-/// unit).
+/// Target curve, value or band. Values are in the kernel's frame, in radians, length units or newtons (for gains: radians per
+/// length unit).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Target {
     /// Quantity of the target.
@@ -201,7 +201,8 @@ impl Target {
         }
     }
 
-    /// Returns true if a chart can show the target as a line. A chart can show a value or a curve of a characteristic.
+    /// Returns true if a chart can show the target as a line. A chart can show values or a curve of a characteristic or a test
+    /// result of one wheel.
     pub fn is_plain(&self) -> bool {
         !matches!(self.wanted, Wanted::Band { .. }) && self.has_curve()
     }
@@ -294,8 +295,8 @@ pub struct Limited {
 }
 
 impl Limited {
-    /// Lower and upper limit in `unit`. `None` without a limit. The limits of a force in a member have their sign in the
-    /// kernel's axes.
+    /// Lower and upper limit in `unit`. `None` without a limit. The limits of a force in a member and of a coordinate have their
+    /// sign in the kernel's axes.
     pub fn limits(&self) -> [Option<f64>; 2] {
         let printed = |limit: f64| {
             if self.of.is_versine() {

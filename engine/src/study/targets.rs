@@ -382,7 +382,8 @@ impl TargetContext<'_> {
         Some(curve.collect())
     }
 
-    /// Converts a curve to a target, and checks that stations of the motion are on the curve.
+    /// Converts a curve to a target. Checks that a station of the motion is on the curve, or a point of the curve within the
+    /// motion. Measured points are not checked here.
     fn curve(
         &self,
         curve: &[[f64; 2]],

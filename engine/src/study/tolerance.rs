@@ -112,8 +112,9 @@ fn whole(
     problems.refuse(written.span(), message)
 }
 
-/// Tolerance sources of both wheels, from an element of `scatter`. The parts of each wheel scatter independently. Parts of the
-/// right wheel scatter as mirror images of the left parts. A part and its counterpart at the other wheel form one contributor.
+/// Tolerance sources of both wheels, or of the wheel of `side`, from an element of `scatter`. The parts of each wheel scatter
+/// independently. Parts of the right wheel scatter as mirror images of the left parts. A part and its counterpart at the other
+/// wheel form one contributor. A part that exists only once, or that both wheels share, scatters once.
 pub(super) fn contributors_of_axle(
     written: &Spanned<file::Scatter>,
     study: &AxleStudy,
@@ -189,7 +190,7 @@ pub(super) fn contributors_of_axle(
     Some(found)
 }
 
-/// Contributors from an entry of `scatter`: one for each named hardpoint, or one for a jig.
+/// Contributors from an entry of `scatter`: one for each named hardpoint, or one for a length, a jig or a rate.
 fn contributors(
     written: &Spanned<file::Scatter>,
     suspension: &Suspension,

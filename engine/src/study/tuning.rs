@@ -117,15 +117,16 @@ impl Optimise {
 /// rate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variable {
-    /// Names of the hardpoints, for example `lower_arm_front+lower_arm_rear`.
+    /// Names of the hardpoints, for example `lower_arm_front+lower_arm_rear`. For a rate: the elastic part, for example
+    /// `bushing:lower_arm_rear`.
     pub name: String,
-    /// Coordinates that the variable moves: one axis, or all axes of a direction. Empty for a rotation.
+    /// Coordinates that the variable moves: one axis, or all axes of a direction. Empty for a rotation or a rate.
     pub moves: Vec<Move>,
     /// Rotated points. The variable is then one of the three components of a rotation vector in degrees.
     pub turn: Option<Turn>,
     /// Rate of an elastic part that the variable changes instead of coordinates.
     pub rate: Option<Rate>,
-    /// Lowest and highest offset from the design, in the study's axes. Degrees for a rotation.
+    /// Lowest and highest offset from the design, in the study's axes. Degrees for a rotation. For a rate, see [`Rate::at`].
     pub range: [f64; 2],
     /// Cost of a change across the full range, relative to the other variables. The size of a design change includes this
     /// cost in the search for the smallest change.
@@ -133,7 +134,8 @@ pub struct Variable {
 }
 
 impl Variable {
-    /// Unique name of the variable, which includes its move: `tie_rod_inner_dz`, `lower_arm_front+lower_arm_rear_turn_x`.
+    /// Name of the variable, which includes its move: `tie_rod_inner_dz`, `lower_arm_front+lower_arm_rear_turn_x`. It is unique
+    /// if no variable is a rigid body.
     pub fn label(&self) -> String {
         if let Some(rate) = &self.rate {
             return match (rate.axis_name(), rate.parameter) {
@@ -149,8 +151,8 @@ impl Variable {
         }
     }
 
-    /// Axis of the move. `None` if the move is not along a single axis. Also `None` if the coordinates of all points
-    /// fall as the offset rises.
+    /// Axis of the move. `None` if the move is not along a single axis, or for a rotation or a rate. Also `None` if the
+    /// coordinates of all points fall as the offset rises.
     pub fn axis(&self) -> Option<Axis> {
         let first = self.moves.first()?.axis;
         let is_along = self.moves.iter().all(|m| m.axis == first);
@@ -158,7 +160,7 @@ impl Variable {
         (is_along && !is_against).then_some(first)
     }
 
-    /// Returns the kind of move: `z`, `along` a direction, `turn about z`.
+    /// Returns the kind of move: `z`, `along` a direction, `turn about z`, `stiffness x` of a bushing.
     pub fn way(&self) -> String {
         if let Some(rate) = &self.rate {
             return match rate.axis_name() {
@@ -235,7 +237,7 @@ impl Rate {
         }
     }
 
-    /// Rate for a value of a sweep or a scatter. The value is a rate, or a factor.
+    /// Rate for a value of a sweep. The value is a rate, or a factor.
     pub fn of_value(&self, value: f64) -> f64 {
         if self.is_relative {
             self.design * value

@@ -38,7 +38,8 @@ pub(super) fn bar_rate(
     Some(Some(OF_BOTH_LEVERS * rate * left.length_unit.newtons()))
 }
 
-/// Checks that the shear centre is in the middle of the car, and not on the line through both mounts.
+/// Checks that the shear centre is not on the line through both mounts. Without `hinge_end`, it must be in the middle of the
+/// car. Also checks the direction of the hinge and the side of the mount.
 pub(super) fn check(
     section: &file::Suspension,
     suspension: &Suspension,

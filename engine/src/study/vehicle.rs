@@ -92,7 +92,8 @@ impl Vehicle {
         }
     }
 
-    /// Sets the rate of an elastic part, if the vehicle has this part.
+    /// Sets the rate of an elastic part, if the vehicle has this part. The set-up of an axle gets the rate of an anti-roll bar in
+    /// any case.
     pub fn set_rate(&mut self, of: AxleParameter, value: f64) {
         match self {
             Vehicle::Wheel(own) => {

@@ -166,7 +166,8 @@ impl<'s> CarSweepPlan<'s> {
         format!("{}_{}", self.study.cases[case].name, quantity.name())
     }
 
-    /// Writes the results of a car. The returned reason says why some load cases failed, if any failed.
+    /// Writes the results of a car. The returned reason says why some load cases failed, or why an axle alone has no
+    /// values. `None` if nothing failed.
     fn row_of(
         &self,
         car: &Car,

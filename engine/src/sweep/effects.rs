@@ -1,11 +1,11 @@
 //! Main effects: how much each variable influences each output.
 //!
-//! The computation uses only designs with a value for every output. It gives two measures of influence. The *change* is the
-//! change of the output from the low end of a variable's range to its high end, in the least-squares plane through all
-//! designs. It has a sign and a unit. `r2` is the share of the variance that the plane explains. The *share* is the
-//! first-order Sobol index S = Var(E[y|x]) / Var(y): the part of the output's variance that vanishes when this variable is
-//! known. It includes curved responses. Shares need variables that are sampled independently, so designs from a file have no
-//! shares.
+//! The computation uses only designs that are solved at every station and have a value for every output. It gives two
+//! measures of influence. The *change* is the change of the output from the low end of a variable's range to its high end,
+//! in the least-squares plane through all designs. It has a sign and a unit. `r2` is the share of the variance that the
+//! plane explains. The *share* is the first-order Sobol index S = Var(E[y|x]) / Var(y): the part of the output's variance
+//! that vanishes when this variable is known. It includes curved responses. Shares need variables that are sampled
+//! independently, so designs from a file have no shares.
 //!
 //! For a grid, a share is the exact ratio of sums of squares over the grid. If a variable has more than 32 values (levels),
 //! neighbouring levels are combined. For other samples, the part of the share that the plane explains is exact. The other

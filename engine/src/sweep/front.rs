@@ -75,7 +75,7 @@ mod tests {
     use super::*;
     use crate::sweep::uniform;
 
-    /// For points in any order and for any division into parts, the result satisfies the definition of a Pareto front.
+    /// For three divisions into parts, the result satisfies the definition of a Pareto front.
     #[test]
     fn the_front_is_what_no_other_design_betters() {
         // Points near a plane on which every improvement in one target worsens another target. Some points are repeated.

@@ -55,8 +55,8 @@ fn fixes_value(part: &Limited) -> bool {
     part.lower.is_some() && part.lower == part.upper
 }
 
-/// Name of a column, from words. Letters, digits, signs and decimal points remain; the rest becomes underscores. Numbers have at
-/// most six digits.
+/// Name of a column, from words. Letters, digits, minus signs and decimal points remain; the rest becomes underscores. A number
+/// of more than eight characters is rounded to six digits, and to at most five decimals.
 fn column_name(words: &str) -> String {
     let is_kept = |c: char| c.is_alphanumeric() || "-.".contains(c);
     let words = words.replace('%', " percent").replace('/', " per ");

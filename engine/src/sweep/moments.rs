@@ -17,8 +17,8 @@ pub(super) struct Span {
 impl Span {
     /// Returns the spans of a sweep's variables. Each range is divided into levels. For a grid, the levels are those of the
     /// grid. If there are more than [`MOST_LEVELS`], neighbouring levels form groups. For other samples the number of levels
-    /// is the cube root of the number of designs. With this choice, the error from the width of a level and the random error
-    /// decrease equally fast if the number of designs grows.
+    /// is the cube root of the number of designs, but from 2 to [`MOST_LEVELS`]. With this choice, the error from the width
+    /// of a level and the random error decrease equally fast if the number of designs grows.
     pub(super) fn all(record: &SweepRecord) -> Vec<Span> {
         let levels = (record.designs as f64).cbrt().floor() as u64;
         let span = |v: &super::VariableRecord| Span {

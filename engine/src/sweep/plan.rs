@@ -50,7 +50,7 @@ pub struct SweepPlan<'s> {
     /// Number of quantities that are read over the whole motion. The other quantities apply only to the design position.
     over_motion: usize,
     targets: Vec<SweptTarget>,
-    /// Targets and constraints whose stations are not stations of the sweep. `None` if there are none.
+    /// Targets whose stations are not stations of the sweep, and all constraints. `None` if there are none.
     goals: Option<Goals>,
     samples: Samples,
     study: &'s Study,

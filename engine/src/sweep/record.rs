@@ -152,12 +152,13 @@ pub struct TargetColumn {
     /// Weight relative to the other targets.
     pub weight: f64,
     /// Pairs of drive value and target value. On an axle, the first number is a value of the coordinate that the target
-    /// varies. Empty for a band.
+    /// varies. Empty for a band, for a rig of a car, and for stations that the page does not show.
     pub points: Vec<[f64; 2]>,
 }
 
 impl SweepRecord {
-    /// Number of designs in a block: [`BLOCK`], or 16 cars. A group of Saltelli's samples is never divided between blocks.
+    /// Number of designs in a block: [`BLOCK`], or 16 cars. For Saltelli's samples, a multiple of the size of a group,
+    /// because a group is never divided between blocks.
     pub fn block(&self) -> u64 {
         let most = if self.is_of_car() {
             CAR_BLOCK

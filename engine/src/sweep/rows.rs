@@ -10,7 +10,8 @@ use crate::model::{Drive, Mechanism};
 pub struct Rows {
     /// Number of the first design.
     pub first: u64,
-    /// For each design, the reason why a station was not solved. `None` if all stations were solved.
+    /// For each design, the reason why a station was not solved, or why targets or constraints have no value. `None` if
+    /// there is no such reason.
     pub failing: Vec<Option<Failing>>,
     /// Values of the variables, `[design][variable]`.
     pub variables: Vec<f64>,
@@ -18,12 +19,12 @@ pub struct Rows {
     pub outputs: Vec<f64>,
 }
 
-/// Reason why a design was not solved at every station.
+/// Reason why a design was not solved at every station, or why its targets or constraints have no value.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Failing {
     /// Word in the `status` column.
     pub status: String,
-    /// Reason without numbers, so that equal reasons can be counted.
+    /// Reason without numbers, so that equal reasons can be counted. Only the reason of a refused car contains numbers.
     pub reason: String,
     /// Number of stations without a pose.
     pub stations: u64,

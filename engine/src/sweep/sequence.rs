@@ -1,11 +1,11 @@
-//! Random and low-discrepancy numbers in [0, 1). Each number depends only on seed, index and dimension, so a sweep can
-//! start at any design.
+//! Random and low-discrepancy numbers in [0, 1). Each number depends only on seed, index and dimension, and on the number
+//! of dimensions (Sobol) or of points (Latin hypercube). So a sweep can start at any design.
 
 /// Number of points of one scrambled Sobol sequence of `sobol_burley`.
 const SOBOL_POINTS: u64 = 1 << 16;
 
 /// Returns coordinate `dimension` of point `index` of an Owen-scrambled Sobol sequence with this number of `dimensions`.
-/// The coordinate is a multiple of 2^-24. A sequence has 2^16 points with 256 dimensions. For more points or dimensions,
+/// The coordinate is a multiple of 2^-23. A sequence has 2^16 points with 256 dimensions. For more points or dimensions,
 /// the function continues with an independent sequence of another seed.
 pub fn sobol(index: u64, dimension: usize, dimensions: usize, seed: u32) -> f64 {
     let most = sobol_burley::NUM_DIMENSIONS as usize;
@@ -121,8 +121,8 @@ mod tests {
         }
     }
 
-    /// In each run of 2^16 points, 2^k consecutive points lie in 2^k different strata of equal width. This also holds beyond
-    /// the first run.
+    /// The first 256 points of a run of 2^16 points lie in 256 different strata of equal width. This also holds beyond the
+    /// first run, and another run has other points.
     #[test]
     fn sobol_points_fill_strata_beyond_the_first_run_too() {
         for start in [0, 1 << 16, 5 << 16] {

@@ -42,7 +42,8 @@ pub struct SweepStatistics {
     pub unranked: Vec<f64>,
     /// Designs of the Pareto front, if there are several targets. All are solved at every station and satisfy the constraints.
     pub front: Front,
-    /// Sums over designs with a value for every output.
+    /// Sums over designs that are solved at every station and have a value for every output. For Saltelli's samples, only
+    /// the designs A and B.
     pub moments: Moments,
     /// Sums of outputs, grouped by the level of each variable.
     #[serde(rename = "levels")]

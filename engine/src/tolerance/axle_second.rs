@@ -17,7 +17,7 @@ use crate::model::SteeringAxis;
 use crate::number::{Jet, Vector3};
 use crate::study::Source;
 
-/// Largest number of Taylor series of poses, over both wheels. Their computation takes some seconds.
+/// Largest number of positions of the axle as Taylor series. Their computation takes some seconds.
 const MOST_SERIES: usize = 300_000;
 
 /// Second-order terms of the mean and of the variance, for each cell (an output at a station).

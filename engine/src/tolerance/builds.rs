@@ -11,7 +11,8 @@ use crate::number::{Vector3, Width};
 use crate::study::Vehicle;
 
 impl Problem<'_> {
-    /// Reason why no build is solved in SIMD lanes (several builds at once). `None` if most builds are solved in lanes.
+    /// Reason why no build is solved in SIMD lanes (several builds at once). `None` if lanes are in use, or if the design cannot
+    /// be solved.
     pub fn not_in_lanes(&self) -> Option<NotInLanes> {
         let builder = Builder::new(self, Width::widest()).ok()?;
         builder.evaluator.not_in_lanes()
@@ -122,14 +123,14 @@ pub(super) type Unbuilt = (u64, Option<Side>, AssemblyError);
 /// Failed builds of a block.
 pub(super) struct Outcome {
     pub(super) rejects: Vec<Unbuilt>,
-    /// Number of builds without a pose at some station of the motion, and the number of the first such build.
+    /// Number of builds without a pose or without values (toggle) at some station, and the number of the first such build.
     pub(super) incomplete: (u64, Option<u64>),
 }
 
 /// Solves blocks of builds. Each CPU thread has a separate builder.
 ///
-/// Builds are assembled in SIMD lanes. Builds that do not converge in lanes, and builds with rockers near a toggle position,
-/// are assembled one by one. The choice of method depends only on the build.
+/// Builds are assembled in SIMD lanes. Builds that do not converge in lanes, builds with rockers near a toggle position, and
+/// axles with extra links are assembled one by one. The choice of method depends only on the build.
 pub(super) struct Builder<'a> {
     problem: &'a Problem<'a>,
     /// One wheel, or left and right wheel.

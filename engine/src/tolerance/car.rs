@@ -31,7 +31,7 @@ pub struct CarProblem<'a> {
     pub study: &'a CarStudy,
     /// Tolerances.
     pub tolerance: &'a CarTolerance,
-    /// Results of the load cases: first the study's results, then the results that bands limit.
+    /// Results of the load cases, case by case: first the study's results, then other results that bands limit.
     pub request: CarRequest<'a>,
     /// Index of the result of each band.
     places: Vec<usize>,
@@ -198,7 +198,7 @@ impl<'a> CarProblem<'a> {
     /// First- and second-order result for every quantity.
     ///
     /// # Errors
-    /// Returns the axle and the reason if the design of an axle cannot be assembled.
+    /// Returns the axle and the reason if the design of an axle cannot be assembled or solved.
     pub fn expansion(&self) -> Result<Vec<CarExpansion>, (usize, SetUpError)> {
         let drawn = self.drawn();
         let gradients = self.request.gradients(&drawn);

@@ -106,7 +106,7 @@ impl Tolerance {
         }
     }
 
-    /// Middle of one of 2^53 intervals, so that the fraction is never 0 or 1.
+    /// Middle of one of 2^53 intervals, rounded. So the fraction is never 0. It is 1 only with a probability of 2^-53.
     #[inline]
     fn fraction(&self, build: u64, side: Option<Side>, source: usize) -> f64 {
         let wheel = side.map_or(build, |side| 2 * build + side as u64);

@@ -2,7 +2,8 @@
 
 use super::Spread;
 
-/// Largest second-order term for which the linear result is valid, as a share of the variance.
+/// Largest second-order term for which the linear result is valid, as a share of the variance. Also the largest difference
+/// between the standard deviations of builds and of the linear result, as a share, beyond the sampling error.
 pub const HOLDS: f64 = 0.02;
 
 /// Bound of rounding errors, relative to the value, or to 1 unit (rad, mm) for small values. Values with a smaller difference
@@ -60,7 +61,7 @@ impl Estimate {
     }
 
     /// Returns true if the linear result of a value that scatters is valid. The second-order term and the builds must confirm
-    /// it. `None` if there are no builds, or if the builds confirm it but the second-order term is unknown.
+    /// it. `None` if there are no builds, or if the builds do not refute it but the second-order term is unknown.
     pub fn holds(&self, spread: &Spread) -> Option<bool> {
         // Without builds, the estimate cannot be confirmed.
         if spread.count == 0 {

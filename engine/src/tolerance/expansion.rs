@@ -22,7 +22,7 @@ use crate::study::{Law, Outputs, Source, WheelStudy};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 
-/// Largest number of tolerance sources for which mixed second derivatives are computed.
+/// Largest number of tolerance sources for which second derivatives are computed.
 const MOST_SOURCES: usize = 120;
 
 /// Mean and variance of every value, from the derivatives at the nominal design.

@@ -11,7 +11,8 @@
 //! ```
 //!
 //! Here y0 is the nominal value, g the gradient, H the Hessian, and S the diagonal matrix of the variances s_k^2. g and H are
-//! exact ([`crate::assembly`]), for one wheel and for an axle, without finite differences. In addition, a Monte Carlo
+//! exact ([`crate::assembly`]), for one wheel and for an axle, without finite differences. H is not computed for elastic parts
+//! and for quantities that contain velocities. In addition, a Monte Carlo
 //! analysis assembles builds and solves them over the motion. The linear result is valid if the square of the mean shift and
 //! the growth of the variance are below 2 % of sigma^2.
 
@@ -62,7 +63,7 @@ pub struct Problem<'a> {
     pub study: &'a Study,
     /// Tolerances.
     pub tolerance: &'a Tolerance,
-    /// Quantities and stations. They come from the study's outputs and motion, then the design position, then the bands. For
+    /// Quantities and stations. They come from the study's outputs and motion, then from the design position and the bands. For
     /// an axle, each wheel has separate hardpoints.
     request: Request<'static>,
     /// For each band: the values that the band limits, each given by its output and its station, and the limits of the band.
@@ -240,12 +241,13 @@ impl<'a> Problem<'a> {
         self.request.columns()
     }
 
-    /// Stations of the results: the motion, then the design position, then the stations of bands.
+    /// Stations of the results. For an axle: the motion, then the design position, then the stations of bands. For one wheel: all
+    /// combinations of these drive values and rack displacements ([`Stations::of`]).
     pub fn stations(&self) -> &Stations {
         self.request.stations()
     }
 
-    /// Characteristics of a study of one wheel, in the order of [`Problem::outputs`]. Empty for an axle.
+    /// Characteristics of a study of one wheel, in the order of [`Problem::outputs`]. Empty for an axle and for elastic parts.
     fn characteristics(&self) -> impl Iterator<Item = Characteristic> {
         self.request.of_wheel().iter().filter_map(|q| match q {
             Quantity::Characteristic(c) => Some(*c),

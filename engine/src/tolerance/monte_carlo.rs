@@ -25,9 +25,9 @@ pub struct MonteCarlo {
     pub spreads: Vec<Spread>,
     /// Builds that cannot be assembled, grouped by a word for the reason.
     pub rejects: BTreeMap<&'static str, Rejected>,
-    /// Number of assembled builds without a pose at some station.
+    /// Number of assembled builds without a pose, or without values because of a toggle, at some station.
     pub incomplete: u64,
-    /// Number of the first build without a pose at some station.
+    /// Number of the first of these builds.
     pub first_incomplete: Option<u64>,
     /// Number of builds within every band.
     pub in_all_bands: u64,
@@ -48,7 +48,7 @@ pub struct Rejected {
     pub why: AssemblyError,
 }
 
-/// Scatter of a value over builds, in radians and length units.
+/// Scatter of a value over builds, in radians and length units; for a car, in printed units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
     /// Number of builds that have the value.
@@ -61,10 +61,10 @@ pub struct Spread {
     pub sigma_error: f64,
     /// Smallest and largest value.
     pub range: [f64; 2],
-    /// Percentiles at [`PERCENTILES`].
+    /// Percentiles at [`PERCENTILES`]. NaN if unknown.
     pub percentiles: [f64; PERCENTILES.len()],
     /// Histogram of all builds up to 4,096. With more builds, the histogram covers the first 4,096 builds and the rest of
-    /// their block. `None` if there are no values.
+    /// their block; for a car, it covers all builds. `None` if there are no values.
     pub histogram: Option<Histogram>,
 }
 
@@ -130,7 +130,7 @@ impl Sums {
                 }
             }
         }
-        // Without bands, every build that can be assembled counts as within its bands.
+        // Without bands, every build with at least one value counts as within its bands.
         let mut in_all = if bands.is_empty() {
             has_values
         } else {

@@ -175,7 +175,7 @@ impl Gathered {
         }
     }
 
-    /// Percentiles of a cell (a value at a station). NaN if there are no values.
+    /// Percentiles of a cell (a value at a station). NaN if there are no values, or if the percentile lies outside the windows.
     pub(super) fn percentiles(&mut self, cell: usize) -> [f64; MOST] {
         let windows = &self.windows[cell];
         let cell = &mut self.cells[cell];

@@ -45,7 +45,8 @@ impl WheelAssembler {
         })
     }
 
-    /// Wheel that an error message names. `None` for a single wheel, and for a solid axle, which is assembled as a whole.
+    /// Wheel that an error message names. `None` for a single wheel, and for a rigid axle (solid axle or twist beam), which is
+    /// assembled as a whole.
     pub(super) fn named_side(&self) -> Option<Side> {
         let mechanism = &self.assembler.suspension().mechanism;
         self.side.filter(|_| mechanism.rigid_axle.is_none())

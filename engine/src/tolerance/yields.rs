@@ -1,8 +1,8 @@
 //! Yield, and effect of each tolerance on the yield.
 //!
 //! The gain from a tighter tolerance comes from the first-order result over a fixed random sample. The code stores the
-//! contribution of each contributor to each value with a band. So the code finds the effect of half or twice a tolerance
-//! with one addition for each value. A predicted yield is the yield of the Monte Carlo analysis plus the change of the
+//! contribution of each contributor to each value with a band. So the effect of half or twice a tolerance needs no new random
+//! numbers and no derivatives, only sums. A predicted yield is the yield of the Monte Carlo analysis plus the change of the
 //! linear yield.
 
 use super::{Expansion, MonteCarlo, Problem};

@@ -20,7 +20,8 @@
 //! - Otherwise the piece is halved.
 //!
 //! So no root is missed, even if two roots are very close. A piece can be narrower than [`NARROWEST`] and still
-//! undecided (a double root). In this case, Newton's method on the closure equations decides.
+//! undecided (a double root), or a search can need too many pieces. Then Newton's method on the closure equations
+//! decides, or the piece remains undecided.
 
 use super::{Assembly, Search, Undecided};
 use crate::mechanism::Pose;
@@ -42,7 +43,7 @@ const MOST_PIECES: usize = 20_000;
 /// when the piece is narrower by the factor `NEXT_TRY`.
 const FIRST_TRY: f64 = 0.02;
 const NEXT_TRY: f64 = 0.1;
-/// Offsets (rad) from a toggle at which poses are tried if the toggle itself has no pose.
+/// Offsets (rad) from an angle at which poses are tried. At a toggle, the angle itself may have no pose.
 const BESIDE: [f64; 7] = [0.0, 1e-9, -1e-9, 1e-7, -1e-7, 1e-5, -1e-5];
 /// Largest distance (rad) between an assembly and the piece whose search found this assembly.
 const NEAR: f64 = 1e-4;
@@ -141,7 +142,7 @@ impl Search<'_> {
         }
         self.all.looked_at += looked_at;
         for (low, high) in undecided {
-            // The piece has a root of even order or a root at a toggle, or it has no root.
+            // The piece has a root of even order or a root at a toggle, or it has no root, or the search was cut short.
             match self.beside(branch, 0.5 * (low + high)) {
                 Some(assembly) => self.add(assembly),
                 None => self.all.undecided.push(Undecided::ArmAngle(low, high)),
@@ -218,11 +219,11 @@ impl Branch {
         ([upper_square, state.toggle_square()[0]], miss)
     }
 
-    /// Returns the state of the mechanism on a piece, and two radicands: one for the position of the steering axis's
-    /// upper end, one for the tie rod. The latter gives the distance of the rod's outer end from the plane through
-    /// steering axis and rack joint. Near their zeros, both radicands are small differences of large terms. The zeros
-    /// are double if parallel arms are in line with each other and with the steering axis. So both radicands use
-    /// mean-value forms, which give far narrower intervals than direct evaluation.
+    /// Returns the state of the mechanism on a piece, and the radicand for the position of the steering axis's upper
+    /// end. The state contains the radicand for the tie rod. It gives the distance of the rod's outer end from the
+    /// plane through steering axis and rack joint. Near their zeros, both radicands are small differences of large
+    /// terms. The zeros are double if parallel arms are in line with each other and with the steering axis. So both
+    /// radicands use mean-value forms, which give far narrower intervals than direct evaluation.
     fn state(&self, form: &ClosedForm<Value>, angle: Interval) -> (ArmState<Value>, Interval) {
         let middle = Interval::point(angle.middle());
         let around = angle - middle;
@@ -291,7 +292,7 @@ impl Branch {
 /// Adds a range of arm angles. If the new range touches the last range, both are joined.
 fn join(ranges: &mut Vec<(f64, f64)>, (low, high): (f64, f64)) {
     match ranges.last_mut() {
-        // Pieces are taken from the top of the stack, so their angles increase.
+        // The upper half of a piece is taken first, so angles decrease, and the second case is the usual one.
         Some(last) if low <= last.1 && high >= last.1 => last.1 = high,
         Some(last) if high >= last.0 && low <= last.0 => last.0 = low,
         _ => ranges.push((low, high)),

@@ -1,7 +1,7 @@
 //! All assemblies of a design: every pose at a given travel that the lengths of the design allow, on any solution
 //! branch.
 //!
-//! For each kind of mechanism there is a complete method, which cannot miss an assembly:
+//! For these kinds of mechanisms there is a complete method, which cannot miss an assembly:
 //!
 //! - [`arm`]: strut and double wishbone, by a closed form. Interval arithmetic searches one rotation of the lower arm,
 //!   for each side of the upper end and of the tie rod.
@@ -36,7 +36,7 @@ pub struct Assembly {
     /// `None` if there is no arm.
     pub arm_angle: Option<f64>,
     /// For each of the features in [`Assemblies::traits`], true if the assembly has the same variant as the design
-    /// position. `None` at the border between two variants.
+    /// position. `None` for the determinant in a singular pose.
     pub branch: Vec<Option<bool>>,
     /// Position of the wheel centre.
     pub wheel_centre: Vector3<f64>,
@@ -93,9 +93,11 @@ pub struct Assemblies {
     pub traits: Vec<AssemblyMode>,
     /// Assemblies, ordered by the arm angle. Without an arm, they are ordered by the rotation from the design position.
     pub found: Vec<Assembly>,
-    /// Possible further assemblies that the search could not confirm or exclude. They occur only in degenerate designs.
+    /// Possible further assemblies that the search could not confirm or exclude. They occur in degenerate designs, and
+    /// if a search takes too long.
     pub undecided: Vec<Undecided>,
-    /// Number of pieces of the arm's rotation, or of boxes of poses, that the search has examined.
+    /// Number of pieces of the arm's rotation, or of boxes of poses, that the search has examined. 0 for an arm on a
+    /// hinge.
     pub looked_at: usize,
 }
 
@@ -106,7 +108,8 @@ pub enum Undecided {
     ArmAngle(f64, f64),
     /// Near a pose.
     Pose(Pose<f64>),
-    /// Fraction of all rotations of the knuckle that was not searched, because a complete search would take too long.
+    /// Approximate fraction of all rotations of the knuckle that was not searched, because a complete search would take
+    /// too long.
     Rotations(f64),
 }
 
@@ -118,7 +121,7 @@ const DOUBLE: f64 = 1e-5;
 /// Largest number of undecided regions in the result.
 const MOST_UNDECIDED: usize = 64;
 
-/// Merges overlapping ranges of the arm's angle.
+/// Merges overlapping ranges of the arm's angle, and keeps at most [`MOST_UNDECIDED`] regions.
 fn merge(undecided: &mut Vec<Undecided>) {
     let mut ranges: Vec<(f64, f64)> = Vec::new();
     let mut others = Vec::new();
@@ -231,8 +234,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Starts Newton's method from rotations of every direction and angle. This search often finds poses that the exact search
-    /// left undecided. It cannot exclude further poses.
+    /// Starts Newton's method from the undecided poses, and from rotations of every direction and angle. This search
+    /// often finds poses that the exact search left undecided. It cannot exclude further poses.
     fn try_others(&mut self) {
         let design = self.solver.design_pose();
         let starts: Vec<Pose<f64>> = self
@@ -287,7 +290,7 @@ impl<'a> Search<'a> {
     }
 
     /// Returns, for each feature of the mechanism, true if a pose has the same variant as the design position, and
-    /// false if it has the other variant. `None` at the border between the two variants.
+    /// false if it has the other variant. `None` if [`Search::sign`] is `None` for one of the poses.
     fn branch(&self, now: &Configuration<f64>) -> Vec<Option<bool>> {
         let start = self.solver.design_pose();
         let design = self.solver.configuration(&start, 0.0);

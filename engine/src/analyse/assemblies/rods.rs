@@ -15,8 +15,8 @@
 //!
 //! The search applies these steps to a box of (p, v):
 //!
-//! 1. The equations of height and lengths are solved for each coordinate of p in turn. This makes the box smaller or
-//!    empty.
+//! 1. The equation of the height is solved for p_z, and that of each length for each coordinate of p in turn. This
+//!    makes the box smaller or empty.
 //! 2. The mean-value form of each equation must contain 0. Otherwise the box is dropped.
 //! 3. Krawczyk's operator is K = x - A F(x) + (1 - A J(X)) (X - x), with A an inverse of J in the middle x. All
 //!    solutions in X are in K. If K lies inside X, there is exactly one solution (R. Krawczyk, *Computing* 4, 1969; R.
@@ -24,7 +24,7 @@
 //!
 //! Then the search halves the remaining box along the variable that changes the equations most. Steps and halving are
 //! repeated until every box is decided or too narrow. All results are rounded outward, so the search misses no
-//! assembly.
+//! assembly. After [`MOST_CELLS`] boxes it stops, and reports the rest as undecided.
 
 use super::{Search, Undecided, pose_distance};
 use crate::linear::lu::Lu6;
@@ -54,7 +54,7 @@ const WORTHWHILE: f64 = 0.5;
 /// Distance, relative to the mechanism's size, up to which an assembly belongs to its box.
 const NEAR: f64 = 1e-6;
 
-/// Constants of a rod for one of the four base rotations D.
+/// Constants of a rod for one of the four base rotations D. The function [`rods()`] makes them for D = 1.
 #[derive(Clone, Copy)]
 struct Rod {
     /// Inner end a.
@@ -212,7 +212,8 @@ fn rods(mechanism: &Mechanism, design: &[Vector3<Interval>], rack: f64) -> Optio
     rods?.try_into().ok()
 }
 
-/// Returns a box that contains all possible positions of the knuckle's origin: those within reach of every rod.
+/// Returns a box that contains all possible positions of the knuckle's origin: those within reach of the rod with the
+/// shortest reach.
 fn place(rods: &[Rod; 5]) -> Vector3<Interval> {
     let within = |rod: &Rod| {
         let reach = rod.squared.sqrt() + rod.lever.norm_squared().sqrt();
@@ -438,8 +439,8 @@ fn halves(cell: &Cell, across: usize) -> [Cell; 2] {
     [below, above]
 }
 
-/// Pose in the middle of an interval of poses. Its matrix is a rotation, except for an error as large as the width of
-/// the interval.
+/// Pose in the middle of an interval of poses. Its matrix is a rotation, except for an error of about the square of the
+/// interval's width.
 fn middle(poses: &Pose<Interval>) -> Pose<f64> {
     let middle = poses.map(Interval::middle);
     Pose {

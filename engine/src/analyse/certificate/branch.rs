@@ -10,7 +10,7 @@ use crate::solve::Station;
 use crate::solve::{Solver, StationOrder};
 use std::ops::ControlFlow;
 
-/// Largest number of certified steps from one station to the next.
+/// Largest number of steps that are tried from one station to the next.
 const MOST_STEPS: usize = 4096;
 /// Largest number of times that a certified step is halved.
 const MOST_HALVINGS: usize = 40;

@@ -83,9 +83,9 @@ fn differences(at: &impl Fn([f64; N]) -> [Interval; N], j: usize, l: usize) -> [
     from_fn(|i| both[i] - first[i] - second[i] + none[i])
 }
 
-/// The test covers every topology, drive, equation and pair of numbers of the pose. The stored constant must equal the
-/// coefficient of the pair in H(z, z). This coefficient is H_jj for one number, and H_jl + H_lj = 2 H_jl for two different
-/// numbers.
+/// The test covers every template except the twist beam, and every drive, equation and pair. The stored constant equals
+/// the coefficient of the pair in H(z, z). This coefficient is H_jj for one number, and H_jl + H_lj = 2 H_jl for two
+/// different numbers.
 #[test]
 fn constants_are_the_second_derivatives_of_every_pair() {
     for suspension in suspensions() {
@@ -205,8 +205,8 @@ fn constants_of_all_pairs_add_up() {
     // |H| of equation 3 is 1 + 1.5 + 0.5 + 0.5, and |H| of equation 8 is 1.
     let expected = 2.0 / 3.5;
     assert!((found.uniqueness / expected - 1.0).abs() < 1e-9);
-    // The inverse adds equation 8 to equation 3. Coefficients of the same pair must be added with their signs before
-    // the absolute value is taken.
+    // The inverse subtracts equation 8 from equation 3. Coefficients of the same pair must be added with their signs
+    // before the absolute value is taken.
     let mut inverse = IDENTITY;
     inverse[3][8] = -1.0;
     let mut jacobian = IDENTITY;
@@ -253,8 +253,8 @@ fn an_inverse_that_is_off_narrows_the_radii() {
     );
 }
 
-/// The bound includes the rounding of twelve products and of the subtraction of 1. It is at least twelve units of
-/// roundoff, and at most a few times as much.
+/// The bound includes the rounding of twelve products and of the subtraction of 1. It is at least thirteen units of
+/// roundoff, and at most ten times as much.
 #[test]
 fn an_exact_inverse_is_off_by_rounding() {
     let intervals = IDENTITY.map(|row| row.map(Interval::point));
@@ -274,7 +274,7 @@ fn linear_equations_have_one_solution() {
 }
 
 /// Along a line between two motion points, a parabola encloses the equations. If the arm rotates only by a small angle,
-/// the width of the enclosure of the curvature is proportional to this angle.
+/// the enclosure of the curvature is narrow.
 #[test]
 fn equations_on_a_line_are_enclosed() {
     for suspension in suspensions() {

@@ -325,7 +325,8 @@ mod tests {
     use std::path::Path;
 
     /// The certificate assumes that every closure equation is a polynomial of second degree along any line through the
-    /// pose's twelve numbers, the rack and the drive. An equation of another kind would have a third derivative.
+    /// pose's twelve numbers, the rack and the drive. An equation of another kind would have a third derivative. The
+    /// test covers every template except the twist beam.
     #[test]
     fn every_row_of_every_topology_is_quadratic() {
         // Numbers in [-1, 1) from a linear congruential sequence.

@@ -3,7 +3,7 @@
 //! The sums with many terms are |A F|, |1 - A J| and |A H|. They are computed in plain doubles from the middles and
 //! radii of intervals. Then a bound of the rounding error is added. With the unit roundoff u, a sum of n products has
 //! an error of at most n u/(1 - n u) times the sum of the absolute values of these products (N. J. Higham, *Accuracy
-//! and Stability of Numerical Algorithms*, 3.1). All sums here have at most sixteen terms.
+//! and Stability of Numerical Algorithms*, 3.1). All these sums of products have at most sixteen terms.
 
 use super::quadratic::{Jacobian, PoseBend, middles, radius};
 use super::{N, Square};

@@ -8,7 +8,7 @@ use crate::model::{Arm, Axis, Body, Constraint, Frame, Mechanism, PointId, Rocke
 /// One of the reactions to a load, in the kernel's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Carried {
-    /// Tension of the rod with these ends, or of a leg of an arm that carries no spring.
+    /// Tension of the rod with these ends, or of a leg of an arm that carries no other part.
     Tension(PointId, PointId),
     /// Force at a point on the wheel carrier.
     Force(PointId, Axis),
@@ -83,7 +83,8 @@ pub struct Member {
     pub what: Carried,
 }
 
-/// Returns all members with a reaction: rods, then forces at points, then joints of arms, then the support.
+/// Returns all members with a reaction: first those of the constraints, then joints of arms, rods on rockers, forces of
+/// a twist beam, and the supports.
 pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
     let mut members = members_of_constraints(mechanism);
     members.extend(joints_of_arms_with_links(mechanism));
@@ -138,7 +139,7 @@ fn members_of_constraints(mechanism: &Mechanism) -> Vec<Member> {
     members
 }
 
-/// Returns the forces in the outer joints of those arms on which a link to the wheel carrier ends.
+/// Returns the forces in the outer joints of those arms at whose outer joint a link ends, such as a leg of the arm.
 fn joints_of_arms_with_links(mechanism: &Mechanism) -> impl Iterator<Item = Member> + use<'_> {
     let ends_a_link = |arm: &&Arm| {
         let at_joint =
@@ -172,7 +173,7 @@ fn rods_on_rockers(mechanism: &Mechanism) -> Vec<Member> {
     members
 }
 
-/// Returns the rod of the spring's rocker, and the supports.
+/// Returns the rod of the spring's rocker, if the spring is the support, and the supports.
 fn supports(mechanism: &Mechanism, support: Support) -> Vec<Member> {
     let mut members = Vec::new();
     if let Some(rocker) = support.rocker(mechanism) {

@@ -56,10 +56,10 @@ pub(super) struct Elastic<'a> {
     reads: Reads,
     /// Factors from the kernel's units to printed units.
     factors: Vec<f64>,
-    /// Length that the spring keeps if an adjustment lifts the car. `None` if no adjustment lifts it. If an adjustment
-    /// lifts the car, the spring's length follows after the other values.
+    /// Length that the spring keeps if an adjustment lifts the car. `None` if no adjustment lifts it, or if the study
+    /// gives no spring force. If it is `Some`, the spring's length follows after the other values.
     kept: Option<f64>,
-    /// True if the right wheel is the mirror image of the left wheel and has the same adjustments.
+    /// True if the right wheel is the mirror image of the left wheel and has the same adjustments. False for one wheel.
     is_mirrored: bool,
     /// Tensions that the parts of a solid axle cause in its links.
     tensions: Vec<TensionInput>,
@@ -159,8 +159,8 @@ impl<'a> Elastic<'a> {
         .keeping(keeps)
     }
 
-    /// Makes the set-up of an axle with independent wheels and elastic parts, for these static values. Adjustments
-    /// without a side act on both wheels.
+    /// Makes the set-up of an axle with elastic parts, for these static values. Adjustments without a side act on both
+    /// wheels of an axle with independent wheels.
     pub(super) fn axle(
         assemblers: [&'a Assembler; 2],
         nominal: &Axle,
@@ -279,7 +279,8 @@ impl<'a> Elastic<'a> {
     }
 
     /// Finds the height at which the spring has a given length in equilibrium, by Newton's method with (10). Starts from
-    /// the height of the rigid mechanism. Halves a step if the parts cannot be assembled after it.
+    /// the height of the rigid mechanism. Halves a step if the parts cannot be assembled after it, or have no
+    /// equilibrium.
     fn settle(&self, amounts: &[f64], length: f64) -> Result<(Vec<Built>, Found), SetUpError> {
         let Half { assembler, changes } = &self.wheels[0];
         let size = assembler.suspension().size();
@@ -293,7 +294,7 @@ impl<'a> Elastic<'a> {
             if step.is_nan() || step.abs() > size {
                 break;
             }
-            // If steps no longer halve, the remaining error is rounding, and the last step is accepted.
+            // If small steps no longer shrink, the remaining error is rounding, and the present height is accepted.
             if step.abs() <= 1e-13 * size || (step.abs() <= 1e-10 * size && step.abs() >= before) {
                 return Ok((built, found));
             }

@@ -15,7 +15,7 @@ const STILL: f64 = 1e-14;
 /// Largest step, relative to the suspension's size, that counts as a rounding error if no fraction of it reduces the
 /// errors.
 const ROUNDING: f64 = 1e-7;
-/// Smallest fraction of a step that the solver tries.
+/// Fraction of a step below which the solver does not halve further.
 const SHORTEST: f64 = 1e-3;
 
 /// Assignment of the values with targets: threaded adjusters meet some values exactly, shims minimise the errors of the
@@ -221,9 +221,9 @@ mod tests {
         assert_eq!(step(5e-9)[1], 0.0);
     }
 
-    /// The solver tries a full step, then halves it down to a thousandth. It does not try a step below 1e-14 of the suspension's
-    /// size. If no fraction of a step reduces the errors, a step up to 1e-7 of the size counts as a rounding error. A longer step
-    /// means that the solver is stuck.
+    /// The solver tries a full step, then halves it while the fraction is above a thousandth. It does not try a step below 1e-14
+    /// of the suspension's size. If no fraction of a step reduces the errors, a step up to 1e-7 of the size counts as a rounding
+    /// error. A longer step means that the solver is stuck.
     #[test]
     fn steps_are_halved_and_end_at_their_thresholds() {
         let size = 400.0;
@@ -249,8 +249,8 @@ mod tests {
     }
 
     /// Newton's method for x^3 = 8 ends at 2 from both sides. From 0.5, the full step would make the error larger. From
-    /// 0.01, even a thousandth of the step would make it larger, so the iteration is stuck. If there is no step, the
-    /// iteration ends at once.
+    /// 0.01, even the shortest fraction of the step would make it larger, so the iteration is stuck. If there is no
+    /// step, the iteration ends at once.
     #[test]
     fn the_iteration_finds_a_root_by_shorter_steps() {
         let errors = |x: &f64| DVector::from_element(1, x.powi(3) - 8.0);

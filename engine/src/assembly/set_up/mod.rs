@@ -57,7 +57,8 @@
 //! |r_i| <= sum over shims of s_k |G_ik| / 2                                             (7)
 //! ```
 //!
-//! then the neighbour with the least `phi`, then the one with the smallest adjustment.
+//! then the neighbour with the least `phi`, then the one with the smallest adjustment. Errors `|r|` that differ by less
+//! than 0.005 degrees or 0.05 mm count as equal.
 //!
 //! If (2) or (5) misses its aims, the solver drops the aim with the largest error and meets the other aims from that
 //! state. So the solver never reports an aim as out of reach only because another aim prevented it.
@@ -172,8 +173,8 @@ impl Aim {
 #[derive(Clone, Debug)]
 pub struct SetUp {
     /// Static values: camber, toe, caster and bump steer (if they are defined), other values with targets, and the
-    /// change of ride height. A solid axle has camber, toe and caster of both wheels, then its own position and
-    /// direction instead of bump steer.
+    /// change of ride height. An axle that is set up as a whole has camber, toe and caster of both wheels, and no bump
+    /// steer. A solid axle also has its own position and direction.
     pub statics: Vec<Static>,
     /// Aim of each static value.
     pub aims: Vec<Aim>,
@@ -189,7 +190,7 @@ pub struct SetUp {
     /// State after each adjustment with the amounts of `rounded`, in the order of `order`. The last one is
     /// [`SetUp::rounded`].
     pub rounded_steps: Vec<AdjustedSuspension>,
-    /// Allowed error of each value: the effect of half a step of each shim.
+    /// Allowed error of each value: the effect of half a step of each shim. 0 for a value that threads meet.
     pub allowed: Vec<f64>,
     /// Allowed error of each value after rounding. It also includes the effect of half a sixteenth of a turn of each
     /// threaded adjuster.

@@ -28,7 +28,8 @@ pub(super) struct Problem<'a> {
     rest: Rest,
     pub(super) statics: Vec<Static>,
     pub(super) aims: Vec<Aim>,
-    /// Weight of each value's error, per printed unit: 10 per degree, 1 per millimetre.
+    /// Weight of each value's error, per printed unit: 10 per degree, 10 per 0.01 deg/mm, 1 per millimetre. 1 for any
+    /// other unit.
     pub(super) weights: Vec<f64>,
     /// Length of 1 mm in length units.
     millimetre: f64,

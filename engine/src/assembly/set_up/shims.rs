@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 /// Largest number of shims for which the program tries both neighbouring whole numbers: 2^10 combinations. For further
 /// shims it takes the nearest whole number.
 const MOST_ENUMERATED: usize = 10;
-/// Number of combinations of whole shims that are assembled.
+/// Largest number of combinations of whole shims that are assembled, besides the nearest one.
 const MOST_ASSEMBLED: usize = 8;
 /// Difference of two weighted errors below which they count as equal: 0.005 degrees or 0.05 mm. The printed instructions use
 /// the same threshold for effects.

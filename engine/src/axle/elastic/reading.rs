@@ -82,7 +82,7 @@ impl From<Quantity> for AxleRead {
 }
 
 impl AxleColumn {
-    /// Returns the quantity or derivative in the column. `None` if it cannot be computed in an equilibrium.
+    /// Returns the quantity in the column, or its first derivative. `None` for points, angular velocities and forces.
     pub(crate) fn read(&self) -> Option<AxleRead> {
         let (quantity, by) = (self.quantity()?, self.by);
         Some(AxleRead { quantity, by })

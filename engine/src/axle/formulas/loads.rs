@@ -104,8 +104,8 @@ pub(crate) fn wheel_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, s
     }
 }
 
-/// Derivative of the wheel load with respect to the height of the wheel's pad, from the spring of this wheel alone. The
-/// body is level, and the other wheel does not move. Anti-roll bar and tyre are not included.
+/// Derivative of the wheel load with respect to the height of the wheel's pad, from the springs alone. The body is level,
+/// and the other pad does not move. Anti-roll bar, springs between rockers and tyre are not included.
 pub(crate) fn wheel_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     if state.carriers.is_rigid() {
         return rigid::wheel_rate(state, side);
@@ -137,8 +137,8 @@ pub(crate) fn roll_moment<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) 
     (state.track() * (right - left)).scaled(0.5)
 }
 
-/// Roll moment per roll angle on a rig. Body and rack are fixed. The wheels are on level pads, which move equally and
-/// oppositely. As on a rig, the roll angle is the angle of the line through both contact points.
+/// Roll moment per roll angle on a rig. Body and rack are fixed. The wheels are on level pads, and the wheel centres move
+/// equally and oppositely. As on a rig, the roll angle is the angle of the line through both contact points.
 pub(crate) fn roll_stiffness<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let pads = state.on_pads();
     let rig = pads.moving(Motion::OpposedTravels);

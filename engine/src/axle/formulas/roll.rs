@@ -159,8 +159,8 @@ pub(crate) fn force_roll_centre_migration<T: Real, W: WheelParts<T>>(state: &Axl
 /// tracks. Beyond a hundred tracks, the normals are nearly parallel, and this point is meaningless.
 pub(crate) const FARTHEST_MEETING: f64 = 200.0;
 
-/// Sum of the jacking coefficients below which both normals to C' count as vertical. Rounding of about 1e-15 could then move
-/// the point where they meet anywhere along the ground.
+/// Sum of the jacking coefficients below which the normals to C' count as vertical or parallel. Near zero, rounding errors of
+/// about 1e-15 alone would decide where they meet.
 pub(crate) const UPRIGHT: f64 = 1e-8;
 
 /// Returns true if the normals to C' are vertical, or meet beyond the largest distance.

@@ -19,8 +19,8 @@ use crate::model::{AxlePosition, Side};
 use crate::number::{Each, Real, Vector3, outlined};
 use std::f64::consts::PI;
 
-/// Mean steer, in rad, below which the percentages have no value. Each percentage is a quotient of two angles that are
-/// both zero straight ahead.
+/// Absolute mean steer, in rad, below which the percentages and the turning circle have no value. Straight ahead, the angles
+/// in their denominators are zero.
 pub(crate) const STRAIGHT_AHEAD: f64 = 0.02;
 
 /// Steer angle of a wheel, positive to the left.

@@ -15,8 +15,8 @@ pub(super) struct Corner<'a, const N: usize> {
     /// sides.
     pub(super) rack_sign: f64,
     pub(super) toggles: Toggles,
-    /// Rack displacement at which the search for toggles started, in the frame of this wheel. `None` before the first
-    /// search.
+    /// Rack displacement (or held travel) at which the search for toggles started, as in the closure equations. `None`
+    /// before the first search.
     pub(super) begun: Option<f64>,
     /// Ends of travel that were found for this design, each with its rack displacement.
     pub(super) ends: Vec<End>,
@@ -324,7 +324,8 @@ impl<'a, const N: usize> Corner<'a, N> {
         })
     }
 
-    /// Solves the wheel at many travels, each on its own ground. `None` for a travel that the wheel cannot reach.
+    /// Solves the wheel at many travels, each on its own ground. `None` for a travel that the wheel cannot reach, or at which
+    /// it has no derivatives.
     pub(super) fn heights(
         &mut self,
         travels: &[f64],
@@ -389,7 +390,7 @@ impl<'a, const N: usize> Corner<'a, N> {
     }
 }
 
-/// Computes the values of a wheel at a travel and a rack displacement, both in the wheel's own frame.
+/// Computes the values of a wheel at a travel and a rack displacement, both as in the closure equations ([`Corner::inner`]).
 pub(super) fn read_wheel<const N: usize>(
     solver: &Solver,
     series: &DesignSeries<N>,

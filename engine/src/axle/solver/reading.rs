@@ -122,7 +122,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
 
     /// Computes gradients of quantities in a position with respect to every hardpoint coordinate of each side, in the
     /// frame of that side. The arguments of `receive` are the index of the quantity and both gradients. Each gradient
-    /// has one entry per point.
+    /// has one entry per point. For a rigid axle, the left gradient contains the sum for both halves, and the right is 0.
     ///
     /// A gradient is NaN if its quantity needs more terms than the `N` terms of the series.
     pub fn gradients(

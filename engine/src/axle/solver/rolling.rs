@@ -261,7 +261,7 @@ impl<const N: usize> AxleSolver<'_, N> {
     /// Roll angle at which both wheels stand on a plane.
     pub(super) fn tilted(&self, [left, right]: &[Pose<f64>; 2]) -> Result<f64, NoPose> {
         // A rigid axle can roll far from level ground, even until it is upright. So the iteration for a rigid axle starts with
-        // the line through both wheel centres.
+        // the line through the origins of both poses: the wheel centres, or the kingpins of a steered axle.
         let mut roll = if self.is_rigid() {
             (right.origin.z - left.origin.z).atan2(left.origin.y + right.origin.y)
         } else {

@@ -57,8 +57,8 @@ impl<const N: usize> AxleSolver<'_, N> {
     }
 
     /// Finds the fold at which the axle can no longer follow its steering gear. Between the two displacements `value`
-    /// and `beyond` of the gear, the level axle at zero travel reaches this turning point. `None` if there is no fold
-    /// between these displacements.
+    /// and `beyond` of the gear, the level axle at zero travel reaches this turning point. `None` if the axle meets no fold
+    /// with the gear at `beyond`, or if a knuckle cannot follow the gear there.
     ///
     /// With T(p, s) the travel at the fold, the design p and the displacement s of the gear, T = 0 at the end. The axle
     /// reaches its held travel first. Meanwhile, the drive d is that of the axle at rest. It equals the lift l(p, s) by

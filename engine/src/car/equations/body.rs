@@ -91,7 +91,7 @@ pub(in crate::car) fn masses<T: Local>(
 }
 
 /// Computes the load on each wheel of the front and rear axle, at rest in the design position, by the lever rule. Both
-/// wheels of an axle carry equal loads.
+/// wheels of an axle carry equal loads. Returns zeros if no tyre spring needs these loads.
 pub(in crate::car) fn static_loads<T: Local>(
     car: &Car,
     parameters: &Parameters<T>,
@@ -135,7 +135,7 @@ pub(super) fn bar_torque<T: Local>(
 }
 
 /// Returns the fraction of an axle's force that a wheel carries. The fraction is proportional to the wheel load, or
-/// follows from the given fraction of the left wheel.
+/// follows from the given fraction of the left wheel. A lifted wheel carries 0, and the other wheel then carries 1.
 #[inline(always)]
 fn share<T: Local>(
     held: &Held<'_>,

@@ -19,7 +19,7 @@ pub(super) struct Forces<T> {
     pub longitudinal: T,
     /// Fraction of the axle's lateral force that this wheel carries.
     pub share: T,
-    /// Torque of the anti-roll bar on its lever, positive in the direction of the lever's angle.
+    /// Torque of the lever on the anti-roll bar, positive in the direction of the lever's angle.
     pub bar: T,
     /// Derivative of the energy of the springs between the rockers with respect to the wheel's own travel.
     pub rocker: T,
@@ -40,7 +40,7 @@ impl<T: Copy> Forces<T> {
     }
 }
 
-/// Work on a wheel per unit of one travel of its axle. The tyre forces and the torque of the anti-roll bar have the
+/// Work on a wheel per unit of one travel of its axle. The tyre forces and the torque on the anti-roll bar have the
 /// value 1.
 #[derive(Clone, Copy)]
 pub(super) struct Work<T> {
@@ -50,7 +50,7 @@ pub(super) struct Work<T> {
     side: T,
     /// Work t.B' of a unit longitudinal force.
     longitudinal: T,
-    /// Work of a unit torque of the anti-roll bar; zero without a bar.
+    /// Work of a unit torque of the lever on the anti-roll bar; zero without a bar.
     bar: T,
     /// Derivative of the energy of the wheel's spring and stops with respect to the travel.
     spring: T,
@@ -162,7 +162,7 @@ impl<T: Local> Stance<T> {
     }
 }
 
-/// Residuals of equation (7) for both travels of an axle. Each travel of a solid axle moves both wheels.
+/// Residuals of equation (7) for both travels of an axle. Each travel of a solid axle or twist beam moves both wheels.
 #[inline(always)]
 pub(super) fn travel_residuals<T: Local>(
     [left, right]: [&Stance<T>; 2],
@@ -179,8 +179,8 @@ pub(super) fn travel_residuals<T: Local>(
     residuals
 }
 
-/// Computes the components of the wheel loads of an axle by equation (9). For a solid axle, these components are the
-/// solution of two simultaneous equations.
+/// Computes the components of the wheel loads of an axle by equation (9). For a solid axle or twist beam, these
+/// components are the solution of two simultaneous equations.
 #[inline(always)]
 pub(super) fn load_parts<T: Local>(
     [left, right]: [&Stance<T>; 2],

@@ -64,8 +64,9 @@ pub(in crate::car) fn mean_steer<T: Scalar>(state: &Balance<T>, axle: usize) -> 
     (left + right).scaled(0.5)
 }
 
-/// Velocities of the axle at its two contact points, and its angular velocity, for a solid axle. The left wheel rises
-/// and the right wheel falls. The rotation of steered knuckles relative to the axle is not included.
+/// Velocities of the axle at its two contact points, and its angular velocity, for a solid axle or twist beam. For a
+/// twist beam, this is the angular velocity of the left carrier. The left wheel rises and the right wheel falls. The
+/// rotation of steered knuckles relative to the axle is not included.
 fn by_difference<T: Scalar>(
     state: &Balance<T>,
     axle: usize,

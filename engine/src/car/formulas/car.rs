@@ -226,12 +226,12 @@ pub(in crate::car) fn heave_frequency<T: Scalar>(solved: &Solved<'_, T>) -> T {
     frequency(heave_rate(solved).scaled(per_metre) / solved.now.sprung.0)
 }
 
-/// Squared angular frequencies of the sprung mass in heave and pitch on massless wheels. These squares are the roots w
-/// of det(K - w M) = 0. The coordinates of K and M are the height of G and the pitch angle.
+/// Frequency of the sprung mass in heave and pitch on massless wheels, in hertz. The squares of both angular frequencies
+/// are the roots w of det(K - w M) = 0. The coordinates of K and M are the ground height gamma and the pitch angle.
 fn body_frequency<T: Scalar>(solved: &Solved<'_, T>, sign: f64) -> T {
-    // The residuals are the vertical force and the pitch moment at the mean contact point of the design position. The
-    // moment is about the axis -e (to the right). The residuals depend on the ground height gamma and on the pitch
-    // angle theta.
+    // The residuals are the vertical force and the pitch moment about an axis -e (to the right). This axis is above or
+    // below the origin, at the height of the mean contact point of the design position. The residuals depend on the
+    // ground height gamma and on the pitch angle theta.
     let height = solved.now.road.up.dot(solved.now.design_contact);
     let along = |state: &Balance<Jet<T, 2>>| {
         let [forward, up, pitch] =

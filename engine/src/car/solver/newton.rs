@@ -21,13 +21,14 @@ use super::start::Start;
 use super::{CarSolver, LONGEST_TRAVEL, LONGEST_TURN};
 use crate::number::{Each, array_of};
 
-/// If a step is larger than this fraction of the previous step, a new tangent is needed.
+/// If a step with an earlier tangent is larger than this fraction of the shortest step so far, a new tangent is needed.
 const CONTRACTION: f64 = 0.1;
-/// If a step is below this limit, relative to the sizes of the unknowns, the next step uses the same tangent.
+/// If a step is below this limit, relative to the sizes of the unknowns, the next step uses the same tangent. The
+/// tangent of the last step must be from within this distance.
 const NEAR: f64 = 2e-3;
-/// Upper limit of a step with the tangent of a neighbouring state. If the step is between half of [`NEAR`] and this
-/// limit, the next step uses this tangent again. If the step is shorter, the solver computes a new tangent close to the
-/// solution.
+/// Limit for steps with the tangent of a neighbouring state. If the step is between half of [`NEAR`] and this limit, the
+/// next step uses this tangent again. If the step is longer or shorter, the solver computes a new tangent. After a
+/// shorter step, this tangent is close to the solution.
 const BESIDE: f64 = 2e-2;
 /// A step below this limit, relative to the sizes of the unknowns, is rounding error.
 pub(super) const ROUNDING: f64 = 8.0 * f64::EPSILON;
@@ -60,7 +61,7 @@ impl<'a> CarSolver<'a> {
     }
 
     /// Runs Newton's method for one set of wheels in contact. The function starts with the LU factors of the start. It
-    /// keeps the factors of a tangent while each step is at most a tenth of the previous step. The wheels are computed
+    /// keeps the factors of a tangent while each step is at most a tenth of the shortest step before. The wheels are computed
     /// from their curves until the last step, which uses poses. If `may_be_near` is true, the last step also uses the
     /// curves.
     pub(super) fn newton(
@@ -155,7 +156,7 @@ struct Iteration {
     sizes: Sizes,
     /// Unknowns before the last step that was taken. Every wheel has a pose at these unknowns.
     reached: Option<[f64; UNKNOWNS]>,
-    /// Shortest step so far.
+    /// Shortest step so far. A step with an earlier tangent that is rejected raises it to the length of this step.
     smallest: f64,
     /// Number of steps with a new tangent that were longer than the shortest step so far.
     longer: usize,
@@ -311,7 +312,7 @@ struct Sizes {
 
 impl Sizes {
     /// Returns the point halfway back to `reached`, the last point at which every wheel has a pose. `None` if there is
-    /// no such point, or if it is the present point.
+    /// no such point, or if its travels are nearly the present ones.
     fn half_way_back(
         &self,
         x: &[f64; UNKNOWNS],

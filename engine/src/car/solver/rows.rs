@@ -2,17 +2,18 @@
 //!
 //! The first state of a row is solved alone. Then the row gets a SIMD lane ([`super::lanes`]). The start of a state is
 //! extrapolated by a polynomial through the last states of its row. The first inverse tangent of a state is the inverse
-//! tangent after the previous state of its row. So the results of a row do not depend on other rows. A row leaves
-//! its lane, and the solver solves its next case alone, if
+//! tangent after the previous state of its row. So the results of a row depend on other rows only by rounding errors: all
+//! rows share the curves of the wheels. A row leaves its lane, and the solver solves its next case alone, if
 //!
 //! - a wheel has no curve, or a step is not finite or too long,
 //! - the iteration does not converge,
 //! - the set of wheels in contact would change,
+//! - the body or a wheel would move too far from the last state,
 //! - the settings, the racks or the yaw acceleration of the case differ from those of the other lanes.
 //!
-//! For every [`VERIFIED`]-th state of a row, the solver computes the exact tangent. This state must meet the condition
-//! of stability in [`super::super::stability`]. Otherwise all states since the last state with a tangent are solved
-//! again, alone.
+//! For every [`VERIFIED`]-th state of a row, and for its last state in a lane, the solver computes the exact tangent. This
+//! state must meet the condition of stability in [`super::super::stability`]. Otherwise all states since the last state
+//! with a tangent are solved again, alone.
 
 use super::super::equations::{Held, LOADS, TRAVELS, UNKNOWNS, masses, static_loads};
 use super::super::parameters::Parameters;
@@ -28,7 +29,7 @@ use crate::number::{Vector3, Width, array_of};
 const VERIFIED: usize = 8;
 /// Largest number of steps for one state.
 const MOST_STEPS: usize = 10;
-/// Largest first step, relative to the sizes of the unknowns.
+/// Largest step, relative to the sizes of the unknowns.
 const LONGEST: f64 = 0.1;
 /// Only rounding error remains if steps no longer become shorter, and one of them was below this limit.
 const STILL: f64 = 1e-12;
@@ -175,7 +176,7 @@ impl<'a> CarSolver<'a> {
     }
 
     /// Splits rows into blocks. [`CarSolver::solve_rows`] solves the rows of a block at the same time. The results of a
-    /// row do not depend on other rows.
+    /// row depend on other rows only by rounding errors.
     pub fn blocks_of<'r, 'c>(rows: &'r [&'c [Case]]) -> impl Iterator<Item = &'r [&'c [Case]]> {
         let alike = |a: &&[Case], b: &&[Case]| match (a.first(), b.first()) {
             (Some(a), Some(b)) => fits(a, b),
@@ -314,7 +315,7 @@ impl<'a> CarSolver<'a> {
     }
 
     /// Checks the states of a row that were solved in its lane, with the tangent in the last state. If this state is
-    /// not stable, all these states are solved again, alone.
+    /// not stable or has no tangent, all these states are solved again, alone.
     fn confirm<'c>(
         &mut self,
         block: &mut Option<Block<'c>>,

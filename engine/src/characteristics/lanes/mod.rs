@@ -87,7 +87,8 @@ pub struct LaneInputs<B> {
     inputs: Inputs<B>,
     /// Positions of the points, and their velocities.
     points: Vec<[Vector3<B>; 2]>,
-    /// Velocity of the wheel centre and angular velocity with respect to the rack, at constant travel.
+    /// Velocity of the wheel centre and angular velocity with respect to the rack, at constant travel. For a rigid
+    /// axle, with respect to the travel that the drive does not change.
     by_rack: [Vector3<B>; 2],
     axle: LaneAxle<B>,
     rods: ToggleWatch<B>,

@@ -71,10 +71,11 @@ impl<B: SimdReal> Outlined for Watching<'_, B> {
                 rod.nearer(first, last)
             } else {
                 // Before the first station, the rack has moved from the design position. So the path begins with the rod in
-                // the design position.
+                // the design position, except on a steered axle.
                 *first = rod;
                 if self.at.mechanism.axle_steering().is_some() {
-                    // Before the first station, the steering gear has moved from the design position.
+                    // Before the first station, the steering gear has also moved. So the path begins with the axle at
+                    // rest and the steering gear at its new position.
                     self.at.rod_at_rest(*id)
                 } else {
                     self.at.designed_rod(*id)

@@ -104,8 +104,8 @@ impl<T: Scalar> ElasticAxle<T> {
         Some([velocity.y / turn.x, -(velocity.z / turn.x)])
     }
 
-    /// Returns this axle without springs and anti-roll bar, so that only its links hold it. The links have no forces
-    /// from the design load. `None` for independently suspended wheels.
+    /// Returns this axle without springs and anti-roll bar, so that only its links hold it. Its equilibrium releases the
+    /// forces that the links have at the design load. `None` for independently suspended wheels.
     pub fn on_its_links(&self) -> Option<Self> {
         if !self.is_joined() {
             return None;

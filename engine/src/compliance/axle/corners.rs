@@ -105,9 +105,9 @@ impl<T: Scalar> Corners<T> {
         Ok(Corners::Apart([factors(0)?, factors(1)?]))
     }
 
-    /// Combines both sides of a body that carries both wheels, by equation (1). In `sides`, the left side contains all
-    /// forces on the body, and the forces of the right side are zero. If `bounds` is given, every motion must have a
-    /// stiffness.
+    /// Combines both sides of a body that carries both wheels, by equation (1). Afterwards, the left side in `sides` contains
+    /// all forces on the body, and the forces of the right side on the body are zero. If `bounds` is given, every motion
+    /// must have a stiffness.
     pub(super) fn joined(
         sides: &mut [SideEquations<T>; 2],
         bounds: Option<Bounds>,
@@ -159,8 +159,8 @@ impl<T: Scalar> Corners<T> {
 }
 
 impl Corners<f64> {
-    /// Checks the stability of each wheel while the shared bodies are held. The error contains the side that is
-    /// unstable.
+    /// Checks the stability of each wheel while the shared bodies are held. The error contains the side that is unstable;
+    /// `None` for the body that carries both wheels.
     pub(super) fn check_stable(
         &self,
         sides: &[SideEquations<f64>; 2],

@@ -45,7 +45,8 @@ impl AxleCompliance {
         }
     }
 
-    /// Returns true if no part is elastic.
+    /// Returns true if no bushing, link or steering part is elastic and there is no subframe. Springs and anti-roll bar do not
+    /// count.
     pub fn is_rigid(&self) -> bool {
         let is_rigid = self.wheels.iter().all(Compliance::is_rigid);
         is_rigid && self.subframe.is_none() && !self.steering_yields()
@@ -56,8 +57,9 @@ impl AxleCompliance {
         self.rack_rate.is_some() || self.column.is_some()
     }
 
-    /// Sets the rate of a bushing, link, spring, rack, column or anti-roll bar. If the law of a bushing is a force
-    /// curve, the function sets the factor on the forces of the curve.
+    /// Sets the value of a parameter, for example the rate of a bushing, link, spring, rack, column or anti-roll bar. If the
+    /// law of a bushing is a force curve, the function sets the factor on the forces of the curve. If these parts do not have
+    /// the parameter, nothing changes.
     pub fn set_rate(&mut self, of: AxleParameter, value: f64) {
         match self.shared_number(of.parameter) {
             Some(number) => *number = value,
@@ -67,8 +69,8 @@ impl AxleCompliance {
         }
     }
 
-    /// Changes the rate of a part by `change`, or by the fraction `change` if `is_relative` is true. Returns false if the
-    /// new rate is not above 0.
+    /// Changes the value of a parameter by `change`, or by the fraction `change` if `is_relative` is true. Returns false if a
+    /// new value is not above 0.
     pub(crate) fn change_rate(
         &mut self,
         of: AxleParameter,
@@ -84,7 +86,7 @@ impl AxleCompliance {
     }
 
     /// Returns true if the axle has only one part with this parameter. Both wheels share this part, or it is a link or
-    /// bushing in the middle of a solid axle. The data of the left wheel contain the parts in the middle.
+    /// bushing in the middle of a solid axle. The data of the left wheel contain the parts in the middle, after the others.
     pub fn is_shared(&self, parameter: Parameter) -> bool {
         let [left, right] = &self.wheels;
         let is_in_the_middle = match parameter {
@@ -101,7 +103,8 @@ impl AxleCompliance {
         is_in_the_middle || self.map(|value| value).shared_number(parameter).is_some()
     }
 
-    /// Returns true if the part of this parameter has different laws at the two wheels.
+    /// Returns true if the part of this parameter has different laws at the two wheels. The parameter is the rate of a
+    /// bushing, link or spring; for other parameters, the result is false.
     pub fn differs(&self, parameter: Parameter) -> bool {
         let [left, right] = &self.wheels;
         match parameter {

@@ -1,4 +1,4 @@
-//! Axle of two elastic wheels, coupled by rack, anti-roll bar and subframe.
+//! Axle of two elastic wheels, coupled by rack, anti-roll bar and subframe, or by one body that carries both wheels.
 
 mod body;
 mod corners;
@@ -178,7 +178,8 @@ impl<T: Scalar> ElasticAxle<T> {
         }
     }
 
-    /// Checks that every motion has a stiffness while the heights are held.
+    /// Checks that every part has stiffness while the heights are held. The check finds a free motion of carriers or shared
+    /// bodies only if a pivot of the equations is exactly zero.
     fn check_held(&self) -> Result<(), AxleFault> {
         let state = self.start();
         let task = self.level([0.0; 2], 0.0);
@@ -239,8 +240,8 @@ impl<T: Scalar> ElasticAxle<T> {
         }
     }
 
-    /// Vertical forces at the contact points in the design position; `None` if the design position is not an
-    /// equilibrium.
+    /// Vertical forces at the contact points that balance elastic parts and springs in the design position, without constant
+    /// forces. `None` if the parts are not relaxed at the design load.
     pub fn design_loads(&self) -> Option<[T; 2]> {
         let loads = self.wheels.each_ref().each(|wheel| wheel.start.vertical);
         (self.relaxed() == Relaxed::AtDesignLoad).then_some(loads)
@@ -291,7 +292,7 @@ impl<T: Scalar> ElasticAxle<T> {
         built.bushing_readings(&at.state.wheels[side as usize], &around)
     }
 
-    /// Tension of each link of a side, in the order of the definition.
+    /// Tension of each link of a side, in the order of the definition, except the rod of a rocker whose spring has no law.
     pub fn tensions(&self, at: &AxleEquilibrium<T>, side: Side) -> Vec<T> {
         let around = at.state.around(side as usize);
         let built = &self.wheels[side as usize].built;

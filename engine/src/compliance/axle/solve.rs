@@ -252,7 +252,7 @@ impl ElasticAxle {
         (found.1, found.2)
     }
 
-    /// Returns the largest unbalanced force in a state. A moment counts as the force that produces it at a lever of 300
+    /// Returns the largest unbalanced force in an equilibrium. A moment counts as the force that produces it at a lever of 300
     /// mm. The result is infinite if the equations cannot be formed.
     pub fn out_of_balance(&self, at: &AxleEquilibrium) -> f64 {
         let found =

@@ -43,7 +43,7 @@ pub(in crate::compliance) enum LimbPlace {
     },
     /// Top mount of the strut.
     Mount,
-    /// Point on which the spring acts: on the carrier, or on the rigid arm with this outer joint.
+    /// Point on which the spring acts: on the carrier, or on the arm without bushings that has this outer joint.
     Seat(Option<PointId>),
 }
 
@@ -61,14 +61,15 @@ impl LimbPlace {
 /// Points of a rigid joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::compliance) enum JointPlace {
-    /// Rod, or leg of a rigid arm.
+    /// Rigid rod, or rigid leg of an arm without bushings.
     Rod {
         /// End at the body, subframe or rack.
         inner: PointId,
         /// End at the carrier.
         outer: PointId,
     },
-    /// Ball joint of an arm or link at the body. The distance between this joint and the outer end is constant.
+    /// Ball joint of an arm at the body. The distance between this joint and the outer joint is constant. The field is the
+    /// outer joint.
     Pivot(PointId),
     /// Mount of a strut. It stays on the line of the strut.
     Line(PointId),
@@ -93,7 +94,8 @@ pub(in crate::compliance) struct Places {
     /// Inner and outer end of each rod with axial stiffness.
     pub(in crate::compliance) rods: Vec<[PointId; 2]>,
     pub(in crate::compliance) joints: Vec<JointPlace>,
-    /// Outer joint of the rigid arm that carries the drop link, if an arm carries it.
+    /// Outer joint of the arm without bushings that carries the drop link, or the rod of the drop link's rocker. `None` if
+    /// no such arm carries it.
     pub(in crate::compliance) bar: Option<PointId>,
     /// Rod between suspension and rocker, if the spring is on a rocker.
     pub(in crate::compliance) rocker_rod: Option<Rod>,

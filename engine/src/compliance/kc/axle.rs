@@ -1,8 +1,9 @@
 //! Rig tests of both wheels of an axle.
 //!
 //! Results of a wheel are per unit of the load on that wheel. Their signs are those of a study with one wheel. Results
-//! of the axle are per unit of a force to the vehicle's left at each wheel. Steer is positive to the left. With track
-//! t, wheel loads F and contact points C, roll angle and roll moment are
+//! of the axle are per unit of a force to the vehicle's left, or of a moment to the right, at each wheel. Results of a roll
+//! test are per roll angle. Steer is positive to the left. With track t, wheel loads F and contact points C, roll angle and
+//! roll moment are
 //!
 //! ```text
 //! phi = atan2(C_r.z - C_l.z, t),   M = t (F_r - F_l)/2                                            (1)
@@ -162,8 +163,8 @@ impl<'a> AxleKcRun<'a> {
         [&self.designs[0], &self.designs[1]]
     }
 
-    /// Returns the vertical forces at the contact points in the design position; `None` if this position is not an
-    /// equilibrium.
+    /// Returns the vertical forces at the contact points that balance elastic parts and springs in the design position.
+    /// `None` if the parts are not relaxed at the design load.
     pub fn design_loads(&self) -> Option<[f64; 2]> {
         self.axle.design_loads()
     }

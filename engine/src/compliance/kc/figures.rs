@@ -23,7 +23,7 @@ pub(super) struct Figure<T> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sheet<'a> {
     pub(super) suspension: &'a Suspension,
-    /// True if no part is elastic.
+    /// True if no part except springs and anti-roll bar is elastic.
     pub(super) is_rigid: bool,
     /// True if the wheel has a steering axis.
     pub(super) has_axis: bool,
@@ -41,8 +41,8 @@ pub(super) struct Read<T> {
     pub(super) by: Option<WheelFigures<T>>,
     /// Wheel rate at the contact point, for the ride rate of a heave test: force per length.
     pub(super) wheel_rate: Option<T>,
-    /// Force on the rack along the kernel's +y. Only a steering test uses it. That test has `None` without a spring, because
-    /// nothing then loads the rack.
+    /// Force that holds the rack, along the kernel's +y. Only the steering test of a single wheel uses it. That test has
+    /// `None` without a spring, because nothing then loads the rack.
     pub(super) rack_force: Option<T>,
 }
 
@@ -236,7 +236,7 @@ impl Sheet<'_> {
             .collect()
     }
 
-    /// Returns force per length, from length per force. `None` if the part does not move.
+    /// Returns force per length, from length per force. `None` if the displacement is below [`LEAST_COMPLIANCE`].
     pub(super) fn stiffness<T: Scalar>(&self, displacement: Option<T>) -> Option<T> {
         let millimetre = self.suspension.length_unit.per_metre() / 1000.0;
         let least = LEAST_COMPLIANCE / 1000.0 * millimetre;

@@ -170,7 +170,7 @@ pub struct KcGradient<'g> {
 
 impl KcRun<'_> {
     /// Computes values at a station with their derivatives with respect to inputs. A station is a travel and a rack
-    /// displacement along the study's +y.
+    /// displacement along the study's +y. The input [`Parameter::Rack`] is along the kernel's +y.
     pub fn gradients(
         &self,
         [travel, rack]: [f64; 2],

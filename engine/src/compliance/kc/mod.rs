@@ -3,8 +3,8 @@
 //! At a station (travel, rack), the wheel is in equilibrium without horizontal loads, and its height is fixed. A test
 //! starts from this equilibrium and changes a load, the travel or the rack. Its results are derivatives with respect to
 //! this change. The window of a test is the range of its load. The results also contain secants over this window. The
-//! levels of a test are equilibria at equally spaced loads in the window. All results are those of a left wheel in ISO
-//! 8855 axes.
+//! levels of a test are equilibria at equally spaced loads in the window. The results of a wheel are those of a left wheel
+//! in ISO 8855 axes. Only results along the rack, and the compliance matrix, are in the study's axes.
 
 mod axle;
 mod ends;
@@ -42,7 +42,7 @@ pub struct KcFigure {
     pub unit: Unit,
     /// Derivative at the station; `None` if it does not exist.
     pub value: Option<f64>,
-    /// Secant over the window.
+    /// Secant over the window. `None` without levels, or if an end of the window has no equilibrium.
     pub secant: Option<f64>,
     /// Wheel or axle to which the result belongs.
     pub of: KcSubject,
@@ -88,9 +88,9 @@ pub struct KcWheelState {
     pub wheel_load: f64,
     /// State of the spring, if it has a law.
     pub spring: Option<SpringReading>,
-    /// States of the bushings, in the order of the definition.
+    /// States of the bushings, in the order of the definition; for an axle, then of the subframe's mounts.
     pub bushings: Vec<BushingReading>,
-    /// Tensions of the links, in the order of the definition.
+    /// Tensions of the links, in the order of the definition, except the rod of a rocker whose spring has no law.
     pub tensions: Vec<f64>,
 }
 
@@ -132,9 +132,10 @@ pub struct KcStation {
     /// Tests of the station with the points where their loads act. The list also exists if the station has no
     /// equilibrium.
     pub tests: Vec<(KcTest, TestPlace)>,
-    /// Compliance matrix of the wheel centre, in the study's axes; `None` if the wheel load cannot be held. Rows are
-    /// displacements along x, y, z, then rotations. Columns are forces, then moments. For an axle, the left wheel comes
-    /// first. Anti-roll bar and steering are as in the first test.
+    /// Compliance matrix of the wheel centre, in the study's axes. `None` if the wheel load cannot be held, or if the
+    /// station (for an axle, the first test) has no equilibrium. Rows are displacements along x, y, z, then rotations.
+    /// Columns are forces, then moments. For an axle, the left wheel comes first. Anti-roll bar and steering are as in
+    /// the first test.
     pub matrix: Option<Vec<Vec<f64>>>,
     /// Lateral distance between the wheel centres of an axle. `None` for a single wheel, or if the first test has no
     /// equilibrium.
@@ -413,7 +414,7 @@ fn levels<E: Copy>(
     low
 }
 
-/// Returns the loads at an end of a window: a unit load times `factor`.
+/// Returns the loads at a level of a test: a unit load times `factor`, with the trail of the unit load.
 fn end_loads(unit: &WheelLoads, factor: f64) -> WheelLoads {
     let mut loads = WheelLoads::none(0.0).plus(unit, factor);
     loads.trail = unit.trail;

@@ -152,7 +152,7 @@ impl KcTest {
     }
 
     /// Returns the default tests of a study: motions and loads. If no part is elastic, the only loads are those that
-    /// cause jacking.
+    /// cause jacking, without levels.
     pub fn defaults(is_rigid: bool, has_spring: bool, length: LengthUnit) -> Vec<KcTest> {
         let test = |load| KcTest::new(load, length);
         let mut tests = vec![
@@ -174,7 +174,8 @@ impl KcTest {
         tests
     }
 
-    /// Default tests of an axle: motions, and loads on both wheels, parallel and opposed.
+    /// Default tests of an axle: motions, and loads on both wheels, parallel and opposed. The motions are heave, roll and, if
+    /// the axle steers, steering.
     pub fn defaults_of_axle(
         is_rigid: bool,
         has_spring: bool,

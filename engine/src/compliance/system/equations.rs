@@ -75,7 +75,7 @@ impl<T: Valued> Equations<T> {
         (self.unstable, self.loose) = (None, None);
     }
 
-    /// Adds external forces that hold the carrier.
+    /// Sets the residuals of the carrier to minus the external forces that hold it. Before, they must be zero.
     #[inline(always)]
     pub(super) fn hold(&mut self, held: Option<&Held<T>>) {
         if let Some(held) = held {

@@ -78,7 +78,7 @@ pub(in crate::evaluate) struct Differentiating<'r, 't, B: SimdReal> {
     pub(super) rack: B,
     /// SIMD lanes whose poses the pose tracker has accepted so far.
     pub(super) accepted: B::Mask,
-    /// Number of all stations, and index of the first station at this rack displacement.
+    /// Number of all stations, and index of the first station (or group of stations in lanes) at this rack displacement.
     pub(super) count: usize,
     pub(super) first: usize,
     pub(super) task: Task<'t>,

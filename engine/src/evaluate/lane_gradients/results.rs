@@ -60,7 +60,8 @@ pub struct Jacobians<'f> {
 }
 
 impl Jacobians<'_> {
-    /// Index of the station that the designs share, as [`Stations::number`] returns it.
+    /// Index of the station that the designs share, as `Stations::number` returns it. If the lanes hold stations of a single
+    /// design: index of the group of stations.
     pub fn station(&self) -> usize {
         self.station
     }
@@ -70,13 +71,13 @@ impl Jacobians<'_> {
         &self.found.groups[self.station]
     }
 
-    /// Value of an angle, in radians.
+    /// Value of an angle in radians, or of another quantity in length units.
     #[inline(always)]
     pub fn value(&self, design: usize, angle: usize) -> f64 {
         self.found.number(&self.found.angles, angle, design)
     }
 
-    /// Gradient with respect to a hardpoint, in radians per length unit.
+    /// Gradient with respect to a hardpoint, per length unit.
     #[inline(always)]
     pub fn gradient(&self, design: usize, angle: usize, point: PointId) -> Vector3<f64> {
         self.found

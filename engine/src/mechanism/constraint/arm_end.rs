@@ -28,8 +28,9 @@
 //! dF = g.dp - g.dP + ..,   f = g + h,   m = l x g + k x h                   (5)
 //! ```
 //!
-//! The rows of the joint and the two legs of the arm leave o only the rotation about the axis. For a design, (1) is the
-//! position in module `arm`, which gives the derivatives with respect to hardpoints.
+//! The two legs of the arm leave o only the rotation about the axis. With the rows of a joint, the knuckle can only rotate
+//! about the line from o to p in addition. For a design, (1) is the position in module `arm`, which gives the derivatives with
+//! respect to hardpoints.
 //!
 //! Rates along the motion (v, w). M is constant, since e is fixed in the body:
 //!
@@ -128,7 +129,7 @@ fn built<T: Real>(
     ]
 }
 
-/// Returns two directions normal to the line between both joints of an arm.
+/// Returns one of two directions normal to the line between both joints of an arm. `number` selects it.
 #[inline(always)]
 fn across<T: Real>(arm: Arm, at: PointId, points: &[Vector3<T>], number: usize) -> Vector3<T> {
     let line = (points[at.0] - points[arm.outer.0]).normalised();
@@ -284,7 +285,7 @@ impl<T: Real> ArmEnd<T> {
         }
     }
 
-    /// Adds `weight` times (5).
+    /// Adds `weight` times (5). The force h follows from the design, so it is only approximate for a built arm.
     #[inline(always)]
     pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let push = self.push(at) * weight;

@@ -7,10 +7,10 @@
 //! dF = f . d(origin) + m . d(rotation) + q d(rack) + sum over hardpoints g . dh    (2)
 //! ```
 //!
-//! The force f and the moment m are a row of the 6x6 Jacobian. f and m are the Pluecker coordinates of the line along
-//! which the constraint acts. q is the force on the rack. With the gradients g, the implicit function theorem gives
-//! derivatives with respect to hardpoints. Each row is scaled to a length, so forces are about one and moments about
-//! one length.
+//! The force f and the moment m are a row of the 6x6 Jacobian. For most constraints, they are the Pluecker coordinates of the
+//! line along which the constraint acts. q is the force on the rack. With the gradients g, the implicit function theorem gives
+//! derivatives with respect to hardpoints. Each row is scaled to a length, so forces are about one and moments about one
+//! length.
 //!
 //! Along a motion of the knuckle with velocity v of its origin and angular velocity w, a vector r that is fixed in
 //! the knuckle changes as in (3). The rates (4) of a wrench follow from (3) by the product rule, with the rack fixed.

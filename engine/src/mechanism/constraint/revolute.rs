@@ -10,7 +10,8 @@
 //! ```
 //!
 //! For the first point of the axis, n is x, y and z. For the second point, n is each of two directions normal to the
-//! axis. These directions rotate with the axis. But p = c in every pose, so their rotation adds no term to (2).
+//! axis. These directions rotate with the axis. But p = c in every pose of a design, so their rotation adds no term to
+//! (2).
 //!
 //! Rates along the motion (v, w), from l' = w x l and n fixed in the body:
 //!

@@ -178,7 +178,7 @@ impl<T: Real> KnuckleMotion<'_, '_, T> {
         self.along.shift + self.along.turn.cross(place - self.at.pose.origin)
     }
 
-    /// Point that is not on a rocker, with its rate.
+    /// Point of the knuckle or the body, or a mount that moves opposite to a knuckle point, with its rate.
     #[inline(always)]
     fn point(&self, id: PointId) -> Moving<T> {
         let now = self.at.point(id);

@@ -111,7 +111,7 @@ impl<B: SimdReal> Configuration<'_, B> {
             let end = turn.moved(inner);
             let rod = end - outer;
             let speed = rod.dot(rate) / rod.dot(turn.axis.cross(end - first));
-            // This form of the selection returns NaN if one of the compared values is NaN.
+            // The selection returns NaN if the new value is NaN. After a rocker with NaN, every new value is NaN.
             least = B::select(
                 least.less(turn.leverage_squared),
                 least,

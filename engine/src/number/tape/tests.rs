@@ -24,8 +24,8 @@ fn agrees_with_dual_numbers() {
     });
 }
 
-/// A tape may be used inside another one, and tapes may be dropped in any order. Each tape starts with its own inputs, and
-/// the record is empty after the last tape.
+/// A tape may be used inside another one, and the older of two tapes may be dropped first. Each tape starts with its own
+/// inputs, and the record is empty after the last tape.
 #[test]
 fn tapes_share_a_record() {
     let gradient = |tape: &Tape, of: Tracked<'_>| {

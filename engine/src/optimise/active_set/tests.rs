@@ -18,7 +18,7 @@ struct Program {
 
 impl Program {
     /// A random problem. Every third problem has parallel and repeated rows. Every fifth problem has a factor R whose pivots
-    /// span seven decades. In every second problem, the bounds can be very close to the interior point.
+    /// span up to seven decades. In every second problem, the bounds can be very close to the interior point.
     fn random(seed: u64, n: usize, rows: usize, equalities: usize) -> Self {
         let mut noise = Noise::new(seed);
         let mut triangle = DMatrix::from_fn(n, n, |_, _| noise.next()).qr().r();
@@ -201,7 +201,7 @@ fn minima_obey_the_kuhn_tucker_conditions_and_refusals_are_proved() {
                 refused += 1;
                 let gradients: Vec<_> = culprits.iter().map(|h| program.gradient(*h)).collect();
                 let gradients = DMatrix::from_columns(&gradients);
-                // The gradients have exactly one linear dependence, so each of the reported constraints is necessary.
+                // The eigenvector of the smallest eigenvalue has the factors of the linear dependence of the gradients.
                 let square = gradients.tr_mul(&gradients);
                 let eigen = square.symmetric_eigen();
                 let least = eigen.eigenvalues.imin();

@@ -40,7 +40,7 @@ impl Curvature {
         }
     }
 
-    /// Changes S by a matrix of rank one, so that S d = y.
+    /// Changes S by a matrix of rank one, so that S d = y. Leaves S unchanged if that change would be very large, or not finite.
     pub(super) fn learn(&mut self, d: &[f64], y: &[f64]) {
         let n = self.variables;
         let image = self.image(d);

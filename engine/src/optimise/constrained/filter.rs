@@ -21,7 +21,8 @@ impl Filter {
         }
     }
 
-    /// Returns true if a pair is better than every stored pair, either in its goal or in its violation.
+    /// Returns true if a pair is better than every stored pair, either in its goal or in its violation. A pair with zero
+    /// violation is always accepted.
     pub(super) fn accepts(&self, goal: f64, violation: f64) -> bool {
         let better = |[passed_goal, passed_violation]: &[f64; 2]| {
             violation <= (1.0 - MARGIN) * passed_violation

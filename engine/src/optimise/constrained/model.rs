@@ -152,7 +152,7 @@ impl<'a> ConvexModel<'a> {
         }
     }
 
-    /// Builds the model about `x`. Rows that do not change with the variables are left out.
+    /// Builds the model about `x`. Rows that no variable has changed in this run are left out.
     pub(super) fn build(&mut self, x: &DVector<f64>, at: &Assessment, movable: Option<&Movable>) {
         let n = x.len();
         self.norm = at.goal.residuals.norm();
@@ -163,8 +163,8 @@ impl<'a> ConvexModel<'a> {
             } else {
                 value > KEPT
             };
-            // A violated row can be constant near this point and change elsewhere. Such a row does not restrict the step
-            // from this point.
+            // A row in use can be constant near this point and change elsewhere. If such a row is satisfied, it does not
+            // restrict the step from this point. If it is violated, it stays in the model.
             *speaks = movable.is_none_or(|movable| {
                 movable.takes_part(row) && (missed || movable.moves_at(row, &at.rows, self.bounds))
             });

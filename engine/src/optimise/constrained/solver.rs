@@ -41,7 +41,8 @@ const SIDES: usize = 4;
 const CURVED_FROM: u64 = 7;
 /// Step length, in half ranges, that counts as zero. The solver does not compute steps more accurately.
 pub(super) const RESOLUTION: f64 = 1e-12;
-/// Largest number of trials in an iteration. Each trial step is at most half as long as the previous step.
+/// Largest number of trials in an iteration. Unless the previous trial brought new rows into use, each trial step is at most
+/// half as long as the previous step.
 const TRIALS: usize = 60;
 /// Smallest relative decrease of a violation. If the model predicts a smaller decrease, the violation counts as stuck.
 const STUCK: f64 = 1e-4;
@@ -53,7 +54,7 @@ pub struct ConstrainedFit {
     pub x: DVector<f64>,
     /// Goal, levels and rows at `x`.
     pub at: Assessment,
-    /// Largest violation at `x` among the rows that some variable changes.
+    /// Largest violation at `x` among the levels and the rows that some variable changes.
     pub violation: f64,
     /// True for each row that some variable changed at any point of the run.
     pub movable: Vec<bool>,
@@ -61,8 +62,8 @@ pub struct ConstrainedFit {
     pub multipliers: Vec<f64>,
     /// Derivative of half the squared goal with respect to half the square of each level, negated.
     pub level_multipliers: Vec<f64>,
-    /// Other multipliers of the rows that also satisfy the optimality conditions. They exist if gradients are linearly
-    /// dependent.
+    /// Multipliers of the rows by least squares, if they satisfy the optimality conditions. They differ from `multipliers` by
+    /// more than rounding errors only if gradients are linearly dependent.
     pub alternatives: Option<Vec<f64>>,
     /// Imbalance of the optimality conditions (slopes plus multipliers times gradients), relative to the sizes of the terms.
     pub imbalance: f64,
@@ -155,7 +156,7 @@ struct SequentialConvex<'a> {
     /// Rows at the latest refused trials near the current point. The slopes of these rows are the slopes on the other sides
     /// of a kink.
     beside: Vec<Linearisation>,
-    /// Distance that the current point has moved since the first trial in `beside`, in half ranges.
+    /// Distance that the current point has moved since `beside` was last cleared, in half ranges.
     gone: f64,
     filter: Filter,
     radius: f64,
@@ -236,7 +237,7 @@ impl SequentialConvex<'_> {
         }
     }
 
-    /// Removes the stored trials if a step of this length leads too far away from them.
+    /// Removes the stored trials if the steps since the last removal, this one included, add up to more than [`BESIDE`].
     fn leave_beside(&mut self, length: f64) {
         self.gone += length;
         if self.gone > BESIDE {

@@ -117,7 +117,7 @@ fn projections_are_exact_and_multipliers_are_prices() {
     );
 }
 
-/// If two circles do not intersect, the run names both circles. No small move from the end of the run reduces the violation.
+/// If two discs do not intersect, the run names both discs. No small move from the end of the run reduces the violation.
 #[test]
 fn a_planted_contradiction_ends_with_its_rows() {
     let at = |x: &[f64]| {
@@ -199,7 +199,8 @@ fn an_unreachable_row_ends_exactly_on_the_bounds() {
     }
 }
 
-/// Random problems with curved residuals and curved rows. The runs end at points where the multipliers balance the slopes.
+/// Random problems with curved residuals and curved rows. At the ends of at least 59 of 60 runs, the multipliers balance the
+/// slopes.
 #[test]
 fn random_constrained_problems_end_at_kuhn_tucker_points() {
     let (mut balanced, mut evaluations) = (0, Vec::new());
@@ -294,8 +295,8 @@ fn curvature_is_learnt_where_residuals_are_large() {
     assert!(fit.evaluations() < 60, "{}", fit.evaluations());
 }
 
-/// Rosenbrock's valley in a disc, with added constant rows. The values of these rows are at the limit or beyond it, and their
-/// slopes are only rounding errors.
+/// Rosenbrock's valley in a disc, with added constant rows. The slopes of these rows are only rounding errors. The third row
+/// has the value `missed`; the others are at the limit.
 fn beside_still_rows(noise: f64, missed: f64, equalities: usize) -> ConstrainedFit {
     let at = move |x: &[f64]| {
         let goal = vec![

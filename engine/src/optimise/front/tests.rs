@@ -186,8 +186,8 @@ fn a_straight_front_has_its_slope_everywhere() {
     assert!(widest_step(&traced.points) < 0.045);
 }
 
-/// A goal has two residuals that no design can make zero together, so the smallest possible misfit of the goal is above
-/// zero. The ends of the Pareto front are the minima of each goal alone.
+/// Each goal has a constant residual, so the smallest possible misfit of the goal is above zero. The ends of the Pareto front
+/// are the minima of each goal alone.
 #[test]
 fn a_front_ends_at_the_minima_of_each_goal() {
     let traced = traced(&[[-5.0, 5.0]; 2], [2, 3], &[&[0.4, 1.1]], |x| {

@@ -2,8 +2,8 @@
 
 use super::{Beside, Part, RowLabel, TargetLayout};
 
-/// Violation up to which a constraint counts as satisfied, in visible units ([`crate::study::Limited::visible`]): a millionth
-/// of a millimetre or of a degree is rounding.
+/// Violation up to which reports and sweeps count a constraint as satisfied, in visible units
+/// ([`crate::study::Limited::visible`]): a millionth of a millimetre or of a degree is rounding. Runs use a smaller limit.
 pub const VIOLATED: f64 = 1e-6;
 
 /// Smallest margin of a constraint in one design.
@@ -12,7 +12,7 @@ pub struct Margin {
     /// Margin to the nearest limit, in the constraint's unit; negative if the limit is violated.
     pub margin: f64,
     /// Drive value of the station with the smallest margin, or of the extreme near it. `None` if the constraint does not
-    /// change along the motion.
+    /// change along the motion, or applies at only one drive value.
     pub at: Option<f64>,
     /// True if the nearest limit is the upper one.
     pub is_upper: bool,
@@ -34,7 +34,8 @@ pub(super) fn other_components(labels: &[RowLabel], parts: &[Part]) -> Vec<Optio
 }
 
 impl TargetLayout {
-    /// Drive value of a constraint's row. `None` if the constraint applies at only one drive value.
+    /// Drive value of a constraint's row. `None` for a quantity of an axle, which has limits only in the design position.
+    /// Also `None` if the leg has one station, or a part of a wheel with elastic parts has a limit at one station.
     fn place_of(&self, label: &RowLabel) -> Option<f64> {
         let Some(leg) = self.legs.get(label.leg) else {
             let Some(Beside::Elastic(elastic)) = &self.beside else {

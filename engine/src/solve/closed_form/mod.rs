@@ -376,10 +376,10 @@ impl<const N: usize> ArmState<Jet<f64, N>> {
 }
 
 impl<T: Real> ArmState<T> {
-    /// Squares by which the closed form divides, or of which it takes the root. Each square has a factor, and square times
-    /// factor is the squared sine of an angle. First angle: between the steering arm and the plane through steering axis and
-    /// rack joint. Second angle: between the rack joint and the steering axis. Third angle: between the steering arm and the
-    /// steering axis.
+    /// Squares by which the closed form divides, or of which it takes the root. Each square has a second number. The square
+    /// divided by this number is the squared sine of an angle. First angle: between the steering arm and the plane through
+    /// steering axis and rack joint. Second angle: between the rack joint and the steering axis. Third angle: between the
+    /// steering arm and the steering axis.
     #[inline(always)]
     pub(crate) fn squares(&self) -> [(T, T); 3] {
         [

@@ -96,8 +96,8 @@ impl<T: Real> Upper<T> {
     }
 
     /// Returns the vector d to the upper end, the strut length s and the margin of the upper end. At margin zero the upper end
-    /// is at its limit. Beyond this limit, all values are NaN. `square`, if given, is a more accurate value of
-    /// [`Upper::square`] than the joint's position gives.
+    /// is at its limit. Beyond this limit, the margin is NaN, and also the strut length or the arm's d. `square`, if given, is
+    /// a more accurate value of [`Upper::square`] than the joint's position gives.
     #[inline(always)]
     pub(crate) fn at(&self, ball_joint: Vector3<T>, square: Option<T>) -> (Vector3<T>, T, T) {
         let known = |own: T| square.map_or(own, |square| own.intersected_with(square));

@@ -12,7 +12,7 @@ use crate::mechanism::{GOOD_PREDICTION, ROUNDING};
 use crate::number::Jet;
 use crate::solve::continuation::{Moving, PathEnd};
 
-/// Largest rotation of an arm in one step (rad). Also the largest displacement in one step, relative to the mechanism's size.
+/// Largest rotation of the knuckle in one step (rad). Also its largest displacement in one step, relative to the mechanism's size.
 pub(crate) const LONGEST_TURN: f64 = 0.2;
 /// Shortest step in the drive, as a share of the distance to the next station. If a step would be shorter, the path turns
 /// sharply. The solver then follows the path in steps of arc length.
@@ -129,8 +129,8 @@ impl Solver<'_> {
         None
     }
 
-    /// Applies Newton's method to a predicted pose. `None` if the prediction was poor, the determinant changed much (or
-    /// changed sign), or the iteration did not converge.
+    /// Applies Newton's method to a predicted pose. `None` if the step was long, the prediction was poor, the determinant
+    /// changed much (or changed sign), or the iteration did not converge.
     pub(crate) fn correct(
         &self,
         before: &Pose<f64>,
@@ -175,7 +175,7 @@ impl Solver<'_> {
     }
 }
 
-/// Pose at the distance `step` of the drive, from the Taylor series of the pose.
+/// Pose after a step of the drive or of the arc length, from the Taylor series of the pose.
 pub(crate) fn predict(series: &Pose<Jet<f64, 3>>, step: f64) -> Pose<f64> {
     let along = |c: Jet<f64, 3>| c[0] + step * (c[1] + step * c[2]);
     let pose = series.map(along);
@@ -187,7 +187,7 @@ pub(crate) fn predict(series: &Pose<Jet<f64, 3>>, step: f64) -> Pose<f64> {
     }
 }
 
-/// Distance between two poses. A rotation counts as its angle times `size`.
+/// Distance between two poses. A rotation counts as about its angle times `size`.
 pub(crate) fn distance(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
     let turned = a
         .rotation

@@ -1,10 +1,9 @@
 //! Poses that are connected to the design position.
 //!
 //! A mechanism has many assemblies. The required assembly is the one that the mechanism reaches by a motion from the design
-//! position. So every pose is found by following a path: first the rack moves at zero travel, then the drive moves outward,
-//! station by station. The module `tracker` finds the poses up to the last station that its checks accept.
-//! From that station on, the solver follows the closure equations. Its steps are so small that Newton's method stays on the
-//! solution branch.
+//! position. So every pose is found by following a path: first the rack moves at zero drive, then the drive moves outward,
+//! station by station. The module `tracker` finds the poses up to the last station that its checks accept. From that station
+//! on, the solver follows the closure equations. Its steps are so small that Newton's method stays on the solution branch.
 
 mod follow;
 mod series;
@@ -45,7 +44,8 @@ pub struct Solver<'m> {
     design_series: Option<DesignSeries<3>>,
     series_is_current: bool,
     size: f64,
-    /// Largest coordinate, or the size if the size is larger. Rounding errors of positions are relative to this length.
+    /// Largest distance of a point from the coordinate origin, or the size if the size is larger. Rounding errors of positions
+    /// are relative to this length.
     coordinate_scale: f64,
     pub(crate) work: WorkCounter,
 }
@@ -221,7 +221,8 @@ impl<'m> Solver<'m> {
         Ok(())
     }
 
-    /// Reason why the tracker rejected a station of the last visit. `None` if it accepted the station.
+    /// Reason why the tracker rejected a station of the last visit. `None` if it accepted the station, or if there is no such
+    /// station. Not available during a visit.
     pub fn rejection(&self, station: usize) -> Option<Rejection> {
         self.tracked.poses.get(station)?.err()
     }

@@ -57,7 +57,8 @@ impl Solver<'_> {
     }
 
     /// Taylor series of a pose by the closed form, with an estimate of its condition number. `None` if there is no closed
-    /// form, if it does not give this pose, or if the tracker would reject the pose.
+    /// form, if it does not give this pose, or if the tracker would reject the pose. Also `None` if the rack moves along the
+    /// motion, or if the design is far from the origin.
     pub(crate) fn closed_form_series<const N: usize>(
         &self,
         pose: &Pose<f64>,

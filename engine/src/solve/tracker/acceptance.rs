@@ -12,15 +12,16 @@ pub enum Rejection {
     /// A divisor of the equations is too small.
     IllConditioned,
     /// The slope of the path, or a number that must not vanish, fell below half of its value or more than doubled in one
-    /// step.
+    /// step. Or the prediction needed a large correction.
     ChangedTooMuch,
     /// The mechanism rotated too far in one step, or from the design position.
     TurnedFar,
-    /// The path is as steep as near a fold.
+    /// The path is as steep as near a fold. Or a contact point rises too slowly with its wheel.
     FoldNear,
-    /// The pose is correct, but a result that is computed from it is not accurate there.
+    /// The pose is correct, but a result that is computed from it is not accurate there. No check gives this reason at present.
     ReadingUncertain,
-    /// The route does not visit the station: the station is out of reach, or has the same drive value as another one.
+    /// The route does not visit the station: the station is out of reach, or has the same drive value as another one. Or the
+    /// mechanism cannot be tracked.
     NotOnTheWay,
 }
 

@@ -57,7 +57,7 @@ pub(crate) const STEEPEST: f64 = 3.0;
 pub(crate) const FARTHEST: f64 = 0.7;
 /// Largest rotation of the arm in one step, as a change of the tangent of half the angle.
 const LONGEST: f64 = 0.1;
-/// Largest number of correction pairs in which a lane must converge.
+/// Largest number of rounds of corrections in which a lane must converge.
 const MOST_ROUNDS: usize = 4;
 
 impl ByArm {
@@ -193,7 +193,7 @@ pub(super) struct BranchGuard<B> {
     tangent: B,
     /// Slope of the half tangent, tan(angle/2) of the arm, with respect to the drive over the last step.
     rate: B,
-    /// Product of all divisors and radicands of the closed form.
+    /// Product of the three squares and of the margin of the upper end. It vanishes with each divisor or radicand.
     margin: B,
 }
 

@@ -62,9 +62,9 @@ pub(super) struct Judgement {
 const NONE: f64 = 1e-6;
 
 /// Searches for boundaries on lines from the design of the study. The rack is alternately in the middle and displaced. `judge`
-/// returns the decisions of all checks at all waypoints of an accepted design. Exactly one of these decisions must have zero
-/// slack. The reason of this decision must be the reason for which the neighbour was rejected. Returns the number of boundaries
-/// of each check.
+/// returns the decisions of all checks at all waypoints of an accepted design. At least one of these decisions must have zero
+/// slack, unless the neighbour did not settle. If there is only one, its reason must be the reason for which the neighbour was
+/// rejected. Boundaries of several checks are skipped. Returns the number of the other boundaries, for each check.
 pub(super) fn boundaries(
     suspension: &Suspension,
     drive: Drive,

@@ -2,7 +2,7 @@
 //!
 //! This module computes all ordinary poses. A sweep has a design in each lane. A single design is computed with ordinary
 //! numbers ([`poses`]). A mechanism with a closed form has one unknown ([`arm`]); every other mechanism has six ([`linkage`]).
-//! For both wheels of an axle, the unknowns are those of each wheel and the difference of the travels ([`pair`]). One loop
+//! For both wheels of an axle, the unknowns are those of each wheel and half the difference of the travels ([`pair`]). One loop
 //! solves the equations in all cases ([`track`](mod@track)). It visits the waypoints of a route: the stations and the points
 //! that divide long steps. The unknowns at a waypoint are predicted from earlier waypoints. Almost always one correction
 //! reaches rounding; otherwise more steps follow. A converged lane is frozen, so its neighbours do not affect it.
@@ -14,14 +14,14 @@
 //! - a rod has no length, or the iteration does not settle;
 //! - the mechanism is not well conditioned;
 //! - a number that must not vanish changes by more than half (or doubles) from one waypoint to the next, because it could
-//!   vanish in between. If there are several such numbers, their product is checked. The same check applies to the slope of
-//!   the path;
-//! - the mechanism rotates far, in one step or from the design position;
-//! - a fold is near: the slope of an arm is large, or a knuckle in six unknowns rotates fast per unit of travel.
+//!   vanish in between. In the closed form, this number is a product, and the same check applies to the slope of the path;
+//! - the prediction of six unknowns needs a large correction;
+//! - the mechanism rotates far in one step, or (in the closed form) from the design position;
+//! - a fold is near, because the slope of an arm is large.
 //!
 //! Code that reads a pose also rejects lanes whose quantity is poorly determined. Examples are a horizontal steering axis, the
-//! angles of a wheel on its side, and a rocker close to its toggle. Another example is the steering axis if the rack hardly
-//! rotates the knuckle.
+//! angles of a wheel on its side, and a rocker close to its toggle. Further examples are the steering axis if the rack
+//! hardly rotates the knuckle, and velocities if a knuckle in six unknowns rotates fast per unit of travel.
 //!
 //! So a lane is either correct or rejected. The decision depends only on the design in the lane.
 
@@ -88,7 +88,7 @@ pub struct LaneDesign<'d, B: SimdReal> {
     form: Form<'d, B>,
     /// Origin of the knuckle in the design position. Poses contain the present position of the origin.
     origin: Vector3<B>,
-    /// Lanes in which all rods have a length.
+    /// Lanes in which all rods and axes have a length.
     distinct: B::Mask,
 }
 
@@ -151,7 +151,7 @@ pub trait LanePose<B: SimdReal> {
     /// Derivatives of the steering axis with respect to the drive.
     fn steering_axis_rates(&self, rates: &LaneRates<B>) -> (Vector3<B>, Vector3<B>);
 
-    /// The pose as a configuration with this rack displacement.
+    /// The pose as a configuration. `rack` is the rack displacement of the pose.
     fn configuration(&self, rack: B) -> Configuration<'_, B>;
 
     /// Position of a point of the knuckle.
@@ -184,7 +184,7 @@ pub trait LaneAdjoint<B: SimdReal> {
 pub struct LaneRates<B> {
     origin: Vector3<B>,
     turn: Vector3<B>,
-    /// Rate of the vector along the steering axis. This rate is meaningful only if the axis runs through two joints.
+    /// Rate of the vector along the steering axis. Zero for a mechanism without a closed form.
     steering_axis: Vector3<B>,
 }
 
@@ -200,7 +200,7 @@ impl<B: Copy> KnuckleVector<B> {
 }
 
 impl<B: SimdReal> LaneRates<B> {
-    /// Rates without a steering axis through two joints.
+    /// Rates of a mechanism without a closed form.
     #[inline(always)]
     fn of(twist: Twist<B>) -> Self {
         LaneRates {
@@ -238,7 +238,7 @@ impl<B: SimdReal> LaneRates<B> {
     }
 }
 
-/// Longest step as a share of the size. Longer steps are divided.
+/// Longest step as a share of the size, or in rad for an arm's angle. Longer steps are divided.
 const LONGEST_STEP: f64 = 0.02;
 /// Largest residual that counts as a rounding error, as a share of the largest coordinate. The limit allows the rounding
 /// errors of a few operations. Near a fold, rates amplify the remaining residual a thousandfold.
@@ -483,7 +483,7 @@ impl CornerTracker<'_> {
     }
 }
 
-/// Lanes in which the absolute value of `now` is between half and twice that of `before`.
+/// Lanes in which `now` has the sign of `before`, and its absolute value is between half and twice that of `before`.
 #[inline(always)]
 fn within_half<B: SimdReal>(now: B, before: B) -> B::Mask {
     ((now - (before + before)) * now.minus_product(before, before.constant(0.5)))

@@ -15,7 +15,7 @@
 //!
 //! Wheels that share one mechanism have their own equations (see `linkage/one_body.rs`).
 //!
-//! The conditions for each wheel also apply. In addition, the tracker rejects a lane if a contact point rises less than
+//! The conditions for each wheel also apply. In roll, the tracker also rejects a lane if a contact point rises less than
 //! half as fast as its wheel.
 
 mod both_wheels;
@@ -116,7 +116,8 @@ pub(super) struct Linear<B: SimdReal> {
     pub rest: [Vector3<B>; 2],
     /// Velocity of the wheel centre and angular velocity, both per unit of travel.
     pub rate: [Vector3<B>; 2],
-    /// Lanes in which the pose at the required travel is within the permitted error of these unknowns.
+    /// Lanes in which the pose at the required travel is within the permitted error of these unknowns. All lanes for one
+    /// unknown.
     pub is_near: B::Mask,
 }
 
@@ -124,7 +125,7 @@ pub(super) struct Linear<B: SimdReal> {
 pub(super) struct Corrected<B: SimdReal, const N: usize> {
     /// Lanes whose residuals are as small as rounding errors.
     pub is_settled: B::Mask,
-    /// Unknowns, corrected once more for the remaining residuals.
+    /// Unknowns. Six unknowns are corrected once more for the remaining residuals.
     pub unknowns: [B; N],
     /// Wheel centre.
     pub centre: Vector3<B>,
@@ -144,7 +145,7 @@ pub(super) trait Wheel<B: SimdReal, const N: usize> {
     fn linear(&mut self, unknowns: &[B; N], rack: B, travel: B, settled: B::Mask) -> Linear<B>;
     /// Returns the unknowns at a travel. This travel is the travel of the linearisation plus `further`.
     fn moved(&self, unknowns: &[B; N], further: B) -> [B; N];
-    /// Checks the residuals of the predicted unknowns at a travel, and corrects the unknowns.
+    /// Checks the residuals of moved unknowns at a travel. Six unknowns are corrected once more.
     fn corrected(&mut self, unknowns: &[B; N], rack: B, travel: B) -> Corrected<B, N>;
     /// Accepts lanes that are well conditioned and on their solution branch. `step` is the change of travel since the previous
     /// check. The caller passes `step` only on the legs of the route that contain the stations.

@@ -47,7 +47,7 @@ impl Leg {
 pub(crate) struct RouteStep {
     /// Value of the drive.
     pub value: f64,
-    /// Displacement of the rack.
+    /// Displacement of the rack. For a rigid axle, the mean travel in roll and 0 in heave.
     pub rack: f64,
     /// Mean travel of both wheels in roll, else 0.
     pub heave: f64,
@@ -55,6 +55,7 @@ pub(crate) struct RouteStep {
     pub station: Option<usize>,
     pub leg: Leg,
     /// Completed fraction of the lead (the part of the route at zero drive): 0 in the design position, 1 at all stations.
+    /// Without a lead, 1 everywhere.
     pub lead: f64,
     /// Change of the drive since the previous waypoint on this leg.
     pub step: f64,
@@ -70,12 +71,13 @@ pub(crate) struct RouteStep {
     pub along_heave: f64,
     /// Step of the lead, as a fraction of the lead. Only the first step uses it.
     pub along_lead: f64,
-    /// Stencil that predicts the slope with respect to the drive here. `None` if there is only one earlier waypoint.
+    /// Stencil that predicts the slope with respect to the drive here. `None` in the lead and at the first waypoint
+    /// after it.
     pub slope: Option<Stencil<NEIGHBOURS_OF_SLOPE>>,
 }
 
-/// Waypoints in the order of the visit: the design position, the waypoints at which the rack moves to its
-/// displacement, the stations.
+/// Waypoints in the order of the visit: the design position, the waypoints of the lead, then the stations and the points that
+/// divide long steps.
 #[derive(Clone, Debug)]
 pub(crate) struct Route {
     pub places: Vec<RouteStep>,

@@ -81,8 +81,8 @@ impl Resolver<'_> {
         Some(number.value)
     }
 
-    /// Reads the displacements of the racks, [front, rear], in the kernel's frame. It refuses a displacement of a rack that
-    /// steers no wheel.
+    /// Reads the displacements of the racks, [front, rear], in the kernel's frame. It refuses a displacement of an axle that is
+    /// not steered.
     fn racks(&mut self, car: &Car, written: [&Option<Number>; 2]) -> Option<[f64; 2]> {
         for (axle, rack) in written.into_iter().enumerate() {
             let moved = rack.as_ref().filter(|rack| rack.value != 0.0);
@@ -173,8 +173,8 @@ impl Resolver<'_> {
         Some(setting)
     }
 
-    /// Refuses a case with longitudinal forces if their distribution between the axles is missing. A car at rest needs no
-    /// distribution.
+    /// Refuses a case of the study, even without acceleration, if the distribution of longitudinal forces between the axles is
+    /// missing. The case `static` needs no distribution.
     fn share_is_given(
         &mut self,
         car: &Car,

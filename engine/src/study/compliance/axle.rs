@@ -30,7 +30,7 @@ pub struct AxleComplianceStudy {
     pub tests: Vec<KcTest>,
     /// Results of the tests.
     pub figures: Vec<TestFigure>,
-    /// Rate of the tyre, in force per length unit.
+    /// Rate of the tyre, in N per length unit.
     pub tyre_rate: Option<f64>,
 }
 
@@ -138,7 +138,8 @@ fn refuse_springs_between_rockers(file: &File, problems: &mut Problems) -> Optio
     Some(())
 }
 
-/// Parts of the right wheel. They equal the parts of the left wheel, except for rates that the study gives separately.
+/// Parts of the right wheel. They equal the parts of the left wheel, except for rates that the study gives separately. Parts
+/// that exist only once are left out.
 fn right_parts(
     file: &File,
     left: &WheelParts,
@@ -241,8 +242,7 @@ fn figures(run: &AxleKcRun<'_>, tests: &[KcTest]) -> Vec<TestFigure> {
     });
     let mut figures: Vec<TestFigure> = Vec::new();
     for figure in named {
-        // If tests differ only in their range of loads (key `window`), the name belongs to the results of the first
-        // test.
+        // Two tests that differ only in their range of loads (key `window`) are refused before. So names do not repeat.
         if !figures.iter().any(|known| known.name() == figure.name()) {
             figures.push(figure);
         }

@@ -245,7 +245,8 @@ fn check_axes(
     };
     let default = mechanism.constraints.iter().find_map(of);
     let up = Vector3::new(0.0, 0.0, 1.0);
-    // The mount of a strut has z along the strut, and x forward.
+    // The default x axis of a strut's mount is forward. Its default z axis is along the strut, but this check uses the
+    // vertical.
     let (x, z) = match default {
         Some(default) => (part.x_axis.unwrap_or(default), part.z_axis.unwrap_or(up)),
         None => (
@@ -384,7 +385,7 @@ fn shape_of_points(
 pub(in super::super) struct BushingText {
     /// Name.
     pub name: String,
-    /// Key of each curve with its points. Axes without stiffness are left out.
+    /// Key of each curve with its points, without the factor `scale`. Axes without stiffness are left out.
     pub curves: Vec<(&'static str, Vec<[f64; 2]>)>,
 }
 

@@ -36,7 +36,7 @@ pub struct ComplianceStudy {
     pub link_names: Vec<String>,
     /// Tests of the parts.
     pub tests: Vec<KcTest>,
-    /// Rate of the tyre, in force per length unit.
+    /// Rate of the tyre, in N per length unit.
     pub tyre_rate: Option<f64>,
 }
 
@@ -55,8 +55,8 @@ impl ComplianceStudy {
     }
 }
 
-/// Section `[compliance]`. `None` if the section has an error. `Some(None)` if the section is missing or has no elastic
-/// parts.
+/// Section `[compliance]`. `None` if there is an error, such as a section without elastic parts. `Some(None)` if the study has
+/// neither the section nor elastic parts.
 fn section<'f>(
     file: &'f File,
     suspension: &Suspension,
@@ -264,7 +264,7 @@ fn relaxed(section: &Spanned<file::Compliance>, problems: &mut Problems) -> Opti
     choose(text, "value of relaxed", &options, problems)
 }
 
-/// Refuses motions of elastic wheels except travel and rack.
+/// Refuses motions of one elastic wheel except travel and rack.
 fn refuse_motions(file: &File, problems: &mut Problems) -> Option<()> {
     let named = file.motions.values().map(Spanned::get_ref);
     std::iter::once(file.motion.get_ref())

@@ -83,8 +83,8 @@ pub(super) fn subframe(
     Some(Some(found))
 }
 
-/// Refuses a subframe that carries only a part of an arm, a hinge or the anti-roll bar. Also refuses a subframe that carries
-/// the top of a strut.
+/// Refuses a subframe that carries only one pivot of an arm, a hinge, a rocker or the anti-roll bar. Also refuses a subframe
+/// that carries the top of a strut.
 fn check_held(
     section: &Spanned<file::Subframe>,
     subframe: &Subframe,

@@ -1,4 +1,4 @@
-//! Constraints on angles of joints, and on the drive shaft's plunge.
+//! Constraints on angles of joints, and on plunges (changes of a length along the motion).
 
 use super::super::Limited;
 use super::super::error::Problems;
@@ -164,7 +164,8 @@ fn stud_direction(written: &Coordinates, suspension: &Suspension) -> Option<Vect
     (along.norm() > 0.0).then(|| along * (1.0 / along.norm()))
 }
 
-/// Joints with a limit on their angle: joints of the wheel carrier with an arm or a rod, and both joints of a drive shaft.
+/// Joints whose angle can have a limit: joints of the wheel carrier with an arm or a rod, and both joints of a drive shaft.
+/// Joints of the far half of a solid axle are excluded.
 pub fn named_joints(suspension: &Suspension) -> Vec<PointId> {
     let mechanism = &suspension.mechanism;
     let points = (0..mechanism.points.len()).map(PointId);
@@ -176,7 +177,8 @@ pub fn named_joints(suspension: &Suspension) -> Vec<PointId> {
         .collect()
 }
 
-/// Returns the joint of a drive shaft with this name. `None` if the name belongs to another joint.
+/// Returns the joint of a drive shaft with this name. `Some(None)` if the name belongs to another joint, `None` if there is an
+/// error.
 fn shaft_joint(
     name: &Text,
     joint: PointId,

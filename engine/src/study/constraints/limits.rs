@@ -52,7 +52,7 @@ impl Reader<'_> {
         Some(limits)
     }
 
-    /// Refuses all keys of the constraint that are not in `keys`.
+    /// Refuses the keys of limits and regions that are not in `keys`. Other keys of the constraint are not checked.
     pub(super) fn takes(&self, keys: &[&str], problems: &mut Problems) {
         self.refuse(|key| !keys.contains(&key), problems);
     }

@@ -90,7 +90,7 @@ impl Reader<'_> {
         Some([(a + b) * 0.5, half])
     }
 
-    /// A tube: centre of its axis, direction of the axis, and half its length.
+    /// A tube: centre of its axis, direction of the axis, half its length, and its radius.
     fn tube(
         &self,
         tube: &file::Cylinder,
@@ -246,9 +246,9 @@ impl Reader<'_> {
         away.cross(axis).norm() <= 1e-9 * suspension.size() * axis.norm()
     }
 
-    /// Reads members that must stay inside the rim. The limit applies only to the part of a member within the width of the
-    /// rim. A straight member inside a round rim is closest to the rim at its ends. If one end is outside the width of the
-    /// rim, the point where the member enters the rim replaces this end.
+    /// Reads members that must stay inside the rim. A straight member inside a round rim is closest to the rim at its ends. With
+    /// `from`, the limit applies only outboard of this end of the rim: the point where the member enters the rim can replace its
+    /// inner end. With `to`, the outer end of the member must be inboard of the rim's outer end.
     pub(super) fn members_inside(
         &self,
         names: &Spanned<Vec<Text>>,

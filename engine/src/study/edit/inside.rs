@@ -6,8 +6,8 @@ use super::super::targets::FromFile;
 use super::{table, target};
 use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
-/// Returns the text with the points of target curves written into the text, so that the text needs no other files. `files`
-/// holds the curves that were read, with the index of the target for each curve.
+/// Returns the text with the points of target curves and the targets of sheets written into the text, so that its targets need
+/// no files. `files` holds the contents that were read, with the index of the target for each file.
 pub(in crate::study) fn with_curves_inside(text: &str, files: &[(usize, FromFile)]) -> String {
     let Ok(mut document) = text.parse::<DocumentMut>() else {
         return text.to_owned();

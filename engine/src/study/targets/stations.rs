@@ -13,7 +13,7 @@ pub(super) fn rack_displacements(site: &Site, motion: &Motion) -> Vec<f64> {
 }
 
 /// Stations in addition to those of the motion. If the motion has fewer stations within a curve than the curve has
-/// points, the stations do not represent the curve. The points of the curve within the motion are then added.
+/// points within the motion, the stations do not represent the curve. These points of the curve are then added.
 pub(super) fn added_stations(wanted: &Wanted, motion: &Motion) -> Vec<f64> {
     let values = &motion.values;
     let rounding = DriveRounding::of(values);

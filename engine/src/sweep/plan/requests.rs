@@ -202,8 +202,8 @@ fn of_axle<'s>(
     (Request::of_axle(stations), gains, wishes)
 }
 
-/// Plans the outputs of a study and the quantities of its targets. For each output, the sweep also computes the first
-/// derivative with respect to the drive value.
+/// Plans the outputs of a study and the quantities of its targets. Measures and velocities are left out. For each output, the
+/// sweep also computes the first derivative with respect to the drive value.
 fn with_gains(own: &WheelStudy, optimise: Option<&Optimise>) -> Plan {
     let plan = Plan::with_targets(own, optimise);
     let is_swept = |quantity: Quantity| !quantity.is_rate();

@@ -10,7 +10,8 @@ pub struct Worker<'p> {
     pub(super) designs: Vec<Vector3<f64>>,
     /// Rates of elastic parts that the sweep varies, design after design.
     pub(super) rates: Vec<f64>,
-    /// Assessor of the targets and constraints whose stations are not stations of the sweep. `None` if there are none.
+    /// Assessor of the targets whose stations are not stations of the sweep, and of all constraints. `None` if there are
+    /// none.
     pub(super) goals: Option<GoalAssessor<'p>>,
     pub(super) rows: Rows,
 }

@@ -61,7 +61,7 @@ impl AxleKcRun<'_> {
     ) -> Vec<AxleFigure<T>> {
         let one = here.axle.travel(&here.at, Side::Left).one();
         // Factors on the derivatives with respect to the test load. Each product is a derivative per unit of the load
-        // on the wheel itself.
+        // on the wheel itself, or per roll angle.
         let units = match test.load {
             TestLoad::Heave | TestLoad::Steering => [one; 2],
             TestLoad::Roll => match &by {
@@ -125,7 +125,8 @@ impl AxleKcRun<'_> {
             });
         };
         let steer = |by: &[WheelFigures<T>; 2]| (by[1].toe - by[0].toe).scaled(0.5);
-        // The unit load acts on the left wheel to the right. So the sign changes for a load to the left.
+        // The unit force acts on the left wheel to the right, and the unit moment turns it to the left. So the sign changes
+        // for a force to the left and for a moment to the right.
         let to_left = |by: &[WheelFigures<T>; 2]| -steer(by);
         let position = self.vehicle.suspensions[0].vehicle.position;
         let understeer = match position {

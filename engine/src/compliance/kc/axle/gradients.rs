@@ -13,7 +13,7 @@ impl AxleKcRun<'_> {
     /// Returns the derivatives of the test results at a station with respect to inputs. The derivatives are in the same
     /// sequence as the results of each test. Hardpoints and parts of both wheels change together. Tests under the same
     /// conditions share one equilibrium, and one tape (a record of the operations, for adjoint differentiation). The
-    /// rack displacement is along the study's +y. `None` if the station has no equilibrium.
+    /// rack displacement is along the study's +y. `None` if the station has no equilibrium or no tangent.
     pub fn gradients(
         &self,
         travels: [f64; 2],

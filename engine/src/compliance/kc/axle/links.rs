@@ -18,7 +18,7 @@ const TENSIONS: [(&str, &str); 3] = [
 ];
 
 impl AxleKcRun<'_> {
-    /// Returns the tensions of the links on each half of the axle.
+    /// Returns the tensions of the elastic links on each half of a solid axle.
     pub(super) fn wheel_tensions<T: Scalar>(&self, here: &Here<T>) -> Vec<AxleFigure<T>> {
         let of_side = |side| self.tensions(here, side).into_iter().filter(is_of_wheel);
         Side::ALL.into_iter().flat_map(of_side).collect()

@@ -43,7 +43,7 @@ impl<B: SimdReal, V: Visit<B>> PlaceEquations<B, 1> for ArmCorner<'_, '_, B, V> 
         predicted(place, history, [self.method.slope * place.along_slope])
     }
 
-    /// Makes two corrections at a time. One correction is always needed. A mispredicted branch of the processor would take
+    /// Makes one correction in the first round, and two in later rounds. A mispredicted branch of the processor would take
     /// longer than the second correction. If the arm's angle is the drive, no equation has to be solved.
     #[inline(always)]
     fn correct(

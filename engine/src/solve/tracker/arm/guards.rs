@@ -151,7 +151,8 @@ fn every_guard_rejects_a_design_alone() {
     }
 }
 
-/// An arm rotates from its design position until the tangent of half its angle is 0.7, and no farther.
+/// In at least one direction, an arm rotates from its design position until the tangent of half its angle is 0.7, and no
+/// farther.
 #[test]
 fn an_arm_is_followed_to_seventy_degrees() {
     let mut suspension = template("macpherson");

@@ -16,7 +16,8 @@ pub(super) struct Order {
 }
 
 impl Order {
-    /// Order from complete pivoting, with moments divided by the size. `None` if the matrix is singular in double precision.
+    /// Order from complete pivoting, with moments divided by the size. `None` if a pivot is not above
+    /// [`LEAST_PIVOT`].
     pub(super) fn of(wrenches: &[Wrench<f64>; 6], size: f64) -> Option<Order> {
         let mut a = wrenches.each(|row| {
             let mut row = row.to_row();

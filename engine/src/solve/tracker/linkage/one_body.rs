@@ -11,8 +11,8 @@
 //! As seen from the right wheel, the pose is its mirror image (see `mirrored.rs`). So no further equations have to be solved for
 //! that wheel.
 //!
-//! A steering gear shifts the zero positions of both travels in the equations: (4) and (5) of `model/steered_axle.rs`. On the
-//! first steps of a route, from the design pose to the mean travel, this shift grows in proportion to the mean travel.
+//! A steering gear shifts the zero positions of both travels in the equations: (4) and (5) of `model/steered_axle.rs`. In the
+//! lead of a route, which begins in the design pose, this shift grows in proportion to the completed fraction of the lead.
 
 use super::super::pair::{AxleTracker, LEAST_RISE, MOST_ROUNDS, PairDrive, VisitPair};
 use super::super::route::RouteStep;
@@ -165,7 +165,7 @@ impl<'w, 'd, B: SimdReal, V> OneBody<'w, 'd, B, V> {
         normal.dot(left.centre + left.lever) - normal.dot(right.centre + right.lever)
     }
 
-    /// Vertical velocities of both contact points in a motion of the knuckle.
+    /// Velocities of both contact points along the normal of the ground, in a motion of the knuckle.
     #[inline(always)]
     fn rises_in(
         &self,

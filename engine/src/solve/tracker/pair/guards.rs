@@ -7,7 +7,7 @@ use crate::mechanism::Ground;
 use crate::number::Vector3;
 use crate::solve::StationOrder;
 
-/// Smallest rise of a contact point per travel of its wheel, over the waypoints of an axle.
+/// Smallest rise of a contact point per travel of its wheel, over the stations of an axle.
 struct Rises {
     on: [WheelOnKnuckle<f64>; 2],
     radius: f64,

@@ -1,4 +1,4 @@
-"""Checks the links of a built book: each link must lead to a file of the book, and to an existing anchor in this file."""
+"""Checks the links of a built book (the folder given, or target/dist/book): each link must lead to a file of the book, and to an existing anchor in this file."""
 import sys
 from html.parser import HTMLParser
 from pathlib import Path
@@ -19,7 +19,7 @@ class Page(HTMLParser):
                 self.links.append(value)
 
 
-root = Path(sys.argv[1]).resolve()
+root = Path(sys.argv[1] if len(sys.argv) > 1 else "target/dist/book").resolve()
 pages = {path: Page(path) for path in root.rglob("*.html") if path.name not in ("print.html", "404.html", "toc.html")}
 missing, count = [], 0
 for path, page in pages.items():

@@ -11,11 +11,10 @@
 //!  'camber_angle'  'left/right'   'real'     -0.5
 //! ```
 //!
-//! A block begins with its name in brackets, in upper or lower case. `$` and `!` begin comments. Braces name the columns.
-//! Texts are in single quotes and may be padded with blanks. A row for both sides (`left/right`) has the coordinates of
-//! the left hardpoint; the right hardpoint is the mirror image. x points rearward, y to the right and z up. As in
-//! studies, camber is positive if the top of the wheel leans outward. Toe is positive if the front of the wheel turns
-//! inward.
+//! A block begins with its name in brackets, in upper or lower case. `$` and `!` begin comments. Braces name the columns. Texts
+//! are in single quotes and may be padded with blanks. A row for both sides (`left/right`) has the coordinates of the left
+//! hardpoint; the right hardpoint is the mirror image. x points rearward, y to the right and z up. As in studies, camber is
+//! positive if the top of the wheel leans outward. Toe is positive if the front of the wheel turns inward.
 
 use crate::model::LengthUnit;
 use crate::report::shortest;

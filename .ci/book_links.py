@@ -1,4 +1,5 @@
-"""Checks the links of a built book (the folder given, or target/dist/book): each link must lead to a file of the book, and to an existing anchor in this file."""
+"""Checks the links of a built book: each link must lead to a file of the book, and to an existing anchor in this file.
+The argument is the folder of the book. The default is target/dist/book."""
 import sys
 from html.parser import HTMLParser
 from pathlib import Path

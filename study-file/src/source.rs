@@ -10,7 +10,8 @@ pub const LONGEST_TEXT: u64 = 64 << 20;
 /// Largest size of a file of designs, in bytes. It is enough for about ten million designs, which a sweep keeps in memory.
 pub const LONGEST_TABLE: u64 = 1 << 30;
 
-/// Content of a text file of at most `longest` bytes, or the reason why it cannot be read. See [`read_bytes`].
+/// Content of a text file of at most `longest` bytes without a byte-order mark, or the reason why it cannot be read. See
+/// [`read_bytes`].
 pub fn read_text(path: &Path, longest: u64) -> Result<String, String> {
     text_of(read_bytes(path, longest)?)
 }
@@ -85,8 +86,10 @@ pub(crate) fn advice(name: &str) -> Option<&'static str> {
     TABLES.contains(&end.as_str()).then_some(advice)
 }
 
+/// Text of a file, without the byte-order mark that spreadsheets write at its beginning.
 fn text_of(bytes: Vec<u8>) -> Result<String, String> {
-    String::from_utf8(bytes).map_err(|e| {
+    const BYTE_ORDER_MARK: char = '\u{feff}';
+    let mut text = String::from_utf8(bytes).map_err(|e| {
         let valid = e.utf8_error().valid_up_to();
         let line = e.as_bytes()[..valid]
             .iter()
@@ -94,7 +97,11 @@ fn text_of(bytes: Vec<u8>) -> Result<String, String> {
             .count()
             + 1;
         format!("line {line} is not UTF-8 text")
-    })
+    })?;
+    if text.starts_with(BYTE_ORDER_MARK) {
+        text.drain(..BYTE_ORDER_MARK.len_utf8());
+    }
+    Ok(text)
 }
 
 /// Name of the kind of file, if a file of this kind cannot be read to its end. `None` for a regular file.

@@ -4,7 +4,7 @@ mod places;
 mod seats;
 
 use super::bushing::Bushing;
-use super::definition::{AxialStiffness, Compliance, LinkMember, Subframe};
+use super::definition::{AxialStiffness, Compliance, LinkMember, Subframe, strut_line};
 use super::floating::Floating;
 use super::ground::{Holder, Holders};
 use super::law::{Law, Shape};
@@ -172,19 +172,9 @@ impl<T: Scalar> Builder<'_, T> {
         self.mechanism.body(id) == Body::Rack
     }
 
-    fn up(&self) -> Vector3<T> {
-        let zero = self.at(self.mechanism.origin).x.zero();
-        Vector3::new(zero, zero, zero.one())
-    }
-
-    /// Returns the axes of a bushing as columns. The x axis is the given x axis, or `default`. The z axis is along the
-    /// component of the given z axis that is normal to x. Without a given z axis, the vertical is used.
-    fn axes(&self, number: usize, default: Vector3<T>) -> Matrix3<T> {
-        let part = &self.compliance.bushings[number];
-        axes_of(
-            part.x_axis.unwrap_or(default),
-            part.z_axis.unwrap_or(self.up()),
-        )
+    /// Returns the axes of a bushing as columns. The z axis is along the component of the z direction that is normal to x.
+    fn axes(&self, number: usize) -> Matrix3<T> {
+        axes_of(self.compliance.bushings[number].directions(self.mechanism, self.design))
     }
 
     fn bushing(&self, number: usize, axes: Matrix3<T>) -> Bushing<T> {
@@ -215,12 +205,11 @@ impl<T: Scalar> Builder<'_, T> {
                 self.replaced[c] |= of_arm;
             }
             let limb = self.system.limbs.len();
-            let along = self.at(arm.front) - self.at(arm.rear);
             let mut parts = Vec::new();
             for (end, (id, number)) in ends(arm).into_iter().zip(numbers).enumerate() {
                 let bushing = number.map(|number| {
                     self.bushings[number] = Some(BushingPlace::Limb { limb, end });
-                    self.bushing(number, self.axes(number, along))
+                    self.bushing(number, self.axes(number))
                 });
                 parts.push(self.end(id, arm.outer, bushing));
             }
@@ -304,7 +293,7 @@ impl<T: Scalar> Builder<'_, T> {
             (None, None) => self.rod(inner, outer, along),
             (Some(number), None) => {
                 self.bushings[number] = Some(BushingPlace::Limb { limb, end: 0 });
-                let bushing = self.bushing(number, self.axes(number, along));
+                let bushing = self.bushing(number, self.axes(number));
                 let end = self.end(inner, outer, Some(bushing));
                 let swinging = Limb::Swinging(Swinging {
                     joint: self.on_carrier(outer),
@@ -317,10 +306,10 @@ impl<T: Scalar> Builder<'_, T> {
             }
             (at_inner, Some(number)) => {
                 self.bushings[number] = Some(BushingPlace::Limb { limb, end: 1 });
-                let outer_bushing = self.bushing(number, self.axes(number, along));
+                let outer_bushing = self.bushing(number, self.axes(number));
                 let inner_bushing = at_inner.map(|number| {
                     self.bushings[number] = Some(BushingPlace::Limb { limb, end: 0 });
-                    self.bushing(number, self.axes(number, along))
+                    self.bushing(number, self.axes(number))
                 });
                 let floating = Limb::Floating(Floating {
                     along,
@@ -368,8 +357,7 @@ impl<T: Scalar> Builder<'_, T> {
     }
 
     fn strut(&mut self, top: PointId, lower: PointId, upper: Option<PointId>) {
-        let from = upper.unwrap_or(top);
-        let along = (self.at(from) - self.at(lower)).normalised();
+        let along = strut_line(self.design, top, lower, upper);
         match self.compliance.bushing_at(top) {
             None => {
                 for normal in normals(along) {
@@ -380,13 +368,11 @@ impl<T: Scalar> Builder<'_, T> {
             }
             Some(number) => {
                 self.bushings[number] = Some(BushingPlace::Mount(self.system.limbs.len()));
-                // z points up along the strut, and x points forward.
+                // The z axis has exactly its direction, and the x axis is normal to it.
                 let part = &self.compliance.bushings[number];
-                let one = along.x.one();
-                let forward = Vector3::new(one, one.zero(), one.zero());
-                let z = part.z_axis.unwrap_or(along).normalised();
-                let x = part.x_axis.unwrap_or(forward).across(z);
-                let x = x.normalised();
+                let [x, z] = part.directions(self.mechanism, self.design);
+                let z = z.normalised();
+                let x = x.across(z).normalised();
                 let axes = Matrix3 {
                     columns: [x, z.cross(x), z],
                 };
@@ -436,7 +422,7 @@ impl<T: Scalar> Builder<'_, T> {
             match number {
                 Some(number) => {
                     self.bushings[number] = Some(BushingPlace::Carrier(self.system.bushings.len()));
-                    let bushing = self.bushing(number, self.axes(number, along));
+                    let bushing = self.bushing(number, self.axes(number));
                     self.system.bushings.push(CarrierBushing { lever, bushing });
                     self.system.holders.bushings.push(self.holder(id));
                 }
@@ -460,7 +446,7 @@ impl<T: Scalar> Builder<'_, T> {
 
 /// Returns axes as columns. The x axis is along the first vector. The z axis is along the component of the second
 /// vector that is normal to x.
-fn axes_of<T: Scalar>(x: Vector3<T>, z: Vector3<T>) -> Matrix3<T> {
+fn axes_of<T: Scalar>([x, z]: [Vector3<T>; 2]) -> Matrix3<T> {
     let x = x.normalised();
     let z = z.across(x).normalised();
     Matrix3 {

@@ -59,6 +59,64 @@ pub struct Subframe<T = f64> {
     pub mounts: Vec<SubframeMount<T>>,
 }
 
+impl<T: Scalar> BushingPart<T> {
+    /// Directions of the bushing's x axis and z axis in the design position. One of them may still have a component along
+    /// the other. [`bushing_points`] has the hardpoint of the bushing.
+    pub(crate) fn directions(
+        &self,
+        mechanism: &Mechanism,
+        design: &[Vector3<T>],
+    ) -> [Vector3<T>; 2] {
+        let at = |id: PointId| design[id.0];
+        let [forward, up] = forward_and_up(at(self.point).x);
+        let of = |constraint: &Constraint| match *constraint {
+            Constraint::Link { inner, outer } if [inner, outer].contains(&self.point) => {
+                let arm = mechanism.arms.iter().find(|arm| arm.outer == outer);
+                let along = match arm {
+                    Some(arm) => at(arm.front) - at(arm.rear),
+                    None => at(outer) - at(inner),
+                };
+                Some([along, up])
+            }
+            Constraint::Revolute { first, second } => Some([at(second) - at(first), up]),
+            Constraint::StrutLine { top, lower, upper } if top == self.point => {
+                Some([forward, strut_line(design, top, lower, upper)])
+            }
+            _ => None,
+        };
+        let [x, z] = mechanism
+            .constraints
+            .iter()
+            .find_map(of)
+            .unwrap_or([forward, up]);
+        [self.x_axis.unwrap_or(x), self.z_axis.unwrap_or(z)]
+    }
+}
+
+impl<T: Scalar> SubframeMount<T> {
+    /// Directions of the mount's x axis and z axis. The z axis may still have a component along the x axis.
+    pub(crate) fn directions(&self) -> [Vector3<T>; 2] {
+        let [forward, up] = forward_and_up(self.at.x);
+        [self.x_axis.unwrap_or(forward), self.z_axis.unwrap_or(up)]
+    }
+}
+
+/// Unit vectors forward and up.
+fn forward_and_up<T: Scalar>(like: T) -> [Vector3<T>; 2] {
+    let (one, zero) = (like.one(), like.zero());
+    [Vector3::new(one, zero, zero), Vector3::new(zero, zero, one)]
+}
+
+/// Unit vector up along the line of a strut.
+pub(super) fn strut_line<T: Scalar>(
+    design: &[Vector3<T>],
+    top: PointId,
+    lower: PointId,
+    upper: Option<PointId>,
+) -> Vector3<T> {
+    (design[upper.unwrap_or(top).0] - design[lower.0]).normalised()
+}
+
 impl<T: Scalar> Subframe<T> {
     /// Mean position of the mounts of both sides, the reference point of the subframe's motion. It carries no derivatives.
     pub(super) fn reference(&self, like: T) -> Vector3<T> {

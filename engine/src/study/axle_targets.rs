@@ -6,7 +6,6 @@ use super::axle::{AxleStudy, coordinates, lacks_nothing, quantities};
 use super::drive_rounding::DriveRounding;
 use super::error::Problems;
 use super::file;
-use super::motion::list;
 use super::names::choose;
 use super::resolve::Context;
 use super::value::{Numbers, Text};
@@ -62,10 +61,7 @@ impl AxleSite {
         let along = held.along(over).cloned().unwrap_or_default();
         // Several stations of a motion may have the same value. For each value, the site (the stations of a target) contains
         // all these stations.
-        let mut values: Vec<f64> = Vec::new();
-        for value in along {
-            index_or_push(&mut values, over.written(value, axle));
-        }
+        let values = distinct(along.iter().map(|value| over.written(*value, axle)));
         held.steering_wheel = None;
         AxleSite {
             motion: name.map(str::to_owned),
@@ -105,6 +101,15 @@ impl AxleSite {
         *along = vec![self.over.in_kernel(at, axle)];
         motion.placements()
     }
+}
+
+/// Values without repetition, in the order of their first occurrence.
+pub(super) fn distinct(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
+    let mut different = Vec::new();
+    for value in values {
+        index_or_push(&mut different, value);
+    }
+    different
 }
 
 /// Keys of a target or a band that describe the stations at which the target or band applies.
@@ -196,17 +201,6 @@ pub(super) fn band(
         (false, None) => None,
     };
     Some((of?, site))
-}
-
-/// Distinct values of a coordinate in a motion, as written.
-fn moved(motion: &file::Motion, coordinate: Coordinate, problems: &mut Problems) -> Vec<f64> {
-    let written = coordinates!(motion)[coordinate as usize];
-    let given = written.as_ref().and_then(|given| list(given, problems));
-    let mut different: Vec<f64> = Vec::new();
-    for value in given.unwrap_or_else(|| vec![0.0]) {
-        index_or_push(&mut different, value);
-    }
-    different
 }
 
 /// Reads the quantity of an axle's target, its stations, and the motion of its curve.
@@ -341,14 +335,14 @@ fn keys(of: &[Coordinate]) -> String {
 fn over(
     written: &Where,
     place: Span<usize>,
-    motion: &file::Motion,
-    available: &[Coordinate],
+    of: &TargetMotion,
+    (axle, available): (&Axle, &[Coordinate]),
     problems: &mut Problems,
 ) -> Option<Coordinate> {
     let moving: Vec<Coordinate> = available
         .iter()
         .copied()
-        .filter(|c| moved(motion, *c, problems).len() > 1)
+        .filter(|c| of.values(*c, axle, problems).len() > 1)
         .collect();
     match (written.over, moving.as_slice()) {
         (Some(text), _) => {
@@ -394,10 +388,9 @@ fn site(
     problems: &mut Problems,
 ) -> Option<AxleSite> {
     let of = TargetMotion::read(written.motion, study, context, problems)?;
-    let motion = of.written;
+    let axle = &study.axle;
     let mut held = of.motion.clone();
-    held.steering_wheel = None;
-    let by_wheel = motion.steering_wheel_angle.is_some();
+    let by_wheel = held.steering_wheel.take().is_some();
     let mut available: Vec<Coordinate> = Coordinate::ALL.to_vec();
     available.retain(|c| held.along(*c).is_some());
     available.retain(|c| match c {
@@ -410,7 +403,7 @@ fn site(
         // In a motion given as a table of rows, all coordinates may change from row to row. The first of the moving coordinates
         // then counts as the varying one.
         None if has_rows => held.moving()[0],
-        _ => over(written, place, motion, &available, problems)?,
+        _ => over(written, place, &of, (axle, &available), problems)?,
     };
     // If the motion gives angles of the steering wheel, these angles vary instead of the rack displacement.
     let over = match over {
@@ -429,7 +422,7 @@ fn site(
         let list = match given.map(Spanned::get_ref) {
             Some(Numbers::One(value)) => vec![*value],
             Some(Numbers::Many(list)) => list.iter().map(|number| number.value).collect(),
-            None => match moved(motion, coordinate, problems).as_slice() {
+            None => match of.values(coordinate, axle, problems).as_slice() {
                 [one] => vec![*one],
                 _ => vec![0.0],
             },
@@ -442,14 +435,14 @@ fn site(
             let texts: Vec<_> = list.iter().map(ToString::to_string).collect();
             words += &format!(", {} {}", coordinate.key(), texts.join(" "));
         }
-        let values = list.iter().map(|v| coordinate.in_kernel(*v, &study.axle));
+        let values = list.iter().map(|v| coordinate.in_kernel(*v, axle));
         let along = held.along(coordinate).expect("a number of this motion");
         *along = values.collect();
     }
     Some(AxleSite {
         motion: of.name.map(str::to_owned),
         over,
-        values: moved(motion, over, problems),
+        values: of.values(over, axle, problems),
         held,
         words,
     })

@@ -1,12 +1,14 @@
 //! Target curves in CSV files.
 
+mod loops;
+
 use super::error::{Problems, Source, StudyError, StudyErrors};
 use super::source::{LONGEST_TEXT, read_text};
 use super::value::{Number, Text};
 use crate::evaluate::index_or_push;
 use crate::model::LengthUnit;
 use crate::number::Each;
-use crate::sorting::sort_by;
+use loops::function;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -250,81 +252,6 @@ pub(super) fn delimiter(text: &str) -> u8 {
     found.map_or(b',', |c| c as u8)
 }
 
-/// Converts measured points to a function of the drive value, sorted by drive value. If the measurement has 2 to 8 passes that
-/// share more than half of the range, the function is the mean of the passes. It then covers only the range that all passes
-/// share. Values at the same drive value are averaged, too.
-fn function(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
-    let ways = ways(&points);
-    let reach = |way: &[[f64; 2]]| (way[0][0], way[way.len() - 1][0]);
-    let first = ways
-        .iter()
-        .map(|w| reach(w).0)
-        .fold(f64::NEG_INFINITY, f64::max);
-    let last = ways
-        .iter()
-        .map(|w| reach(w).1)
-        .fold(f64::INFINITY, f64::min);
-    let all = points.iter().map(|p| p[0]);
-    let (lowest, highest) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
-        (l.min(x), h.max(x))
-    });
-    // A hysteresis loop has few passes, and each pass covers most of the range. Otherwise the points are only unsorted.
-    let is_loop = (2..=8).contains(&ways.len()) && last - first > 0.5 * (highest - lowest);
-    let mut sorted = points.clone();
-    if is_loop {
-        sorted.retain(|p| (first..=last).contains(&p[0]));
-        for point in &mut sorted {
-            let values = ways.iter().map(|way| along(way, point[0]));
-            point[1] = values.sum::<f64>() / ways.len() as f64;
-        }
-    }
-    sort_by(&mut sorted, |a, b| a[0].total_cmp(&b[0]));
-    let same = sorted.chunk_by(|a, b| a[0] == b[0]);
-    same.map(|at| {
-        let sum: f64 = at.iter().map(|p| p[1]).sum();
-        [at[0][0], sum / at.len() as f64]
-    })
-    .collect()
-}
-
-/// Splits the points into passes in one direction, each sorted by drive value.
-fn ways(points: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
-    let mut ways: Vec<Vec<[f64; 2]>> = Vec::new();
-    let mut begin = 0;
-    let mut rising = None;
-    for k in 1..=points.len() {
-        let step = points.get(k).map(|p| p[0] - points[k - 1][0]);
-        let turns = match (step, rising) {
-            (None, _) => true,
-            (Some(step), Some(rising)) => step != 0.0 && (step > 0.0) != rising,
-            _ => false,
-        };
-        if turns {
-            let mut way = points[begin..k].to_vec();
-            if rising == Some(false) {
-                way.reverse();
-            }
-            way.dedup_by(|a, b| a[0] == b[0]);
-            ways.push(way);
-            begin = k - 1;
-            rising = None;
-        }
-        if let (Some(step), None) = (step, rising)
-            && step != 0.0
-        {
-            rising = Some(step > 0.0);
-        }
-    }
-    ways
-}
-
-/// Value of a pass at a drive value, interpolated linearly.
-fn along(way: &[[f64; 2]], x: f64) -> f64 {
-    let right = way.partition_point(|p| p[0] <= x).clamp(1, way.len() - 1);
-    let ([x0, y0], [x1, y1]) = (way[right - 1], way[right]);
-    y0 + (y1 - y0) * (x - x0) / (x1 - x0)
-}
-
 /// Makes an error that points to a record of the file. The record begins at its recorded position, or after blank lines at
 /// this position.
 pub(super) fn at_record(
@@ -385,6 +312,53 @@ mod tests {
         assert!((at_zero - 0.1).abs() < 1e-15, "{at_zero}");
         assert!(averaged.windows(2).all(|p| p[0][0] < p[1][0]));
         assert_eq!(read(text, true).len(), 6);
+    }
+
+    /// A measured loop may start anywhere, for example at static. Its curve is the mean of the rising and the falling branch.
+    #[test]
+    fn a_loop_is_averaged_wherever_it_starts() {
+        let middle = |x: f64| 0.25 - 0.02 * x + 1e-4 * x * x;
+        // Drive values of a loop that starts at static, moves to 50, then to -50, and back.
+        let up = (0..10).map(|k| (f64::from(5 * k), 1.0));
+        let down = (-9..=10).rev().map(|k| (f64::from(5 * k), -1.0));
+        let back = (-10..=0).map(|k| (f64::from(5 * k), 1.0));
+        let all: Vec<(f64, f64)> = up.chain(down).chain(back).collect();
+        for start in 0..all.len() - 1 {
+            // The last point of the loop is its first point.
+            let (before, after) = (&all[..=start], &all[start..all.len() - 1]);
+            let mut text = "travel_mm,camber_deg\n".to_owned();
+            for (x, branch) in after.iter().chain(before) {
+                // Both branches meet at the ends of the loop.
+                let hysteresis = 0.3 * (1.0 - (x / 50.0).powi(2));
+                text += &format!("{x},{}\n", middle(*x) + branch * hysteresis);
+            }
+            let found = read(&text, false);
+            assert_eq!(found.len(), 21, "{start}");
+            for (k, [x, value]) in found.into_iter().enumerate() {
+                assert_eq!(x, 5.0 * k as f64 - 50.0);
+                let error = (value - middle(x)).abs();
+                assert!(error < 1e-14, "{start}: {value} at {x}");
+            }
+        }
+    }
+
+    /// Two halves that are each measured from static outwards are no loop. No value is interpolated over the jump between them.
+    #[test]
+    fn halves_from_static_are_sorted() {
+        let value = |x: i32| x * x;
+        let row = |x: i32| format!("{x},{}\n", value(x));
+        for halves in [
+            (0..=60).chain((-40..0).rev()).collect::<Vec<i32>>(),
+            (0..=60).chain(-40..0).collect(),
+            (-40..=0).chain((1..=60).rev()).collect(),
+        ] {
+            let rows = halves.iter().map(|x| row(*x)).collect::<String>();
+            let found = read(&format!("travel_mm,camber_deg\n{rows}"), false);
+            assert_eq!(found.len(), 101);
+            for [x, found] in found {
+                assert_eq!(found, f64::from(value(x as i32)), "{x}");
+            }
+        }
     }
 
     #[test]

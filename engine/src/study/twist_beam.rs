@@ -65,7 +65,7 @@ pub(super) fn check(
         return problems.refuse(place("hinge_end"), message);
     }
     if mount.y <= 0.0 {
-        let message = "the mount of the left half is on the left side of the car";
+        let message = "the mount of the left half is not on the left side of the car: expected the coordinates of the left mount";
         return problems.refuse(place("mount"), message);
     }
     let apart = (mount.x - centre.x).hypot(mount.z - centre.z);

@@ -2,10 +2,12 @@
 //! time.
 
 use super::commands;
+use super::tuning::{evaluate, layout};
 use hardpoint::axle::axle_curves;
 use hardpoint::curves::{Curves, curves};
 use hardpoint::plan::Plan;
 use hardpoint::study::Study;
+use nalgebra::DVector;
 use std::path::Path;
 
 fn study(name: &str, overrides: &[&str]) -> Result<Study, String> {
@@ -255,4 +257,58 @@ fn the_summary_has_no_velocity_in_the_design_position() {
         ["left", "right"].map(|side| at_design(&format!("{side}_camber_deg")).as_f64().unwrap());
     assert_eq!(of_both[0], of_both[1], "the design is symmetric");
     assert!(at_design("left_camber_d1_deg_per_s").is_null());
+}
+
+/// A target over a coordinate that moves over time applies at the values of its law at the given times. It has the same
+/// residuals and derivatives as with a list of these values, bit for bit.
+#[test]
+fn targets_apply_at_the_values_of_the_law() {
+    for (drive, polynomial, steps, list, characteristic) in [
+        (
+            "roll",
+            "[-2.0, 4.0]",
+            5,
+            "[-2.0, -1.0, 0.0, 1.0, 2.0]",
+            "camber_to_road",
+        ),
+        (
+            "heave",
+            "[-20.0, 40.0]",
+            3,
+            "[-20.0, 0.0, 20.0]",
+            "bump_steer",
+        ),
+        (
+            "steering_wheel_angle",
+            "[-90.0, 180.0]",
+            3,
+            "[-90.0, 0.0, 90.0]",
+            "ackermann_error",
+        ),
+    ] {
+        for over in [String::new(), format!(", over = \"{drive}\"")] {
+            let residuals = |motion: &str| {
+                let target = format!(
+                    "optimise.targets=[{{ characteristic = \"{characteristic}\"{over}, between = [-0.001, 0.001], tolerance = 0.1 }}]"
+                );
+                let motion = format!("motion={{ {motion} }}");
+                let read = study("macpherson_axle_front", &[&motion, &target]);
+                let study = read.unwrap_or_else(|e| panic!("{drive}: {e}"));
+                let variables = study.optimise.as_ref().unwrap().variables.len();
+                evaluate(
+                    &study,
+                    &layout(&study),
+                    &DVector::from_element(variables, 2.0),
+                )
+            };
+            let over_time = residuals(&format!(
+                "drive = \"{drive}\", time = {{ polynomial = {polynomial}, from = 0.0, to = 1.0, steps = {steps} }}"
+            ));
+            let listed = residuals(&format!("{drive} = {list}"));
+            assert!(listed.residuals.len() >= steps, "{drive}");
+            assert!(listed.jacobian.amax() > 0.0, "{drive}");
+            assert_eq!(over_time.residuals, listed.residuals, "{drive}");
+            assert_eq!(over_time.jacobian, listed.jacobian, "{drive}");
+        }
+    }
 }

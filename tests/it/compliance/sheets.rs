@@ -463,3 +463,24 @@ fn a_sheet_without_its_columns_is_named() {
         );
     }
 }
+
+/// A spreadsheet writes a byte-order mark at the beginning of a file. It changes no sheet.
+#[test]
+fn a_byte_order_mark_changes_no_sheet() {
+    let directory = tempfile::tempdir().unwrap();
+    let targets = "\n[optimise]\nvariables = [{ bushing = \"lower_arm_rear\", stiffness = \"y\", range = [0.5, 2.0], \
+         relative = true }]\ntargets = [{ file = \"sheet.csv\", tolerance = 1.0 }]\n";
+    let sheet = "load,trail_mm,quantity,value,unit,tolerance\nlateral,0.0,camber_by_lateral_force,0.02,deg_per_kN,0.001\n";
+    let read = |sheet: &str| {
+        std::fs::write(directory.path().join("sheet.csv"), sheet).unwrap();
+        Study::elastic_from_text("case.toml", &with(NAME, targets), directory.path())
+    };
+    let of = |study: Study| study.optimise.unwrap().targets;
+    let plain = of(read(sheet).unwrap());
+    let marked = of(read(&format!("\u{feff}{sheet}")).unwrap_or_else(|e| panic!("{e}")));
+    assert_eq!(plain, marked);
+    // Messages count the same lines.
+    let wrong = format!("\u{feff}{}", sheet.replace("0.02", "two"));
+    let errors = read(&wrong).unwrap_err();
+    assert_eq!(errors.all()[0].position(), Some((2, 1)), "{errors}");
+}

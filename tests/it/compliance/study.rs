@@ -264,6 +264,34 @@ fn nothing_acts_about_the_line_of_a_strut() {
     }
 }
 
+/// The z axis of a strut's mount is along the strut, not along the vertical. So an x axis along the strut is a mistake,
+/// and a vertical x axis of an inclined strut is correct.
+#[test]
+fn the_x_axis_of_a_strut_differs_from_its_line() {
+    let read = |own: &str| {
+        let section = format!("[bushings.strut_top]\n{own}\n");
+        let text = text("macpherson_compliance.toml").replace("[bushings.strut_top]\n", &section);
+        let study = Study::elastic_from_text("study.toml", &text, Path::new("."));
+        study.map(|_| ()).map_err(|errors| errors.render(false))
+    };
+    let along = "x_axis = [-24.0, -48.0, 480.0]";
+    for (own, phrase) in [
+        (along, "within 1 degree of the line of the strut"),
+        (
+            &format!("{along}\nz_axis = [-24.0, -46.0, 480.0]"),
+            "are within 1 degree of each other",
+        ),
+    ] {
+        let said = read(own).unwrap_err();
+        assert!(
+            said.contains("strut_top") && said.contains(phrase),
+            "{said}"
+        );
+    }
+    read("x_axis = [0.0, 0.0, 1.0]").unwrap();
+    read(&format!("{along}\nz_axis = [0.0, 0.0, 1.0]")).unwrap();
+}
+
 #[test]
 fn readers_of_rigid_parts_refuse_elastic_ones() {
     let refused = Study::from_text("study.toml", &text(STUDIES[0]), Path::new(".")).unwrap_err();

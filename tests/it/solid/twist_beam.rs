@@ -468,8 +468,14 @@ fn what_a_twist_beam_lacks_is_refused() {
     on_line.shear_centre = [beam.mount[0], 0.0, beam.mount[2]];
     let mut near_line = on_line.clone();
     near_line.shear_centre[2] += 0.25;
+    let mut of_right = beam.clone();
+    of_right.mount[1] *= -1.0;
     for (beam, reason) in [
         (aside, "y = 0"),
+        (
+            of_right,
+            "is not on the left side of the car: expected the coordinates of the left mount",
+        ),
         (on_line, "lies 0 mm from the line through both mounts"),
         (near_line, "lies 0.25 mm from the line through both mounts"),
     ] {

@@ -9,7 +9,7 @@ use super::super::system::{CarrierBushing, Limb};
 use super::{Builder, BushingPlace, LimbPlace, LinkPlace, axes_of, bushing, rate};
 use crate::compliance::ground::Holder;
 use crate::model::{Arm, Body, PointId};
-use crate::number::{Scalar, Vector3};
+use crate::number::Scalar;
 
 impl<T: Scalar> Builder<'_, T> {
     /// Adds the spring to the part on which it acts, if the spring has a law.
@@ -153,9 +153,7 @@ impl<T: Scalar> Builder<'_, T> {
         };
         let reference = subframe.reference(self.system.like());
         let mount = |mount: &SubframeMount<T>| {
-            let (one, zero) = (reference.x.one(), reference.x.zero());
-            let x = mount.x_axis.unwrap_or(Vector3::new(one, zero, zero));
-            let axes = axes_of(x, mount.z_axis.unwrap_or(self.up()));
+            let axes = axes_of(mount.directions());
             CarrierBushing {
                 lever: mount.at - reference,
                 bushing: bushing(&mount.shapes, &mount.preload, axes),

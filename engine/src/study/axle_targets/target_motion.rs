@@ -1,12 +1,14 @@
 //! Motion of a target or a band of an axle.
 
-use super::super::axle::{AxleStudy, moves_axle};
+use super::super::axle::{AxleStudy, coordinates, moves_axle};
 use super::super::error::Problems;
 use super::super::file;
+use super::super::motion::list;
 use super::super::names::choose;
 use super::super::resolve::Context;
 use super::super::value::Text;
-use crate::axle::AxleMotion;
+use super::distinct;
+use crate::axle::{Axle, AxleMotion, Coordinate};
 
 /// Motion of a target or a band: the motion that the target or band names, or `[motion]`.
 pub(super) struct TargetMotion<'m> {
@@ -62,6 +64,28 @@ impl<'m> TargetMotion<'m> {
             written: section.get_ref(),
             motion,
         })
+    }
+
+    /// Distinct values of a coordinate in the motion, as the study writes them. A coordinate that moves over time has the values
+    /// of its law at the given times.
+    pub(super) fn values(
+        &self,
+        coordinate: Coordinate,
+        axle: &Axle,
+        problems: &mut Problems,
+    ) -> Vec<f64> {
+        let written = coordinates!(self.written)[coordinate as usize];
+        let time = self.motion.time.as_ref();
+        let values = match written {
+            Some(given) => list(given, problems),
+            None if time.is_some_and(|time| time.coordinate == coordinate) => {
+                let mut motion = self.motion.clone();
+                let along = motion.along(coordinate);
+                along.map(|own| own.iter().map(|v| coordinate.written(*v, axle)).collect())
+            }
+            None => None,
+        };
+        distinct(values.unwrap_or_else(|| vec![0.0]))
     }
 
     /// Description of the motion in messages.

@@ -16,9 +16,8 @@ use std::path::Path;
 use std::sync::Arc;
 use toml::Spanned;
 
-/// Sine of the smallest angle, 1 degree, between an x axis and the vertical. Below this angle the study must give the z
-/// axis.
-const UPRIGHT: f64 = 0.01745;
+/// Sine of the smallest angle, 1 degree, between the directions of the x axis and the z axis.
+const NEARLY_PARALLEL: f64 = 0.01745;
 
 /// Keys of the force and torque curves of a bushing.
 const CURVES: [&str; 6] = ["fx", "fy", "fz", "tx", "ty", "tz"];
@@ -72,7 +71,14 @@ pub(super) fn bushing(
         x_axis,
         z_axis,
     };
-    check_axes(name, written, &part, suspension, problems)?;
+    let mechanism = &suspension.mechanism;
+    let is_top = |c: &Constraint| matches!(c, Constraint::StrutLine { top, .. } if *top == point);
+    let default_z = match mechanism.constraints.iter().any(is_top) {
+        true => "the line of the strut",
+        false => "the vertical",
+    };
+    let directions = part.directions(mechanism, &suspension.design);
+    check_directions(name, written, directions, default_z, problems)?;
     Some(part)
 }
 
@@ -222,58 +228,25 @@ fn rising(
     Some(curve)
 }
 
-/// Checks that two different directions give the axes of a bushing.
-fn check_axes(
-    name: &Text,
-    written: &Spanned<file::Bushing>,
-    part: &BushingPart,
-    suspension: &Suspension,
-    problems: &mut Problems,
-) -> Option<()> {
-    let (mechanism, design) = (&suspension.mechanism, &suspension.design);
-    let at = |id: PointId| design[id.0];
-    let of = |constraint: &Constraint| match *constraint {
-        Constraint::Link { inner, outer } if inner == part.point || outer == part.point => {
-            let arm = mechanism.arms.iter().find(|arm| arm.outer == outer);
-            Some(match arm {
-                Some(arm) => at(arm.front) - at(arm.rear),
-                None => at(outer) - at(inner),
-            })
-        }
-        Constraint::Revolute { first, second } => Some(at(second) - at(first)),
-        _ => None,
-    };
-    let default = mechanism.constraints.iter().find_map(of);
-    let up = Vector3::new(0.0, 0.0, 1.0);
-    // The default x axis of a strut's mount is forward. Its default z axis is along the strut, but this check uses the
-    // vertical.
-    let (x, z) = match default {
-        Some(default) => (part.x_axis.unwrap_or(default), part.z_axis.unwrap_or(up)),
-        None => (
-            part.x_axis.unwrap_or(Vector3::new(1.0, 0.0, 0.0)),
-            part.z_axis.unwrap_or(up),
-        ),
-    };
-    check_directions(name, written, [x, z], part.z_axis.is_some(), problems)
-}
-
-/// Checks that two different directions give the axes of a bushing.
+/// Checks that two different directions give the axes of a bushing. `default_z` describes the z direction without the key
+/// z_axis.
 pub(super) fn check_directions(
     name: &Text,
     written: &Spanned<file::Bushing>,
     [x, z]: [Vector3<f64>; 2],
-    has_z: bool,
+    default_z: &str,
     problems: &mut Problems,
 ) -> Option<()> {
-    if x.normalised().cross(z.normalised()).norm() >= UPRIGHT {
+    if x.normalised().cross(z.normalised()).norm() >= NEARLY_PARALLEL {
         return Some(());
     }
-    let z_axis = has_z.then_some(());
-    let message = match z_axis {
-        Some(_) => format!("x_axis and z_axis of {:?} are parallel", name.get_ref()),
+    let name = name.get_ref();
+    let message = match written.get_ref().z_axis {
+        Some(_) => format!(
+            "the x axis and the z axis of {name:?} are within 1 degree of each other: expected another direction as z_axis"
+        ),
         None => format!(
-            "the x axis of {:?} is within 1 degree of the vertical: expected z_axis",
-            name.get_ref()
+            "the x axis of {name:?} is within 1 degree of {default_z}: expected z_axis, or another direction as x_axis"
         ),
     };
     problems.refuse(written.span(), &message)

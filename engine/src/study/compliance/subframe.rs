@@ -8,7 +8,6 @@ use super::super::suspension::position;
 use super::bushing::{check_directions, rubber};
 use crate::compliance::{Compliance, LinkMember, Subframe, SubframeMount};
 use crate::model::{Body, Constraint, PointId, Suspension};
-use crate::number::Vector3;
 use std::path::Path;
 use toml::Spanned;
 
@@ -63,17 +62,16 @@ pub(super) fn subframe(
         }
         let at = suspension.frame.vector(position(at, problems)?);
         let found = rubber(name, bushing, suspension, directory, problems)?;
-        let x = found.x_axis.unwrap_or(Vector3::new(1.0, 0.0, 0.0));
-        let z = found.z_axis.unwrap_or(Vector3::new(0.0, 0.0, 1.0));
-        check_directions(name, bushing, [x, z], found.z_axis.is_some(), problems)?;
-        Some(SubframeMount {
+        let mount = SubframeMount {
             name: name.get_ref().clone(),
             at,
             shapes: found.shapes,
             preload: found.preload,
             x_axis: found.x_axis,
             z_axis: found.z_axis,
-        })
+        };
+        check_directions(name, bushing, mount.directions(), "the vertical", problems)?;
+        Some(mount)
     });
     let found = Subframe {
         carries: carries?,

@@ -213,9 +213,17 @@ impl SweepRecord {
         up_to(shard - 1)..up_to(shard)
     }
 
-    /// Text that distinguishes this sweep from all others, including sweeps with fewer designs of the same sequence.
+    /// Text that distinguishes this sweep from all others, including sweeps with fewer designs of the same sequence. It covers
+    /// the whole record, because parts belong only to sweeps with an equal record. Only `blocks_of_part` is left out: it
+    /// states how the files divide the designs.
     pub fn run_digest(&self) -> String {
-        format!("{}-{}", self.digest, self.designs)
+        let undivided = SweepRecord {
+            designs: 0,
+            blocks_of_part: 0,
+            ..self.clone()
+        };
+        let digest = super::digest_of(&format!("{undivided:?}"));
+        format!("{digest}-{}", self.designs)
     }
 
     /// Returns true if this sweep contains the designs of `other`, followed by further designs of the same sequence.

@@ -47,6 +47,31 @@ fn only_the_same_sweep_is_taken_up_again() {
     assert_eq!(fs::read_to_string(&path).unwrap(), written);
 }
 
+/// A shard of a sweep with another name, or with the same designs but without a ranking or without constraints, does not
+/// delete the results of other shards.
+#[test]
+fn shards_of_other_sweeps_delete_nothing() {
+    let bench = Bench::new(STUDY);
+    let constraint = "optimise.constraints=[{ length = \"tie_rod\", at_most = 360.6 }]";
+    let shard = |study: &str, shard: &str, more: &[&str]| {
+        let arguments = ["sweep", study, "--out", "run", "--set", constraint];
+        bench.run(&[&arguments[..], &["--shard", shard], more].concat())
+    };
+    shard("study.toml", "2/2", &[]).success();
+    let written = fs::read(bench.path("run/designs.csv")).unwrap();
+    fs::copy(bench.path("study.toml"), bench.path("copy.toml")).unwrap();
+    for (study, more) in [
+        ("copy.toml", &[][..]),
+        ("study.toml", &["--set", "optimise.fit=true"]),
+        ("study.toml", &["--set", "sweep.constraints=false"]),
+    ] {
+        let (_, error) = said(&shard(study, "1/2", more).code(2));
+        assert!(error.contains("another study"), "{error}");
+        assert_eq!(fs::read(bench.path("run/designs.csv")).unwrap(), written);
+    }
+    shard("study.toml", "1/2", &[]).success();
+}
+
 /// A sweep does not compute lengths, plunges, joint angles and clearances. A note names these keys.
 #[test]
 fn keys_that_a_sweep_ignores_are_named() {

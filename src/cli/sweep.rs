@@ -60,7 +60,7 @@ pub(super) fn run_study(arguments: &SweepArguments, study: &Study) -> Result<Exi
     let plan = SweepPlan::of(study, sweep).map_err(|reason| match reason {
         NotBegun::Designs(errors) => errors.into(),
         NotBegun::Fault(fault) => design_fault(study, path, &fault),
-        NotBegun::TwoColumns(name) => two_columns(path, &name),
+        NotBegun::Columns(fault) => Stop::in_file(path, fault),
     })?;
     if let Some(number) = arguments.design {
         return print_design(study, &plan, number);
@@ -106,16 +106,6 @@ pub(super) fn run_study(arguments: &SweepArguments, study: &Study) -> Result<Exi
         draw: &|output, statistics| draw(output, study, &plan, statistics, path),
     };
     carry_out(arguments, &ready, before)
-}
-
-/// Refuses two columns with the same name.
-pub(super) fn two_columns(path: &Path, name: &str) -> Stop {
-    Stop::in_file(
-        path,
-        format!(
-            "two columns of the results would have the name {name}; give a variable another name"
-        ),
-    )
 }
 
 /// Returns true if the designs go to standard output. In this case, refuses options that need a directory.

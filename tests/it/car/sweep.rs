@@ -160,6 +160,30 @@ fn bytes_do_not_depend_on_the_run() {
     hardpoint(directory, &["report", "two"]).success();
 }
 
+/// A sweep without results, and a sweep of results that have no value in any case.
+#[test]
+fn a_sweep_of_nothing_is_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let directory = directory.path();
+    car(directory, 2);
+    let path = directory.join("car.toml");
+    let study = fs::read_to_string(&path).unwrap();
+    let (study, _) = study.split_once("[optimise]").unwrap();
+    fs::write(&path, study).unwrap();
+    let case = "cases=[{ name = \"turn\", ay = 0.5 }]";
+    for outputs in ["[]", "[\"anti_dive_by_force\"]"] {
+        let outputs = format!("outputs.characteristics={outputs}");
+        let arguments = [
+            "sweep", "car.toml", "--out", "swept", "--set", case, "--set",
+        ];
+        let refused = hardpoint(directory, &[&arguments[..], &[&outputs]].concat()).code(2);
+        let error = text(&refused.get_output().stderr);
+        for phrase in ["car.toml", "[sweep]", "nothing to write for each design"] {
+            assert!(error.contains(phrase), "{error}");
+        }
+    }
+}
+
 /// If a case of a design has no equilibrium, the row names the case and the reason. The other cases have their values.
 #[test]
 fn failed_cases_are_named() {

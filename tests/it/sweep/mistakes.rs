@@ -331,6 +331,20 @@ fn a_sweep_of_nothing_is_refused() {
     }
 }
 
+/// The target ranks no designs, because it is a measurement. So the results would have no values.
+#[test]
+fn a_fit_without_outputs_is_refused() {
+    let bench = Bench::new(STUDY);
+    let target =
+        "optimise.targets=[{ length = \"tie_rod\", at = 0.0, value = 360.0, tolerance = 1.0 }]";
+    let more = ["--set", "outputs.characteristics=[]", "--set", target];
+    let more = [&more[..], &["--set", "optimise.fit=true"]].concat();
+    let (_, error) = said(&bench.sweep("run", &more).code(2));
+    for phrase in ["study.toml", "[sweep]", "nothing to write for each design"] {
+        assert!(error.contains(phrase), "{error}");
+    }
+}
+
 /// A sweep contains no infinite numbers: the program refuses tolerances that are smaller than the rounding errors of
 /// values.
 #[test]

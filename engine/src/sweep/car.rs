@@ -252,7 +252,7 @@ impl CarWorker<'_> {
                 *value += 0.0;
             }
             let car = plan.car(values);
-            let failing = match car.refusal() {
+            let failing = match car.counted_refusal() {
                 Some(reason) => Err(reason),
                 None => {
                     let row = plan.row_of(&car, &mut self.results, outputs);

@@ -2,6 +2,8 @@
 
 use super::commands::{hardpoint, text};
 use crate::support::rows_by_column;
+use hardpoint::study::CarStudy;
+use hardpoint::sweep::{CarSweepPlan, SweepStatistics};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -205,6 +207,28 @@ fn failed_cases_are_named() {
         assert!(row["turn_roll_deg"].is_empty() && row["misfit"].is_empty());
         assert!(!row["braking_roll_deg"].is_empty());
     }
+}
+
+/// All designs are refused for the same reason, with different values. The program counts them together.
+#[test]
+fn refused_cars_are_counted_by_their_reason() {
+    let directory = tempfile::tempdir().unwrap();
+    car(directory.path(), 16);
+    let mut study = CarStudy::read(&directory.path().join("car.toml"), &[]).unwrap();
+    let mut sweep = study.sweep.take().unwrap();
+    // The variable for the mass.
+    sweep.sampled.variables[4].range = [-1500.0, -1400.0];
+    let plan = CarSweepPlan::of(&study, &sweep).unwrap();
+    let statistics = SweepStatistics::of(&plan.record, plan.worker().rows(0));
+    let [failure] = &statistics.failures[..] else {
+        panic!("{:?}", statistics.failures);
+    };
+    assert_eq!(
+        (failure.designs, failure.status.as_str()),
+        (16, "degenerate")
+    );
+    let reason = "car.mass is not an accepted mass: ";
+    assert!(failure.reason.starts_with(reason), "{}", failure.reason);
 }
 
 /// A sweep ranks designs by the misfit that a tuning minimises, also if some targets apply to a single axle.

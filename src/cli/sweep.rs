@@ -9,8 +9,8 @@ use super::report::show_sweep;
 use super::terminal;
 use super::{interrupt, progress};
 use crate::report::{
-    DrawnDesigns, NotARun, PartOutcome, SweepDirectory, SweepSummary, SweepText, TableFile,
-    counted, rows_header, write_part,
+    DrawnDesigns, MergeError, NotARun, PartOutcome, SweepDirectory, SweepSummary, SweepText,
+    TableFile, counted, rows_header, write_part,
 };
 use crate::results::{Claim, Sharing, WriteError};
 use crate::study::{CarStudy, FileFormat, Order, Study, Vehicle};
@@ -137,6 +137,10 @@ pub(super) fn carry_out(
     // Several shards share a directory, so a shard never discards finished parts, even with `--force`.
     let anew = arguments.force && !arguments.resume && arguments.shard.is_none();
     let directory = SweepDirectory::prepare(claimed, record, anew).map_err(Stop::unwritten)?;
+    directory.renew_statistics().map_err(|error| match error {
+        MergeError::Parts(error) => not_this(error),
+        MergeError::Unwritten(error) => Stop::unwritten(error),
+    })?;
     let parts = match arguments.shard {
         None => 0..record.parts(),
         Some(shard) => {

@@ -123,7 +123,7 @@ fn sweep(variables: &[DesignVariable], samples: u64) -> Sweep {
 fn unmeasurable(reason: NotBegun) -> Unmeasurable {
     match reason {
         NotBegun::Fault(fault) => Unmeasurable::Design(fault),
-        NotBegun::TwoColumns(name) => Unmeasurable::TwoColumns(name),
+        NotBegun::Columns(fault) => Unmeasurable::Columns(fault),
         NotBegun::Designs(errors) => unreachable!("designs are sampled: {errors}"),
     }
 }

@@ -23,6 +23,7 @@ pub use timing::{Clock, Job, Timing};
 
 use hardpoint_engine::mechanism::DesignFault;
 use hardpoint_engine::study::{Drive, Motion};
+use hardpoint_engine::sweep::ColumnFault;
 
 /// Measured time of one job.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,9 +50,9 @@ pub enum Unmeasurable {
         /// Number of stations that the measurement needs.
         needed: usize,
     },
-    /// Two outputs of the study have the same name.
-    #[error("two outputs have the name {0}; remove one of them from [outputs]")]
-    TwoColumns(String),
+    /// The columns of the measured sweep cannot be written.
+    #[error("{0}")]
+    Columns(ColumnFault),
     /// A wheel of the axle cannot be solved.
     #[error("{0}")]
     Axle(String),

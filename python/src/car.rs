@@ -216,9 +216,7 @@ pub(crate) fn car_sweep<'py>(
     let plan = on_threads(py, Some(1), |_| CarSweepPlan::of(study, sweep))?;
     let plan = plan.map_err(|reason| match reason {
         CarNotBegun::Fault(fault) => car.fault(&fault),
-        CarNotBegun::TwoColumns(name) => failure(format!(
-            "two columns would have the name {name}; give a variable another name"
-        )),
+        CarNotBegun::Columns(fault) => failure(fault.to_string()),
     })?;
     collect(py, Swept::Car(&plan), None, threads, progress)
 }

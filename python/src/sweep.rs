@@ -23,9 +23,7 @@ pub(crate) fn not_begun(study: &Study, error: NotBegun) -> PyErr {
     match error {
         NotBegun::Designs(errors) => of_file(errors),
         NotBegun::Fault(fault) => study.fault(&fault),
-        NotBegun::TwoColumns(name) => failure(format!(
-            "two columns would have the name {name}; give a variable another name"
-        )),
+        NotBegun::Columns(fault) => failure(fault.to_string()),
     }
 }
 

@@ -9,8 +9,8 @@ use super::report::show_sweep;
 use super::terminal;
 use super::{interrupt, progress};
 use crate::report::{
-    DrawnDesigns, NotARun, PartOutcome, SweepDirectory, SweepSummary, SweepText, TableFile,
-    counted, rows_header, write_part,
+    DrawnDesigns, MergeError, NotARun, PartOutcome, SweepDirectory, SweepSummary, SweepText,
+    TableFile, counted, rows_header, write_part,
 };
 use crate::results::{Claim, Sharing, WriteError};
 use crate::study::{CarStudy, FileFormat, Order, Study, Vehicle};
@@ -60,7 +60,7 @@ pub(super) fn run_study(arguments: &SweepArguments, study: &Study) -> Result<Exi
     let plan = SweepPlan::of(study, sweep).map_err(|reason| match reason {
         NotBegun::Designs(errors) => errors.into(),
         NotBegun::Fault(fault) => design_fault(study, path, &fault),
-        NotBegun::TwoColumns(name) => two_columns(path, &name),
+        NotBegun::Columns(fault) => Stop::in_file(path, fault),
     })?;
     if let Some(number) = arguments.design {
         return print_design(study, &plan, number);
@@ -108,16 +108,6 @@ pub(super) fn run_study(arguments: &SweepArguments, study: &Study) -> Result<Exi
     carry_out(arguments, &ready, before)
 }
 
-/// Refuses two columns with the same name.
-pub(super) fn two_columns(path: &Path, name: &str) -> Stop {
-    Stop::in_file(
-        path,
-        format!(
-            "two columns of the results would have the name {name}; give a variable another name"
-        ),
-    )
-}
-
 /// Returns true if the designs go to standard output. In this case, refuses options that need a directory.
 pub(super) fn is_to_stdout(arguments: &SweepArguments, format: FileFormat) -> Result<bool, Stop> {
     let to_stdout = arguments.out.as_deref() == Some(Path::new("-"));
@@ -147,6 +137,10 @@ pub(super) fn carry_out(
     // Several shards share a directory, so a shard never discards finished parts, even with `--force`.
     let anew = arguments.force && !arguments.resume && arguments.shard.is_none();
     let directory = SweepDirectory::prepare(claimed, record, anew).map_err(Stop::unwritten)?;
+    directory.renew_statistics().map_err(|error| match error {
+        MergeError::Parts(error) => not_this(error),
+        MergeError::Unwritten(error) => Stop::unwritten(error),
+    })?;
     let parts = match arguments.shard {
         None => 0..record.parts(),
         Some(shard) => {

@@ -268,7 +268,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     }
 
     /// Moves the steering gear of a steered axle to a displacement, for both wheels.
-    pub(super) fn steer(&mut self, displacement: f64) -> Result<(), NoPose> {
+    pub(crate) fn steer(&mut self, displacement: f64) -> Result<(), NoPose> {
         let [left, right] = &mut self.corners;
         join_results(left.steer(displacement), right.steer(displacement)).map(|_| ())
     }
@@ -457,8 +457,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     }
 
     /// Returns one wheel in a position, for drawings. The rack of an independent suspension is at the displacement of
-    /// this position.
-    pub(super) fn drawn_configuration(
+    /// this position. The steering gear of a steered axle must be at its displacement.
+    pub(crate) fn drawn_configuration(
         &self,
         side: Side,
         placed: &AxlePose,

@@ -27,20 +27,37 @@ const FIGURES: [Moves; 7] = [
 ];
 
 impl Car {
-    /// Describes the first value that a study does not accept. `None` if a study accepts all values of this car.
-    pub fn refusal(&self) -> Option<String> {
+    /// Returns the first value that a study does not accept. `None` if a study accepts all values of this car.
+    fn refused(&self) -> Option<(Moves, f64)> {
         Moves::values().find_map(|moves| {
             let value = moves.value(self)?;
-            let accepted = moves.accepted(self);
-            (!accepted.contains(value)).then(|| {
-                let [noun, _] = moves.nouns();
-                let label = moves.label(self);
-                format!(
-                    "{label} is {}: expected a {noun} {accepted}",
-                    six_digits(value)
-                )
-            })
+            (!moves.accepted(self).contains(value)).then_some((moves, value))
         })
+    }
+
+    /// Describes the first value that a study does not accept. `None` if a study accepts all values of this car.
+    pub fn refusal(&self) -> Option<String> {
+        let (moves, value) = self.refused()?;
+        let [noun, _] = moves.nouns();
+        Some(format!(
+            "{} is {}: expected a {noun} {}",
+            moves.label(self),
+            six_digits(value),
+            moves.accepted(self)
+        ))
+    }
+
+    /// Describes the first value that a study does not accept, without numbers, so that equal reasons can be counted.
+    pub(crate) fn counted_refusal(&self) -> Option<String> {
+        let (moves, _) = self.refused()?;
+        let [noun, _] = moves.nouns();
+        let reason = moves.reason_of_limits(self);
+        let reason = reason.map(|reason| format!(": {reason}"));
+        Some(format!(
+            "{} is not an accepted {noun}{}",
+            moves.label(self),
+            reason.unwrap_or_default()
+        ))
     }
 
     /// Height of the ground under the front axle in the design position, in the car's frame.

@@ -1,7 +1,6 @@
 //! Positions of a car's points relative to the ground, for drawings.
 
 use super::{CarQuantity, CarSolver, Case, Equilibrium, NoEquilibrium, WheelPlace, WheelResult};
-use crate::mechanism::Configuration;
 use crate::model::{PointId, Side};
 use crate::number::{Each, Vector3};
 
@@ -52,17 +51,13 @@ impl CarSolver<'_> {
         let plain = |axle: usize, side: Side, v: Vector3<f64>| {
             Vector3::new(v.x, side.sign() * v.y, v.z) + offset(axle)
         };
-        let configuration = |axle: usize, side: Side| {
-            let suspension = self.car.axles[axle].suspension(side);
-            let placed = &poses[axle];
-            Configuration {
-                mechanism: &suspension.mechanism,
-                design: &suspension.design,
-                pose: placed.poses()[side as usize],
-                rack: placed.rack * side.sign(),
-                steering: None,
-            }
-        };
+        // The design of a steered solid axle contains the displacement of its steering gear.
+        for (axle, placed) in poses.iter().enumerate() {
+            let steered = self.axles[axle].steer(placed.rack);
+            steered.map_err(|failure| NoEquilibrium::NoPose { axle, failure })?;
+        }
+        let configuration =
+            |axle: usize, side: Side| self.axles[axle].drawn_configuration(side, &poses[axle]);
         let points = [0, 1].map(|axle| {
             let of_side = |side: Side| {
                 let at = configuration(axle, side);

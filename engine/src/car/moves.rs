@@ -159,7 +159,13 @@ impl Moves {
 
     /// Sets the car's parameter to a value, or moves its hardpoints by that value.
     pub fn apply(&self, value: f64, car: &mut Car) {
-        let now = self.internal(car).unwrap_or(0.0);
+        let now = self.internal(car);
+        self.change(now, value, car);
+    }
+
+    /// Sets the car's parameter from the value `now`, in program units, to a value. Moves hardpoints by that value.
+    fn change(&self, now: Option<f64>, value: f64, car: &mut Car) {
+        let now = now.unwrap_or(0.0);
         let value = value * self.written_unit(car);
         match *self {
             Moves::Hardpoints(ref points) => move_points(points, value, car),
@@ -329,11 +335,13 @@ pub fn body_key(parameter: BodyParameter) -> &'static str {
     }
 }
 
-/// Returns the car with its variables at the values `x`.
+/// Returns the car with its variables at the values `x`. The order of the variables does not matter: each one changes the given
+/// car. So a variable for the wheelbase moves the rear axle without regard to wheel centres that other variables move.
 pub fn moved(car: &Car, variables: &[CarVariable], x: &[f64]) -> Car {
     let mut moved = car.clone();
     for (variable, value) in variables.iter().zip(x) {
-        variable.moves.apply(*value, &mut moved);
+        let now = variable.moves.internal(car);
+        variable.moves.change(now, *value, &mut moved);
     }
     moved
 }

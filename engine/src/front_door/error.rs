@@ -4,7 +4,7 @@ use crate::characteristics::Characteristic;
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::study::StudyErrors;
-use crate::sweep::NotBegun;
+use crate::sweep::{ColumnFault, NotBegun};
 use thiserror::Error;
 
 /// Error of the interface for Rust programs.
@@ -71,9 +71,9 @@ pub enum Error {
     /// A file that the study names has an error.
     #[error("{0}")]
     File(StudyErrors),
-    /// Two columns of a sweep's rows would have this name.
-    #[error("two columns would have the name {0}; give a variable another name")]
-    TwoColumns(String),
+    /// The columns of a sweep's rows cannot be written.
+    #[error("{0}")]
+    Columns(ColumnFault),
     /// The system could not start the CPU threads.
     #[error("cannot start {threads} threads: {reason}")]
     Threads {
@@ -94,7 +94,7 @@ impl Error {
         match reason {
             NotBegun::Designs(errors) => Error::File(errors),
             NotBegun::Fault(fault) => Error::design(suspension, &fault),
-            NotBegun::TwoColumns(name) => Error::TwoColumns(name),
+            NotBegun::Columns(fault) => Error::Columns(fault),
         }
     }
 

@@ -127,7 +127,7 @@ impl Study {
     /// [`Error::NotAsked`] without a call of [`Study::sampling`]. [`Error::Empty`] if the sampling has no variable.
     /// [`Error::Number`] if the number of samples is 0, too large or does not fit a grid, or if the method allows fewer variables.
     /// [`Error::MovesNothing`] if a variable moves no coordinate. [`Error::Design`] if the design itself cannot be solved.
-    /// [`Error::File`] if the file of designs has an error. [`Error::TwoColumns`] if two columns have the same name.
+    /// [`Error::File`] if the file of designs has an error. [`Error::Columns`] if two columns have the same name.
     /// [`Error::Threads`] if the CPU threads cannot start.
     pub fn sweep(
         &self,

@@ -4,7 +4,7 @@ use super::margins::{distinguish, margin_column, margin_columns};
 use super::record::CAR_BLOCKS_OF_PART;
 use super::record::{Kind, MoveRecord, OutputColumn, TargetColumn, VariableRecord};
 use super::rows::{Failing, Rows};
-use super::{FORM, Samples, SweepRecord};
+use super::{ColumnFault, FORM, Samples, SweepRecord};
 use crate::car::{
     AXLE_NAMES, Car, CarConstraint, CarFault, CarQuantity, CarRequest, CarTarget, CaseResult,
     RigGoals, moved,
@@ -34,15 +34,15 @@ pub struct CarSweepPlan<'s> {
 pub enum CarNotBegun {
     /// The study's own design cannot be solved.
     Fault(CarFault),
-    /// Two columns of the results would have this name.
-    TwoColumns(String),
+    /// The columns of the results cannot be written.
+    Columns(ColumnFault),
 }
 
 impl<'s> CarSweepPlan<'s> {
     /// Plans the sweep of a study.
     ///
     /// # Errors
-    /// Returns the reason if the study's own design cannot be solved, or if two columns have the same name.
+    /// Returns the reason if the study's own design cannot be solved, or if the columns cannot be written.
     pub fn of(study: &'s CarStudy, sweep: &'s CarSweep) -> Result<Self, CarNotBegun> {
         let tuning = study.optimise.as_ref();
         let targets = tuning.map_or(&[][..], |o| &o.targets);
@@ -72,11 +72,7 @@ impl<'s> CarSweepPlan<'s> {
             rigs: rigs(study),
         };
         plan.record.outputs = plan.outputs();
-        let columns = plan.record.columns();
-        let twice = |(i, name): &(usize, &String)| columns[..*i].contains(name);
-        if let Some((_, name)) = columns.iter().enumerate().find(twice) {
-            return Err(CarNotBegun::TwoColumns(name.clone()));
-        }
+        plan.record.check_columns().map_err(CarNotBegun::Columns)?;
         let mut values = vec![f64::NAN; plan.record.outputs.len()];
         let mut results = vec![f64::NAN; plan.request.results.len()];
         plan.row_of(&study.car, &mut results, &mut values)
@@ -256,7 +252,7 @@ impl CarWorker<'_> {
                 *value += 0.0;
             }
             let car = plan.car(values);
-            let failing = match car.refusal() {
+            let failing = match car.counted_refusal() {
                 Some(reason) => Err(reason),
                 None => {
                     let row = plan.row_of(&car, &mut self.results, outputs);

@@ -106,11 +106,12 @@ impl Effects {
                 "saltelli" => {
                     (effect.first_order_index, effect.total) = exchanged(statistics, variable, k);
                 }
-                "grid" if statistics.solved == statistics.designs => {
+                "grid" if moments.count == record.designs => {
                     let (between, _) = between_levels(statistics, variable, k, None);
                     effect.first_order_index = Some((between / squares).clamp(0.0, 1.0));
                 }
-                _ if moments.count < statistics.designs => {
+                // The variables of an incomplete grid are not independent either.
+                method if method == "grid" || moments.count < statistics.designs => {
                     let by_levels = between_levels(statistics, variable, k, None);
                     let share = share(by_levels, squares, 0.0, n);
                     effect.first_order_index = share.map(|s| (s / squares).clamp(0.0, 1.0));

@@ -28,7 +28,8 @@ pub use in_order::in_order;
 pub use moments::{BinnedSums, LevelSums, Moments, SaltelliSums};
 pub use plan::{NotBegun, SweepPlan, Worker};
 pub use record::{
-    BLOCKS_OF_PART, FORM, Kind, MoveRecord, OutputColumn, SweepRecord, TargetColumn, VariableRecord,
+    BLOCKS_OF_PART, ColumnFault, FORM, Kind, MoveRecord, OutputColumn, SweepRecord, TargetColumn,
+    VariableRecord,
 };
 pub use rows::{Failing, Rows};
 pub use samples::Samples;

@@ -12,7 +12,7 @@ use super::record::{
     ELASTIC_BLOCKS_OF_PART, Kind, MoveRecord, OutputColumn, TargetColumn, VariableRecord,
 };
 use super::rows::{Failing, Rows};
-use super::{BLOCKS_OF_PART, FORM, Samples, SweepRecord, Swept};
+use super::{BLOCKS_OF_PART, ColumnFault, FORM, Samples, SweepRecord, Swept};
 use crate::ask::with_unit;
 use crate::axle::AxlePlan;
 use crate::characteristics::Quantity;
@@ -73,8 +73,8 @@ pub enum NotBegun {
     Designs(StudyErrors),
     /// The study's own design cannot be solved.
     Fault(DesignFault),
-    /// Two columns of the results would have this name.
-    TwoColumns(String),
+    /// The columns of the results cannot be written.
+    Columns(ColumnFault),
 }
 
 impl From<DesignFault> for NotBegun {
@@ -136,11 +136,7 @@ impl<'s> SweepPlan<'s> {
             plan.record.blocks_of_part = ELASTIC_BLOCKS_OF_PART;
         }
         plan.record.outputs = plan.output_columns();
-        let columns = plan.record.columns();
-        let twice = |(i, name): &(usize, &String)| columns[..*i].contains(name);
-        if let Some((_, name)) = columns.iter().enumerate().find(twice) {
-            return Err(NotBegun::TwoColumns(name.clone()));
-        }
+        plan.record.check_columns().map_err(NotBegun::Columns)?;
         let at_design = plan.worker()?.row_of(&suspension.design);
         for (output, value) in plan.record.outputs.iter_mut().zip(at_design) {
             output.at_design = value.is_finite().then_some(value);

@@ -122,6 +122,20 @@ pub enum Kind {
     Margin,
 }
 
+/// Reason why the columns of a sweep cannot be written.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ColumnFault {
+    /// Two columns of the results would have this name.
+    #[error("two columns of the results would have the name {0}; give a variable another name")]
+    Twice(String),
+    /// The results would have no values of the designs.
+    #[error(
+        "[sweep]: there is nothing to write for each design: name characteristics in [outputs] that have a value in \
+         [motion] or in a load case, or give targets in [optimise] without fit = true"
+    )]
+    Nothing,
+}
+
 /// A column of results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OutputColumn {
@@ -213,9 +227,17 @@ impl SweepRecord {
         up_to(shard - 1)..up_to(shard)
     }
 
-    /// Text that distinguishes this sweep from all others, including sweeps with fewer designs of the same sequence.
+    /// Text that distinguishes this sweep from all others, including sweeps with fewer designs of the same sequence. It covers
+    /// the whole record, because parts belong only to sweeps with an equal record. Only `blocks_of_part` is left out: it
+    /// states how the files divide the designs.
     pub fn run_digest(&self) -> String {
-        format!("{}-{}", self.digest, self.designs)
+        let undivided = SweepRecord {
+            designs: 0,
+            blocks_of_part: 0,
+            ..self.clone()
+        };
+        let digest = super::digest_of(&format!("{undivided:?}"));
+        format!("{digest}-{}", self.designs)
     }
 
     /// Returns true if this sweep contains the designs of `other`, followed by further designs of the same sequence.
@@ -244,6 +266,19 @@ impl SweepRecord {
         let variables = self.variables.iter().map(|v| v.column.clone());
         let outputs = self.outputs.iter().map(|o| o.column.clone());
         variables.chain(outputs).collect()
+    }
+
+    /// Checks that there are outputs, and that all columns have different names.
+    pub(super) fn check_columns(&self) -> Result<(), ColumnFault> {
+        if self.outputs.is_empty() {
+            return Err(ColumnFault::Nothing);
+        }
+        let columns = self.columns();
+        let twice = |(i, name): &(usize, &String)| columns[..*i].contains(name);
+        match columns.iter().enumerate().find(twice) {
+            Some((_, name)) => Err(ColumnFault::Twice(name.clone())),
+            None => Ok(()),
+        }
     }
 
     /// Names of the columns of the designs, in order.

@@ -24,7 +24,7 @@ pub struct Rows {
 pub struct Failing {
     /// Word in the `status` column.
     pub status: String,
-    /// Reason without numbers, so that equal reasons can be counted. Only the reason of a refused car contains numbers.
+    /// Reason without numbers, so that equal reasons can be counted.
     pub reason: String,
     /// Number of stations without a pose.
     pub stations: u64,

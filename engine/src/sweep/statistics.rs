@@ -30,11 +30,11 @@ pub struct SweepStatistics {
     pub ranges: Vec<Option<OutputRange>>,
     /// Best designs by misfit, in order. All are solved at every station and satisfy the constraints.
     pub best: Vec<Candidate>,
-    /// For each output, the number of solved designs that violate its limit ([`super::OutputColumn::least`]). Empty if no output
-    /// has a limit.
+    /// For each output, the number of solved designs that violate its limit ([`super::OutputColumn::least`]), or for which the
+    /// output has no value. Empty if no output has a limit.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub violating: Vec<u64>,
-    /// Number of solved designs that violate a limit. These designs are not ranked.
+    /// Number of solved designs that violate a limit, or whose margin has no value. These designs are not ranked.
     #[serde(default)]
     pub violators: u64,
     /// Smallest misfits of designs that are not solved at every station, in order. These designs are not ranked.
@@ -150,7 +150,8 @@ impl SweepStatistics {
             let is_solved = rows.failing[place].is_none();
             let mut violates = false;
             for (k, least) in limits.iter().filter(|_| is_solved) {
-                if outputs[*k] < *least {
+                // A margin without a value is NaN. Such a design does not satisfy the constraint.
+                if outputs[*k].is_nan() || outputs[*k] < *least {
                     statistics.violating[*k] += 1;
                     violates = true;
                 }

@@ -2,7 +2,7 @@
 
 use super::super::SweepArguments;
 use super::super::exit::{Exit, Stop};
-use super::super::sweep::{Ready, carry_out, is_to_stdout, two_columns};
+use super::super::sweep::{Ready, carry_out, is_to_stdout};
 use super::{KEPT_NAMES, kept};
 use crate::report::{SweepText, settings_of_car};
 use crate::study::CarStudy;
@@ -17,7 +17,7 @@ pub(in crate::cli) fn sweep(arguments: &SweepArguments) -> Result<Exit, Stop> {
     };
     let plan = CarSweepPlan::of(&study, sweep).map_err(|reason| match reason {
         CarNotBegun::Fault(fault) => Stop::in_file(path, study.car.describe_fault(&fault)),
-        CarNotBegun::TwoColumns(name) => two_columns(path, &name),
+        CarNotBegun::Columns(fault) => Stop::in_file(path, fault),
     })?;
     if let Some(number) = arguments.design {
         return print_settings(&study, &plan, number);

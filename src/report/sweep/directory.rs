@@ -1,13 +1,14 @@
 //! Directory of a sweep: its description in `sweep.json`, and its parts.
 
 use super::checksum::checksum;
+use super::merge::MergeError;
 use super::part::{FORM as PART_FORM, PartRecord};
 use super::summary::{SweepSummary, pareto_csv};
 use super::table_file::open_lines;
 use crate::report::finished::{NotARun, in_form};
 use crate::results::{RunDirectory, WriteError};
 use crate::sweep::csv::RowsReader;
-use crate::sweep::{FORM, SweepRecord, SweepStatistics};
+use crate::sweep::{FORM, Rows, SweepRecord, SweepStatistics};
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -139,6 +140,18 @@ impl SweepDirectory {
 
     /// Record of a part, if it is complete.
     pub fn part(&self, part: u64) -> Result<Option<PartRecord>, NotARun> {
+        let found = self.written(part)?;
+        if found
+            .as_ref()
+            .is_some_and(|found| !found.statistics.are_of(&self.record))
+        {
+            return Err(self.not_of_this_part(part));
+        }
+        Ok(found)
+    }
+
+    /// Record of a part, if it is complete. Its statistics may have the levels of a sweep with fewer designs.
+    fn written(&self, part: u64) -> Result<Option<PartRecord>, NotARun> {
         if !self.has_rows(part) {
             return Ok(None);
         }
@@ -156,15 +169,8 @@ impl SweepDirectory {
         })?;
         let is_ours = found.form == PART_FORM && found.part == part;
         let designs = record.designs_of_part(part);
-        if !is_ours
-            || found.digest != record.digest
-            || found.statistics.designs != designs
-            || !found.statistics.are_of(record)
-        {
-            return Err(wrong(
-                &statistics,
-                "it does not belong to this part of this sweep",
-            ));
+        if !is_ours || found.digest != record.digest || found.statistics.designs != designs {
+            return Err(self.not_of_this_part(part));
         }
         let mut lengths = vec![(&rows, Some(found.rows_length))];
         lengths.extend(record.curves.then_some((&curves, found.curves_length)));
@@ -181,9 +187,53 @@ impl SweepDirectory {
         Ok(Some(found))
     }
 
+    fn not_of_this_part(&self, part: u64) -> NotARun {
+        let statistics = self.path.join(self.record.statistics_name(part));
+        wrong(&statistics, "it does not belong to this part of this sweep")
+    }
+
+    /// Sums the statistics of kept parts again from their rows, if they have other levels. The number of levels grows with the
+    /// number of designs ([`SweepStatistics::are_of`]), so it changes if a sweep is extended. The new sums have the same bits as
+    /// those of a sweep that runs at once.
+    pub fn renew_statistics(&self) -> Result<(), MergeError> {
+        let record = &self.record;
+        for part in 0..record.parts() {
+            let Some(mut found) = self.written(part)? else {
+                continue;
+            };
+            if found.statistics.are_of(record) {
+                continue;
+            }
+            self.verify(part)?;
+            let mut statistics = SweepStatistics::empty(record);
+            // The rows do not show which designs were solved one by one.
+            statistics.one_by_one = found.statistics.one_by_one;
+            self.each_block(part, |rows| {
+                statistics.absorb(record, &SweepStatistics::of(record, rows));
+            })?;
+            found.statistics = statistics;
+            found.replace(&self.path, record)?;
+        }
+        Ok(())
+    }
+
+    /// Reads the rows of a complete part and passes each block to `take`, in order.
+    pub fn each_block(&self, part: u64, mut take: impl FnMut(&Rows)) -> Result<(), NotARun> {
+        let path = self.path.join(self.record.rows_name(part));
+        let wrong = |reason: String| NotARun::at(&path, reason);
+        let mut reader = self.rows(part)?;
+        for block in self.record.blocks_of(part) {
+            let rows = reader.block(block).map_err(|e| wrong(e.to_string()))?;
+            take(&rows.ok_or_else(|| {
+                wrong("it has fewer rows than this part of the sweep has designs".to_owned())
+            })?);
+        }
+        Ok(())
+    }
+
     /// Checks that the files of a complete part have the bytes that the sweep wrote. It reads the whole files.
     pub fn verify(&self, part: u64) -> Result<(), NotARun> {
-        let Some(found) = self.part(part)? else {
+        let Some(found) = self.written(part)? else {
             return Ok(());
         };
         let record = &self.record;
@@ -221,7 +271,7 @@ impl SweepDirectory {
     }
 
     /// Reads the rows of a part, block by block.
-    pub fn rows(&self, part: u64) -> Result<RowsReader<'_>, NotARun> {
+    fn rows(&self, part: u64) -> Result<RowsReader<'_>, NotARun> {
         let path = self.path.join(self.record.rows_name(part));
         open_lines(&path)
             .and_then(|lines| RowsReader::new(&self.record, lines))

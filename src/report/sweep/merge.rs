@@ -21,7 +21,7 @@ pub struct Parts {
     directories: Vec<SweepDirectory>,
 }
 
-/// Reason why parts cannot be joined.
+/// Reason why parts cannot be joined, or summed again.
 #[derive(Debug, thiserror::Error)]
 pub enum MergeError {
     /// The directories do not contain all parts of one sweep.

@@ -135,26 +135,38 @@ pub(super) fn put(
         curves_checksum: curves.as_ref().and_then(|c| c.checksum.clone()),
         statistics,
     };
-    let name = record.statistics_name(part);
-    let path = directory.join(&name);
-    let text = serde_json::to_string(&part_record).expect("JSON can store statistics") + "\n";
-    let written = || -> std::io::Result<NamedTempFile> {
-        let mut file = temporary_of(directory, &format!("part-{part:09}"))?;
-        file.write_all(text.as_bytes())?;
-        file.flush()?;
-        Ok(file)
-    };
-    let statistics = Whole {
-        length: text.len() as u64,
-        checksum: None,
-        temporary: written().map_err(unwritten(&path))?,
-        name,
-    };
+    let statistics = part_record.write(directory, record)?;
     if let Some(curves) = curves {
         curves.persist(directory)?;
     }
     statistics.persist(directory)?;
     rows.persist(directory)
+}
+
+impl PartRecord {
+    /// Replaces the statistics file of a complete part.
+    pub(super) fn replace(&self, directory: &Path, record: &SweepRecord) -> Result<(), WriteError> {
+        self.write(directory, record)?.persist(directory)
+    }
+
+    /// Writes the statistics file of the part under a temporary name.
+    fn write(&self, directory: &Path, record: &SweepRecord) -> Result<Whole, WriteError> {
+        let name = record.statistics_name(self.part);
+        let path = directory.join(&name);
+        let text = serde_json::to_string(self).expect("JSON can store statistics") + "\n";
+        let written = || -> std::io::Result<NamedTempFile> {
+            let mut file = temporary_of(directory, &format!("part-{:09}", self.part))?;
+            file.write_all(text.as_bytes())?;
+            file.flush()?;
+            Ok(file)
+        };
+        Ok(Whole {
+            length: text.len() as u64,
+            checksum: None,
+            temporary: written().map_err(unwritten(&path))?,
+            name,
+        })
+    }
 }
 
 /// Table that is being written under a temporary name.

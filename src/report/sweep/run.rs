@@ -91,16 +91,7 @@ impl SweepRun {
         let choice = Choice::of(&record, &summary);
         let mut shown = ShownDesigns::default();
         for part in (0..record.parts()).filter(|part| !done.missing.contains(part)) {
-            let rows = path.join(record.rows_name(part));
-            let wrong = |reason: String| NotARun::at(&rows, reason);
-            let mut reader = directory.rows(part)?;
-            for block in record.blocks_of(part) {
-                let rows = reader.block(block).map_err(|e| wrong(e.to_string()))?;
-                let rows = rows.ok_or_else(|| {
-                    wrong("it has fewer rows than this part of the sweep has designs".to_owned())
-                })?;
-                shown.take(&rows, &choice);
-            }
+            directory.each_block(part, |rows| shown.take(rows, &choice))?;
         }
         let misfit = record.misfit().map(|m| record.variables.len() + m);
         for best in &summary.best {

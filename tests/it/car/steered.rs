@@ -370,6 +370,41 @@ fn the_gear_steers_both_wheels() {
     );
 }
 
+/// A drawing shows the steered wheels. Each lowest point is below its wheel centre in the plane across the spin axis, as far away
+/// as the tyre's radius. The rods between steering gear and knuckles keep their lengths.
+#[test]
+fn a_drawing_shows_the_steered_wheels() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/off_road_car.toml");
+    let study = CarStudy::read(&path, &[]).unwrap();
+    let mechanism = &study.car.axles[0].left.mechanism;
+    let mut solver = CarSolver::new(&study.car).unwrap();
+    let mut drawn = |name: &str| {
+        let case = study.cases.iter().find(|case| case.name == name).unwrap();
+        let found = solver.solve(case).unwrap();
+        solver.drawing(case, &found).unwrap()
+    };
+    let ([turn, braking], mut worst) = ([drawn("turn"), drawn("braking")], 0.0_f64);
+    for drawing in [&turn, &braking] {
+        for wheel in 0..4 {
+            let radius = study.car.axles[wheel / 2].setup.wheel_radius.unwrap();
+            let lever = V::from(drawing.contacts[wheel]) - V::from(drawing.centres[wheel]);
+            let axis = V::from(drawing.spin_axes[wheel]);
+            worst = larger(worst, lever.dot(axis).abs());
+            worst = larger(worst, (lever.norm() - radius).abs());
+        }
+    }
+    let length = |of: [&str; 2]| {
+        let [a, b] = of.map(|name| V::from(turn.points[0][mechanism.point(name).unwrap().0]));
+        let [c, d] = of.map(|name| V::from(braking.points[0][mechanism.point(name).unwrap().0]));
+        (a - b).norm() - (c - d).norm()
+    };
+    worst = larger(worst, length(["drag_link_body", "drag_link_knuckle"]).abs());
+    worst = larger(worst, length(["tie_rod_end", "right_tie_rod_end"]).abs());
+    assert!(worst < 1e-6, "{worst}");
+    // The left wheel steers to the left: the outboard end of its axis moves rearward by more than 0.05 rad.
+    assert!(turn.spin_axes[0][0] < braking.spin_axes[0][0] - 0.05);
+}
+
 /// Parts of both solid axles cause first-order variances of the car. These variances equal those from finite
 /// differences of cars that are assembled and solved.
 #[test]

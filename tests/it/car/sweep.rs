@@ -2,6 +2,8 @@
 
 use super::commands::{hardpoint, text};
 use crate::support::rows_by_column;
+use hardpoint::study::CarStudy;
+use hardpoint::sweep::{CarSweepPlan, SweepStatistics};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -160,6 +162,30 @@ fn bytes_do_not_depend_on_the_run() {
     hardpoint(directory, &["report", "two"]).success();
 }
 
+/// A sweep without results, and a sweep of results that have no value in any case.
+#[test]
+fn a_sweep_of_nothing_is_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let directory = directory.path();
+    car(directory, 2);
+    let path = directory.join("car.toml");
+    let study = fs::read_to_string(&path).unwrap();
+    let (study, _) = study.split_once("[optimise]").unwrap();
+    fs::write(&path, study).unwrap();
+    let case = "cases=[{ name = \"turn\", ay = 0.5 }]";
+    for outputs in ["[]", "[\"anti_dive_by_force\"]"] {
+        let outputs = format!("outputs.characteristics={outputs}");
+        let arguments = [
+            "sweep", "car.toml", "--out", "swept", "--set", case, "--set",
+        ];
+        let refused = hardpoint(directory, &[&arguments[..], &[&outputs]].concat()).code(2);
+        let error = text(&refused.get_output().stderr);
+        for phrase in ["car.toml", "[sweep]", "nothing to write for each design"] {
+            assert!(error.contains(phrase), "{error}");
+        }
+    }
+}
+
 /// If a case of a design has no equilibrium, the row names the case and the reason. The other cases have their values.
 #[test]
 fn failed_cases_are_named() {
@@ -181,6 +207,28 @@ fn failed_cases_are_named() {
         assert!(row["turn_roll_deg"].is_empty() && row["misfit"].is_empty());
         assert!(!row["braking_roll_deg"].is_empty());
     }
+}
+
+/// All designs are refused for the same reason, with different values. The program counts them together.
+#[test]
+fn refused_cars_are_counted_by_their_reason() {
+    let directory = tempfile::tempdir().unwrap();
+    car(directory.path(), 16);
+    let mut study = CarStudy::read(&directory.path().join("car.toml"), &[]).unwrap();
+    let mut sweep = study.sweep.take().unwrap();
+    // The variable for the mass.
+    sweep.sampled.variables[4].range = [-1500.0, -1400.0];
+    let plan = CarSweepPlan::of(&study, &sweep).unwrap();
+    let statistics = SweepStatistics::of(&plan.record, plan.worker().rows(0));
+    let [failure] = &statistics.failures[..] else {
+        panic!("{:?}", statistics.failures);
+    };
+    assert_eq!(
+        (failure.designs, failure.status.as_str()),
+        (16, "degenerate")
+    );
+    let reason = "car.mass is not an accepted mass: ";
+    assert!(failure.reason.starts_with(reason), "{}", failure.reason);
 }
 
 /// A sweep ranks designs by the misfit that a tuning minimises, also if some targets apply to a single axle.

@@ -1,6 +1,11 @@
 //! Tests that a sweep writes the same bytes, however it is run.
 
 use super::*;
+use hardpoint::report::{SweepDirectory, SweepText, write_part};
+use hardpoint::results::{Claim, RunDirectory};
+use hardpoint::study::Study;
+use hardpoint::sweep::{SweepPlan, Swept};
+use std::sync::Arc;
 
 /// Study of the design position alone. It has enough designs for two parts of results.
 fn two_parts() -> String {
@@ -127,6 +132,42 @@ fn a_finished_sweep_grows() {
     assert_eq!(modified().unwrap(), before);
     bench.assert_same("whole", "grown");
     sweep("grown", "131200", &["--resume"]).code(2);
+}
+
+/// The number of levels of main effects grows with the number of designs: 6 for 300 designs, 8 for 600 designs. The kept parts of
+/// an extended sweep have the same bytes as those of a sweep that runs at once.
+#[test]
+fn kept_parts_have_the_levels_of_the_longer_sweep() {
+    let bench = Bench::new(&two_parts());
+    let sweep = |out: &str, samples: u64| {
+        let set = [format!("sweep.samples={samples}")];
+        let study = Study::read(&bench.path("study.toml"), &set).unwrap();
+        let mut plan = SweepPlan::of(&study, study.sweep.as_ref().unwrap()).unwrap();
+        // A part has only one block of 128 designs, so that the sweep is short.
+        plan.record.blocks_of_part = 1;
+        let claim = Claim {
+            command: "sweep",
+            study: "study",
+            digest: "same".to_owned(),
+            resume: true,
+            ..Claim::default()
+        };
+        let claimed = RunDirectory::claim(&bench.path(out), &claim).unwrap();
+        let directory = SweepDirectory::prepare(&claimed, &plan.record, false).unwrap();
+        directory.renew_statistics().unwrap();
+        let kept = directory.done().unwrap().statistics.designs;
+        let (text, flag) = (SweepText::of(&plan, &study, true), Arc::default());
+        for part in 0..plan.record.parts() {
+            let swept = Swept::Suspension(&plan);
+            write_part(swept, &text, &directory, part, &flag, |_| ()).unwrap();
+        }
+        assert_eq!(directory.done().unwrap().statistics.designs, samples);
+        kept
+    };
+    assert_eq!(sweep("grown", 300), 0);
+    assert_eq!(sweep("grown", 600), 256);
+    sweep("whole", 600);
+    bench.assert_same("whole", "grown");
 }
 
 /// Ctrl-C leaves complete parts and no others. The program prints how to continue.

@@ -47,6 +47,31 @@ fn only_the_same_sweep_is_taken_up_again() {
     assert_eq!(fs::read_to_string(&path).unwrap(), written);
 }
 
+/// A shard of a sweep with another name, or with the same designs but without a ranking or without constraints, does not
+/// delete the results of other shards.
+#[test]
+fn shards_of_other_sweeps_delete_nothing() {
+    let bench = Bench::new(STUDY);
+    let constraint = "optimise.constraints=[{ length = \"tie_rod\", at_most = 360.6 }]";
+    let shard = |study: &str, shard: &str, more: &[&str]| {
+        let arguments = ["sweep", study, "--out", "run", "--set", constraint];
+        bench.run(&[&arguments[..], &["--shard", shard], more].concat())
+    };
+    shard("study.toml", "2/2", &[]).success();
+    let written = fs::read(bench.path("run/designs.csv")).unwrap();
+    fs::copy(bench.path("study.toml"), bench.path("copy.toml")).unwrap();
+    for (study, more) in [
+        ("copy.toml", &[][..]),
+        ("study.toml", &["--set", "optimise.fit=true"]),
+        ("study.toml", &["--set", "sweep.constraints=false"]),
+    ] {
+        let (_, error) = said(&shard(study, "1/2", more).code(2));
+        assert!(error.contains("another study"), "{error}");
+        assert_eq!(fs::read(bench.path("run/designs.csv")).unwrap(), written);
+    }
+    shard("study.toml", "1/2", &[]).success();
+}
+
 /// A sweep does not compute lengths, plunges, joint angles and clearances. A note names these keys.
 #[test]
 fn keys_that_a_sweep_ignores_are_named() {
@@ -303,6 +328,20 @@ fn a_sweep_of_nothing_is_refused() {
         let points = ["--set", "outputs.points=[\"wheel_centre\"]"];
         bench.sweep("run", &points).success();
         assert_eq!(bench.designs("run").header[3], "wheel_centre_x_min_mm");
+    }
+}
+
+/// The target ranks no designs, because it is a measurement. So the results would have no values.
+#[test]
+fn a_fit_without_outputs_is_refused() {
+    let bench = Bench::new(STUDY);
+    let target =
+        "optimise.targets=[{ length = \"tie_rod\", at = 0.0, value = 360.0, tolerance = 1.0 }]";
+    let more = ["--set", "outputs.characteristics=[]", "--set", target];
+    let more = [&more[..], &["--set", "optimise.fit=true"]].concat();
+    let (_, error) = said(&bench.sweep("run", &more).code(2));
+    for phrase in ["study.toml", "[sweep]", "nothing to write for each design"] {
+        assert!(error.contains(phrase), "{error}");
     }
 }
 

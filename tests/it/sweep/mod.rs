@@ -5,6 +5,7 @@ mod answers;
 mod blocks;
 mod bytes;
 mod mistakes;
+mod statistics;
 
 use assert_cmd::Command;
 use serde_json::Value;

@@ -83,7 +83,7 @@ fn target_column(t: &Target, motion: &Motion) -> TargetColumn {
     let wanted = wanted.filter(|_| is_shown && t.is_in_sweep(motion));
     TargetColumn {
         column: t.of.column.clone(),
-        tolerance: t.tolerance * factor,
+        tolerance: (t.tolerance * factor).abs(),
         weight: t.weight,
         points: wanted
             .map(|(drive, value)| [t.printed_at(motion.drive, drive), value * factor])
@@ -100,7 +100,8 @@ fn digest(study: &Study, sweep: &Sweep, samples: &Samples) -> String {
         study.vehicle,
         study.optimise.as_ref().map(|o| {
             let constraints = sweep.constraints.then_some(&o.constraints);
-            (&o.targets, constraints.filter(|own| !own.is_empty()))
+            let constraints = constraints.filter(|own| !own.is_empty());
+            (&o.targets, o.fit, constraints)
         }),
         (sweep.curves, sweep.format),
         match samples {

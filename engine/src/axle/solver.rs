@@ -137,6 +137,8 @@ pub struct WheelRead {
     condition: f64,
     /// Rod at or beyond a toggle. `None` if there is no such rod.
     toggle: Option<Rod>,
+    /// Rockers at or beyond a toggle.
+    stuck: Vec<RockerId>,
     /// Positions of the points, as power series in the wheel's own travel and rack.
     points: Vec<Vector3<Taylor<f64>>>,
 }
@@ -156,6 +158,9 @@ pub struct Read<'a> {
     pub condition: f64,
     /// Rod of each wheel at or beyond a toggle. `None` if there is no such rod.
     pub toggles: [Option<Rod>; 2],
+    axle: &'a Axle,
+    /// Rockers of each wheel at or beyond a toggle.
+    stuck: [Vec<RockerId>; 2],
     /// Positions of the points that [`AxleSolver::read_points`] selected, for each wheel. Each position is a power
     /// series in the wheel's own travel and rack, in the kernel's frame of its side.
     pub points: [Vec<Vector3<Taylor<f64>>>; 2],
@@ -183,10 +188,22 @@ impl Read<'_> {
         })
     }
 
-    /// Returns true if a quantity depends on any rocker of a wheel that has a rocker at or beyond a toggle.
+    /// Returns true if a quantity depends on a rocker at or beyond a toggle.
     pub fn is_stuck(&self, quantity: Quantity) -> bool {
         let mut sides = Side::ALL.into_iter();
-        sides.any(|side| self.toggles[side as usize].is_some() && quantity.moves_with_rocker(side))
+        sides.any(|side| {
+            let is_of_side = quantity.side().is_none_or(|own| own == side);
+            if !is_of_side || self.stuck[side as usize].is_empty() {
+                return false;
+            }
+            let rockers = self.axle.rockers(side, &[quantity]);
+            rockers.into_iter().any(|rocker| self.holds(side, rocker))
+        })
+    }
+
+    /// Returns true if a rocker of one wheel is at or beyond a toggle.
+    pub(super) fn holds(&self, side: Side, rocker: RockerId) -> bool {
+        self.stuck[side as usize].contains(&rocker)
     }
 }
 

@@ -100,6 +100,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             state: self.state([left.reading, right.reading], placed),
             condition: left.condition.max(right.condition),
             toggles: [left.toggle, right.toggle],
+            axle: self.axle,
+            stuck: [left.stuck.clone(), right.stuck.clone()],
             points: [left.points.clone(), right.points.clone()],
         }
     }

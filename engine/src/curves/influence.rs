@@ -25,8 +25,8 @@ pub struct Influence {
 }
 
 /// Influence of every coordinate on every characteristic and test result of a plan, with the rack at its first position.
-/// Stations without a pose, or without the value, are ignored. Coordinates without influence are left out, and those whose derivative is not finite
-/// at some station.
+/// Stations without a pose, or without the value, are ignored. Coordinates without influence are left out, and those whose
+/// derivative is not finite at some station.
 pub fn influences(own: &WheelStudy, plan: &Plan) -> Result<Vec<Influence>, DesignFault> {
     let suspension = &own.suspension;
     let outputs: Vec<Output> = plan
@@ -55,7 +55,8 @@ pub fn influences(own: &WheelStudy, plan: &Plan) -> Result<Vec<Influence>, Desig
             ..plan.clone()
         },
     )?;
-    // Derivatives of each value with respect to each coordinate, over the motion. A station lacks the values that do not exist there.
+    // Derivatives of each value with respect to each coordinate, over the motion. A station has no derivatives of values that do
+    // not exist there.
     let coordinates = suspension.mechanism.points.len() * Axis::ALL.len();
     let mut over_motion: Vec<Vec<Sensitivity>> = Vec::new();
     over_motion.resize_with(found.columns.len() * coordinates, Vec::new);

@@ -48,12 +48,7 @@ impl FirstMotion {
     fn replace_in(&self, study: &mut Study) -> Result<(), String> {
         match (self, &mut study.vehicle) {
             (FirstMotion::Axle { motion, axle }, Vehicle::Axle(both)) => {
-                both.plan.motion = motion.for_axle(axle, &both.axle)?;
-                if both.axle.elastic.is_some() && !both.plan.motion.is_on_level_pads() {
-                    let why = "axles with [compliance] are solved on level pads: the first study needs \
-                               heave, or travel_left and travel_right, in [motion]";
-                    return Err(why.to_owned());
-                }
+                both.plan.motion = motion.for_study(axle, both)?;
             }
             (
                 FirstMotion::Wheel {

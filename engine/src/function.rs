@@ -134,7 +134,7 @@ impl DesignFunction {
         self.request.columns().len() * self.stations()
     }
 
-    /// Returns true if the function has no output. This is possible only for an axle whose study requests no quantity.
+    /// Returns true if the function has no values. This is never the case for a function that [`DesignFunction::of`] makes.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -146,6 +146,7 @@ impl DesignFunction {
             function: self,
             values: None,
             gradients: None,
+            failures: Vec::new(),
             designs: Vec::new(),
             rights: Vec::new(),
             offsets: DVector::zeros(self.variables.len()),
@@ -212,6 +213,9 @@ fn of_axle(
     if axle.elastic.is_some() {
         return Err(FunctionError::Elastic);
     }
+    if plan.quantities.is_empty() {
+        return Err(FunctionError::NoOutputs);
+    }
     let plan = plan.quantities_alone();
     let over = plan.motion.moving()[0];
     let sign = axle.left.frame.sign(Axis::Y);
@@ -230,6 +234,8 @@ pub struct Evaluation<'f> {
     function: &'f DesignFunction,
     values: Option<Values<'f>>,
     gradients: Option<Gradients<'f>>,
+    /// Stations without a pose, or without all values, from the latest call of [`Evaluation::values`].
+    failures: Vec<(usize, usize, NoPose)>,
     designs: Vec<Vector3<f64>>,
     /// Designs of right wheels. Empty if the right wheel is the mirror image of the left wheel.
     rights: Vec<Vector3<f64>>,
@@ -264,6 +270,7 @@ impl<'f> Evaluation<'f> {
             count * f.len(),
             "values needs a number per output and station of each design"
         );
+        self.failures.clear();
         let mut first = 0;
         while first < count {
             let now = (count - first).min(BLOCK);
@@ -284,8 +291,11 @@ impl<'f> Evaluation<'f> {
             let status = &mut status[first..first + now];
             status.fill(DesignStatus::Ok);
             for failure in block.failures() {
-                if f.of_motion.contains(&failure.station) {
+                let own = f.of_motion.iter().position(|s| *s == failure.station);
+                if let Some(station) = own {
                     status[failure.design] = DesignStatus::Failed;
+                    let place = (first + failure.design, station, failure.failure);
+                    self.failures.push(place);
                 }
             }
             for (number, _) in block.faults() {
@@ -399,7 +409,7 @@ impl<'f> Evaluation<'f> {
                 let place = k * f.of_motion.len() + s;
                 let row = &mut jacobian[place * width..(place + 1) * width];
                 let value = found.value(number, k, *station) * column.factor();
-                if !found.is_solved(number, *station) || !value.is_finite() {
+                if !value.is_finite() {
                     values[place] = f64::NAN;
                     row.fill(f64::NAN);
                     continue;
@@ -422,16 +432,11 @@ impl<'f> Evaluation<'f> {
         }
     }
 
-    /// Stations without a pose, or without all values, from the latest call of values: (design, station of the motion, reason).
-    /// If the call had more than [`BLOCK`] designs, only those of the last block are included. The indices of the designs then
-    /// count from the first design of this block.
+    /// Stations without a pose, or without all values, from the latest call of [`Evaluation::values`]: index of the design,
+    /// station of the motion, and reason.
     pub fn failures(&self) -> impl Iterator<Item = (usize, usize, &NoPose)> {
-        let f = self.function;
-        let failures = self.values.iter().flat_map(|(_, block)| block.failures());
-        failures.filter_map(|failure| {
-            let own = f.of_motion.iter().position(|s| *s == failure.station)?;
-            Some((failure.design, own, &failure.failure))
-        })
+        let failures = self.failures.iter();
+        failures.map(|(design, station, reason)| (*design, *station, reason))
     }
 }
 

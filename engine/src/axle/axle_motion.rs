@@ -1,8 +1,8 @@
 //! Motion of an axle, and the stations of this motion: all combinations of the given values, or the rows of a table.
 
 use super::solver::Placement;
-use super::{Axle, Coordinate};
-use crate::study::TimeLaw;
+use super::{Axle, AxlePlan, Coordinate};
+use crate::study::{AxleStudy, TimeLaw};
 
 /// Rule that combines the values of the coordinates into stations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -235,24 +235,43 @@ impl AxleMotion {
         Some(self.steering_wheel.as_ref()?[station / per_rack])
     }
 
-    /// Converts this motion of the axle `own` to a motion of the axle `other`, with its length unit and its steering
-    /// ratio.
+    /// Checks that another study can have this motion: the checks of a study's own motion.
+    fn check_for(&self, other: &Axle, plan: &AxlePlan) -> Result<(), String> {
+        let has_gear = !other.is_rigid() || other.left.mechanism.axle_steering().is_some();
+        let at_load = matches!(self.wheels, WheelMotion::Roll { at_load: true, .. });
+        let why = if self.shows_roll() && other.setup.wheel_radius.is_none() {
+            "a plane ground needs radius in [wheel], which this study does not give"
+        } else if at_load && !other.setup.is_sprung() {
+            "roll at a load needs [spring], which this study does not give"
+        } else if at_load && plan.derivatives > 0 {
+            "the first study has hold = \"wheel_load\", which does not work with derivatives; expected order = \"position\" in this \
+             study, or hold = \"mean_travel\" in the first study"
+        } else if at_load && plan.certify {
+            "the first study has hold = \"wheel_load\", which does not work with certify; expected no certify in this study, or \
+             hold = \"mean_travel\" in the first study"
+        } else if self.shows_rack && !has_gear {
+            "this axle has no rack and no drag link; expected no \"rack\" and no \"steering_wheel_angle\" in [motion] of the first \
+             study"
+        } else if other.elastic.is_some() && !self.is_on_level_pads() {
+            "axles with [compliance] are solved on level pads: the first study needs heave, or travel_left and travel_right, in \
+             [motion]"
+        } else {
+            return Ok(());
+        };
+        Err(why.to_owned())
+    }
+
+    /// Converts this motion of the axle `own` to a motion of the other study, with its length unit and its steering ratio.
     ///
     /// # Errors
     ///
-    /// The error is a sentence. It names a key that the motion needs, but that the other study does not contain.
-    pub fn for_axle(&self, own: &Axle, other: &Axle) -> Result<AxleMotion, String> {
+    /// The error is a sentence. It states why the other study cannot have the motion.
+    pub fn for_study(&self, own: &Axle, other: &AxleStudy) -> Result<AxleMotion, String> {
+        let AxleStudy {
+            axle: other, plan, ..
+        } = other;
+        self.check_for(other, plan)?;
         let mut motion = self.clone();
-        let lacks =
-            |key: &str, of: &str| Err(format!("{of} needs {key}, which this study does not give"));
-        if self.shows_roll() && other.setup.wheel_radius.is_none() {
-            return lacks("radius in [wheel]", "a plane ground");
-        }
-        if matches!(self.wheels, WheelMotion::Roll { at_load: true, .. })
-            && !other.setup.is_sprung()
-        {
-            return lacks("[spring]", "roll at a load");
-        }
         let ratio = other.left.length_unit.per_metre() / own.left.length_unit.per_metre();
         for coordinate in Coordinate::ALL {
             for value in motion
@@ -272,7 +291,8 @@ impl AxleMotion {
         }
         if let Some(angles) = &self.steering_wheel {
             let Some(c_factor) = other.setup.c_factor else {
-                return lacks("c_factor in [steering]", "steering_wheel_angle");
+                let why = "steering_wheel_angle needs c_factor in [steering], which this study does not give";
+                return Err(why.to_owned());
             };
             if let (Some(time), Some(own)) = (motion.time.as_mut(), own.setup.c_factor)
                 && time.coordinate == Coordinate::SteeringWheel

@@ -344,12 +344,6 @@ impl Quantity {
         }
     }
 
-    /// Returns true if the motion of a rocker on this side changes the quantity.
-    pub fn moves_with_rocker(self, side: Side) -> bool {
-        let of_side = self.side().is_none_or(|own| own == side);
-        of_side && self.info().reads.iter().any(|slot| slot.may_turn())
-    }
-
     /// Largest height difference of two contact points on one plane, relative to the track.
     pub(super) const SAME_PLANE: f64 = 1e-9;
 

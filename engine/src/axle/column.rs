@@ -8,7 +8,7 @@ use super::taylor::Taylor;
 use super::{Axle, AxlePlan, Quantity, Read, WheelMotion};
 use crate::ask::{NoValue, with_unit};
 use crate::curves::{ByTime, Column, Loads, per, velocity_name};
-use crate::model::{Axis, LengthUnit, PointId, Side};
+use crate::model::{Axis, LengthUnit, PointId, RockerId, Side};
 use crate::number::{Each, Jet};
 
 /// A column of values in the results.
@@ -47,8 +47,8 @@ pub enum Of {
         axis: Axis,
         /// Name without the unit.
         name: String,
-        /// True if the point is on a rocker.
-        on_rocker: bool,
+        /// Rocker that carries the point. `None` if no rocker carries it.
+        rocker: Option<RockerId>,
     },
     /// A component of the angular velocity of one wheel carrier.
     Turn(Side, Axis),
@@ -121,12 +121,9 @@ impl AxleColumn {
         time: ByTime,
         by_drag_link: Option<ByGear>,
     ) -> Option<Result<f64, NoValue>> {
-        let along = |order: usize| match (by_drag_link, &self.of) {
-            (None, _) => self.along(read, order),
-            (Some(by), Of::Quantity(quantity)) => {
-                Some(read.value(*quantity).map(|_| by[order - 1]))
-            }
-            (Some(by), _) => Some(Ok(by[order - 1])),
+        let along = |order: usize| match by_drag_link {
+            None => self.along(read, order),
+            Some(by) => Some(self.exists(read).map(|()| by[order - 1])),
         };
         if !self.is_by_time {
             return along(self.order);
@@ -144,19 +141,27 @@ impl AxleColumn {
         Some(Ok(time.apply(false, derivatives, self.order)))
     }
 
+    /// Returns the reason if the value, without a derivative, does not exist in a pose.
+    fn exists(&self, read: &Read) -> Result<(), NoValue> {
+        match &self.of {
+            Of::Quantity(quantity) => read.value(*quantity).map(drop),
+            Of::Point { side, rocker, .. } if rocker.is_some_and(|id| read.holds(*side, id)) => {
+                Err(NoValue::Toggle)
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Returns the value of the column, or its derivative of this order along the motion of the column. `None` for a
     /// force.
     fn along(&self, read: &Read, order: usize) -> Option<Result<f64, NoValue>> {
         match &self.of {
             Of::Quantity(quantity) => Some(self.quantity_in(*quantity, read, order)),
             Of::Point {
-                side, on_rocker, ..
-            } if *on_rocker && read.toggles[*side as usize].is_some() => Some(Err(NoValue::Toggle)),
-            Of::Point {
                 side, number, axis, ..
             } => {
                 let place = &read.points[*side as usize][*number][*axis];
-                Some(Ok(match self.by {
+                Some(self.exists(read).map(|()| match self.by {
                     None => place.coefficient([0, 0]),
                     Some(motion) => of_point(place, motion, *side, &read.state, order),
                 }))
@@ -405,7 +410,7 @@ impl AxlePlan {
                     id: *id,
                     axis,
                     name: format!("{}_{}_{}", side.name(), mechanism.name(*id), axis.name()),
-                    on_rocker: mechanism.rockers_moving(*id).next().is_some(),
+                    rocker: mechanism.rockers_moving(*id).next(),
                 };
                 let sign = axle.frame(side).sign(axis);
                 let value = AxleColumn::value(of, length.symbol().to_owned(), sign);

@@ -83,7 +83,8 @@ impl Axle {
             derivatives: 0,
             ..plan.at_design()
         };
-        let ratio = axle_curves(self, &plan).ok();
+        // The ratio does not exist in an equilibrium. In the design position the rigid mechanism has the same sign.
+        let ratio = curves_here(self, &plan).ok();
         let ratio = ratio.and_then(|found| found.curves.stations.first()?.value(0));
         ratio.is_some_and(|ratio| ratio < 0.0)
     }
@@ -367,7 +368,9 @@ fn forces<const N: usize>(
             continue;
         }
         let none = |void: NoValue| loads.columns().map(move |_| Err(void));
-        let is_stuck = loads.rocker().is_some() && read.toggles[side as usize].is_some();
+        let is_stuck = loads
+            .rocker()
+            .is_some_and(|rocker| read.holds(side, rocker));
         match solver.balance(side, placed, loads.support) {
             _ if is_stuck => forces.extend(none(NoValue::Toggle)),
             Err(_) => forces.extend(none(NoValue::Unsupported)),

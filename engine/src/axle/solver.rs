@@ -14,6 +14,7 @@ mod rolling;
 mod steering;
 
 pub use placement::Placement;
+pub use reading::Read;
 pub(crate) use steering::displace;
 
 use super::adjoint::{add_gradient, inputs_on_tape};
@@ -137,6 +138,8 @@ pub struct WheelRead {
     condition: f64,
     /// Rod at or beyond a toggle. `None` if there is no such rod.
     toggle: Option<Rod>,
+    /// Rockers at or beyond a toggle.
+    stuck: Vec<RockerId>,
     /// Positions of the points, as power series in the wheel's own travel and rack.
     points: Vec<Vector3<Taylor<f64>>>,
 }
@@ -145,48 +148,6 @@ impl WheelRead {
     /// Returns the values of the wheel. `None` if a rocker is at or beyond a toggle.
     pub(super) fn without_toggle(self) -> Option<Reading<f64>> {
         self.toggle.is_none().then_some(self.reading)
-    }
-}
-
-/// State of an axle in a position, with all numbers that the requested quantities need.
-pub struct Read<'a> {
-    /// State of the axle.
-    pub state: AxleState<'a, f64>,
-    /// Condition number of the Jacobian, the larger of the two wheels.
-    pub condition: f64,
-    /// Rod of each wheel at or beyond a toggle. `None` if there is no such rod.
-    pub toggles: [Option<Rod>; 2],
-    /// Positions of the points that [`AxleSolver::read_points`] selected, for each wheel. Each position is a power
-    /// series in the wheel's own travel and rack, in the kernel's frame of its side.
-    pub points: [Vec<Vector3<Taylor<f64>>>; 2],
-}
-
-impl Read<'_> {
-    /// Value of a quantity, or the reason for a missing value.
-    pub fn value(&self, quantity: Quantity) -> Result<f64, NoValue> {
-        if self.is_stuck(quantity) {
-            Err(NoValue::Toggle)
-        } else {
-            quantity.value(&self.state)
-        }
-    }
-
-    /// Returns the failure if a rocker is at or beyond a toggle. Parts on this rocker then have no position. `None` if
-    /// there is no such rocker.
-    pub fn toggle_failure(&self, placed: &AxlePose) -> Option<NoPose> {
-        Side::ALL.into_iter().find_map(|side| {
-            Some(NoPose::Wheel {
-                side,
-                travel: placed.travels[side as usize],
-                failure: Failure::Toggle(self.toggles[side as usize]?),
-            })
-        })
-    }
-
-    /// Returns true if a quantity depends on any rocker of a wheel that has a rocker at or beyond a toggle.
-    pub fn is_stuck(&self, quantity: Quantity) -> bool {
-        let mut sides = Side::ALL.into_iter();
-        sides.any(|side| self.toggles[side as usize].is_some() && quantity.moves_with_rocker(side))
     }
 }
 

@@ -1,9 +1,9 @@
 //! Influence of each hardpoint coordinate on each curve.
 
-use super::wheel_curves;
+use super::{Sensitivity, wheel_curves};
 use crate::characteristics::Quantity;
 use crate::mechanism::DesignFault;
-use crate::model::PointId;
+use crate::model::{Axis, PointId};
 use crate::plan::{Output, Plan};
 use crate::study::WheelStudy;
 use serde::{Deserialize, Serialize};
@@ -25,8 +25,8 @@ pub struct Influence {
 }
 
 /// Influence of every coordinate on every characteristic and test result of a plan, with the rack at its first position.
-/// Stations without a pose are ignored. Coordinates without influence are left out, and those whose derivative is not finite
-/// at some station.
+/// Stations without a pose, or without the value, are ignored. Coordinates without influence are left out, and those whose
+/// derivative is not finite at some station.
 pub fn influences(own: &WheelStudy, plan: &Plan) -> Result<Vec<Influence>, DesignFault> {
     let suspension = &own.suspension;
     let outputs: Vec<Output> = plan
@@ -55,21 +55,23 @@ pub fn influences(own: &WheelStudy, plan: &Plan) -> Result<Vec<Influence>, Desig
             ..plan.clone()
         },
     )?;
-    // Each station lists its derivatives in the same order: outputs, then points, then axes.
-    let stations = found.stations.len() - found.failed();
-    let stride = found.sensitivities.len() / stations.max(1);
+    // Derivatives of each value with respect to each coordinate, over the motion. A station has no derivatives of values that do
+    // not exist there.
+    let coordinates = suspension.mechanism.points.len() * Axis::ALL.len();
+    let mut over_motion: Vec<Vec<Sensitivity>> = Vec::new();
+    over_motion.resize_with(found.columns.len() * coordinates, Vec::new);
+    for slope in found.sensitivities {
+        let coordinate = slope.point.0 * Axis::ALL.len() + slope.axis as usize;
+        over_motion[slope.column * coordinates + coordinate].push(slope);
+    }
     let mut influences = Vec::new();
-    for place in 0..stride {
-        let over_motion = || found.sensitivities.iter().skip(place).step_by(stride);
-        let Some(first) = over_motion().next() else {
+    for slopes in over_motion {
+        let Some(first) = slopes.first() else {
             continue;
         };
-        let largest = over_motion()
-            .map(|s| s.value)
-            .max_by(|a, b| a.abs().total_cmp(&b.abs()));
-        let mean_of = |f: &dyn Fn(f64) -> f64| {
-            over_motion().map(|s| f(s.value)).sum::<f64>() / stations as f64
-        };
+        let values = || slopes.iter().map(|s| s.value);
+        let largest = values().max_by(|a, b| a.abs().total_cmp(&b.abs()));
+        let mean_of = |f: &dyn Fn(f64) -> f64| values().map(f).sum::<f64>() / slopes.len() as f64;
         let mean = mean_of(&|v| v);
         let influence = Influence {
             output: found.columns[first.column].name.clone(),

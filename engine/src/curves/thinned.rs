@@ -2,14 +2,21 @@
 
 use crate::plan::Plan;
 use crate::solve::StationOrder;
+use crate::study::TimeLaw;
 
 impl Plan {
-    /// Returns the plan with at most `most` stations, among them at most `most_racks` rack displacements, and without loads. Its
-    /// times no longer belong to its stations.
+    /// Returns the plan with at most `most` stations, among them at most `most_racks` rack displacements, and without loads. If
+    /// the motion follows a time law, each station keeps its own time.
     pub fn thinned(&self, most: usize, most_racks: usize) -> Plan {
         let racks = evenly(&self.racks, most_racks);
-        let values = evenly(self.station_order.values(), most / racks.len());
+        let most = most / racks.len();
+        let values = evenly(self.station_order.values(), most);
+        let time = self.time.as_ref().map(|law| TimeLaw {
+            times: evenly(&law.times, most),
+            ..law.clone()
+        });
         Plan {
+            time,
             station_order: StationOrder::through(&values),
             racks,
             loads: Vec::new(),

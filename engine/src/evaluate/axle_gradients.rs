@@ -57,6 +57,7 @@ impl<const N: usize> DifferentiatesOneByOne for OneByOne<'_, N> {
             let Ok((read, placed)) = read else {
                 continue;
             };
+            let toggle = read.toggle_failure(&placed);
             // A quantity without a value has no derivatives.
             let (mut numbers, mut quantities) = (Vec::new(), Vec::new());
             for (k, quantity) in stations.quantities.iter().enumerate() {
@@ -76,7 +77,7 @@ impl<const N: usize> DifferentiatesOneByOne for OneByOne<'_, N> {
             } else {
                 solver.gradients(&placed, &quantities, receive)
             };
-            into.solved_of(number)[station] = found.is_ok();
+            into.solved_of(number)[station] = found.is_ok() && toggle.is_none();
         }
         Ok(())
     }

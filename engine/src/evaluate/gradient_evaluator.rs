@@ -25,7 +25,7 @@ pub struct Evaluated {
     gradients: Vec<Vector3<f64>>,
     /// Reason why each design cannot be solved. `None` if the design can be solved.
     faults: Vec<Option<DesignFault>>,
-    /// True if a design has a pose with derivatives at a station, `[design][station]`. For a wheel, false at a toggle.
+    /// True if a design has a pose with derivatives at a station, and no rocker is at a toggle, `[design][station]`.
     solved: Vec<bool>,
 }
 
@@ -57,8 +57,8 @@ impl Evaluated {
         self.faults[design].as_ref()
     }
 
-    /// Returns true if a design has a pose with derivatives at a station. A single wheel has none at a toggle; for an axle, only
-    /// the quantities that depend on the toggle have no values.
+    /// Returns true if a design has a pose with derivatives at a station, and no rocker is at a toggle. At a toggle, quantities
+    /// that do not depend on this rocker still have values and derivatives.
     pub fn is_solved(&self, design: usize, station: usize) -> bool {
         self.solved[design * self.stations + station]
     }

@@ -4,7 +4,7 @@ use super::{Evaluated, Pairs, Stations};
 use crate::characteristics::{Constants, Quantity, Slots, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::DesignFault;
-use crate::model::{PointId, Side, Suspension};
+use crate::model::{PointId, RockerId, Side, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::solve::{Solver, Toggles};
 use std::ops::ControlFlow;
@@ -27,6 +27,8 @@ pub(super) struct OneByOne<'a, const N: usize> {
     quantities: &'a [Quantity],
     constants: Constants,
     reads: Slots,
+    /// Rockers that influence each quantity.
+    rockers: Vec<Vec<RockerId>>,
     toggles: Toggles,
     solver: Solver<'a>,
     design_series: DesignSeries<N>,
@@ -42,14 +44,15 @@ impl<'a, const N: usize> OneByOne<'a, N> {
     ) -> Result<Box<Self>, DesignFault> {
         let (mechanism, design) = (&suspension.mechanism, &suspension.design);
         let reads = Slots::of(quantities.iter().map(|q| q.reads()));
-        let rockers = quantities.iter().flat_map(|q| q.rockers(mechanism));
+        let rockers: Vec<_> = quantities.iter().map(|q| q.rockers(mechanism)).collect();
         let none = Vector3::new(0.0, 0.0, 0.0).map(Jet::constant);
         Ok(Box::new(OneByOne {
             stations,
             quantities,
             constants: Constants::of(suspension),
             reads,
-            toggles: Toggles::of(mechanism, rockers),
+            toggles: Toggles::of(mechanism, rockers.iter().flatten().copied()),
+            rockers,
             solver: Solver::new(mechanism, design)?,
             design_series: DesignSeries::new(mechanism, design)
                 .with_steering_axis(reads.contain_steering_axis())
@@ -71,6 +74,7 @@ impl<const N: usize> DifferentiatesOneByOne for OneByOne<'_, N> {
             quantities,
             constants,
             reads,
+            rockers,
             toggles,
             solver,
             design_series,
@@ -90,11 +94,11 @@ impl<const N: usize> DifferentiatesOneByOne for OneByOne<'_, N> {
                 let Ok(linearised) = linearised else {
                     return ControlFlow::Continue(());
                 };
-                if toggles.note(Some(solver), &linearised.at, value).is_some() {
-                    return ControlFlow::Continue(());
-                }
+                let toggle = toggles.note(Some(solver), &linearised.at, value);
+                let free = |k: &usize| !rockers[*k].iter().any(|id| toggles.holds(*id));
                 let reading = WheelReading::reading(&linearised.at, *constants, *reads);
-                for (k, quantity) in quantities.iter().enumerate() {
+                for k in (0..quantities.len()).filter(free) {
+                    let quantity = &quantities[k];
                     let found = reading.value(&linearised.at, *quantity)[0];
                     into.put(number, k, station, found);
                     let mut receive = |_: usize, id: PointId, by: Vector3<f64>| {
@@ -102,7 +106,7 @@ impl<const N: usize> DifferentiatesOneByOne for OneByOne<'_, N> {
                     };
                     reading.gradients(&linearised, *quantity, 0, buffer, &mut receive);
                 }
-                into.solved_of(number)[station] = true;
+                into.solved_of(number)[station] = toggle.is_none();
                 ControlFlow::Continue(())
             })?;
         }

@@ -18,7 +18,10 @@ pub enum FunctionError {
     #[error("DesignFunction is for rigid mechanisms only; the study has [compliance]")]
     Elastic,
     /// The study has no output that is a function of position.
-    #[error("the study requests no characteristic and no point")]
+    #[error(
+        "the study requests no output of a DesignFunction; expected characteristics or points of a wheel, or quantities of an \
+         axle, in [outputs]"
+    )]
     NoOutputs,
     /// The design itself cannot be solved.
     #[error("{0}")]
@@ -46,28 +49,32 @@ pub struct DesignVariable {
 
 impl DesignVariable {
     /// Variables of a study: the variables of `[optimise]`, else the variables of `[sweep]`, else every coordinate of every
-    /// point. A sweep over a file of designs has no variables of its own.
+    /// point that does not follow from other points. A sweep over a file of designs has no variables of its own.
     pub fn of(study: &Study) -> Vec<Self> {
         if let Some(optimise) = &study.optimise {
             return optimise.variables.iter().map(Self::tuned).collect();
         }
-        match study.sweep.as_ref().map(|sweep| &sweep.designs) {
-            Some(Designs::Sampled(sampled)) => sampled.variables.iter().map(Self::swept).collect(),
-            Some(Designs::Given(table)) => table.variables.iter().map(Self::swept).collect(),
-            Some(Designs::File(_)) | None => Self::every_coordinate(study.wheel()),
-        }
+        Self::of_sweep(study).unwrap_or_else(|| Self::every_coordinate(study.wheel()))
+    }
+
+    /// Variables of `[sweep]`. `None` if the study has no sweep, or if a file of designs gives its variables.
+    fn of_sweep(study: &Study) -> Option<Vec<Self>> {
+        let variables = match &study.sweep.as_ref()?.designs {
+            Designs::Sampled(sampled) => &sampled.variables,
+            Designs::Given(table) => &table.variables,
+            Designs::File(_) => return None,
+        };
+        Some(variables.iter().map(Self::swept).collect())
     }
 
     /// Finds the variable with this name: a variable of `[optimise]` or `[sweep]`, or the offset or coordinate of any point
-    /// along an axis. If the study has `[optimise]`, variables of a table of designs are not found.
+    /// along an axis. Points that follow from other points have no variables.
     ///
     /// # Errors
     /// [`FunctionError::UnknownVariable`] if no variable has this name. The error suggests the closest name.
     pub fn named(name: &str, study: &Study) -> Result<Self, FunctionError> {
         let mut known = Self::of(study);
-        if let Some(Designs::Sampled(sampled)) = study.sweep.as_ref().map(|sweep| &sweep.designs) {
-            known.extend(sampled.variables.iter().map(Self::swept));
-        }
+        known.extend(Self::of_sweep(study).into_iter().flatten());
         let offsets = Self::every_coordinate(study.wheel());
         let coordinates: Vec<Self> = offsets
             .iter()
@@ -103,11 +110,13 @@ impl DesignVariable {
         }
     }
 
-    /// Offsets of every coordinate of every point, in a range of +-10 mm.
+    /// Offsets of every coordinate of every point, in a range of +-10 mm. Points that follow from other points are left out.
     fn every_coordinate(suspension: &Suspension) -> Vec<Self> {
         let far = 0.01 * suspension.length_unit.per_metre();
         let all = Variable::every_coordinate(suspension, [-far, far]);
-        all.iter().map(Self::tuned).collect()
+        let follows = |v: &&Variable| v.points().any(|id| suspension.mechanism.is_far(id));
+        let own = all.iter().filter(|v| !follows(v));
+        own.map(Self::tuned).collect()
     }
 
     /// Replaces the offset of a coordinate by the coordinate itself. A variable that moves more than one coordinate remains

@@ -11,10 +11,12 @@ const ROUNDING: f64 = 1e-9;
 /// output.
 const LEAST_CHANGE: f64 = 1e-12;
 
-/// Changes that targets request over `[motion]`: for each output, its changes in the order of the drive value. If an output has
-/// several wheels, these are the changes of the last wheel.
+/// Changes that targets request over `[motion]`: for each output of each wheel, its changes in the order of the drive value.
 #[derive(Default)]
-pub(super) struct RequestedChanges(HashMap<String, Vec<RequestedChange>>);
+pub(super) struct RequestedChanges(HashMap<OfWheel, Vec<RequestedChange>>);
+
+/// Name of an output, and of its wheel. `None` for an output that belongs to no single wheel.
+type OfWheel = (String, Option<&'static str>);
 
 /// Change that a target requests at a station of `[motion]`.
 struct RequestedChange {
@@ -51,16 +53,16 @@ impl RequestedChanges {
             };
             let mut by_drive: Vec<_> = shifts.map(requested).collect();
             sort_by(&mut by_drive, |a, b| a.drive.total_cmp(&b.drive));
-            (from.output.clone(), by_drive)
+            ((from.output.clone(), from.wheel), by_drive)
         });
         RequestedChanges(asked.collect())
     }
 
-    /// Change of an output that targets request at a station. It is the change requested at the nearest drive value, plus a
+    /// Change of a series that targets request at a station. It is the change requested at the nearest drive value, plus a
     /// term for a requested change of the slope. This term is the change of the slope times the distance between the two
     /// drive values. 0 if no target requests a change.
-    fn shift_at(&self, output: &str, station: &Station) -> f64 {
-        let Some(shifts) = self.0.get(output) else {
+    fn shift_at(&self, series: &Series, station: &Station) -> f64 {
+        let Some(shifts) = self.0.get(&(series.output.clone(), series.wheel)) else {
             return 0.0;
         };
         let drive = station.drive();
@@ -150,7 +152,7 @@ fn effect(
                 continue;
             };
             let shift = if wanted.shifts.is_empty() {
-                asked.shift_at(&before.output, &stations[station])
+                asked.shift_at(before, &stations[station])
             } else {
                 wanted.shift_at((before, after), stations, station)
             };

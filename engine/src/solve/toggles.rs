@@ -242,6 +242,12 @@ impl Toggles {
         self.past.get().stuck & 1 << rocker.0 != 0
     }
 
+    /// Checked rockers that had reached a toggle at the station of the last call of [`Toggles::note`], or before it.
+    pub fn held(&self) -> Vec<RockerId> {
+        let watched = self.watched.iter().copied();
+        watched.filter(|id| self.holds(*id)).collect()
+    }
+
     /// Rockers at or beyond a toggle in a pose: those in `before`, those without leverage, and those moved by such a rocker.
     /// `now` converts a number to its value at this pose.
     fn seen<T: Real>(

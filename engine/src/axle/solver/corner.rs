@@ -419,6 +419,7 @@ pub(super) fn read_wheel<const N: usize>(
         reading: Reading::of(&snapshots[..lines.len()]),
         condition,
         toggle,
+        stuck: toggles.held(),
         points: (0..points.len())
             .map(|point| {
                 let along = |axis: Axis| {

@@ -9,6 +9,63 @@ use super::*;
 /// every point of the left and of the right wheel.
 pub(in crate::axle) type ReceiveOwnGradients<'r> = dyn FnMut(usize, [&mut [Vector3<f64>]; 2]) + 'r;
 
+/// State of an axle in a position, with all numbers that the requested quantities need.
+pub struct Read<'a> {
+    /// State of the axle.
+    pub state: AxleState<'a, f64>,
+    /// Condition number of the Jacobian, the larger of the two wheels.
+    pub condition: f64,
+    /// Rod of each wheel at or beyond a toggle. `None` if there is no such rod.
+    pub toggles: [Option<Rod>; 2],
+    axle: &'a Axle,
+    /// Rockers of each wheel at or beyond a toggle.
+    stuck: [Vec<RockerId>; 2],
+    /// Positions of the points that [`AxleSolver::read_points`] selected, for each wheel. Each position is a power
+    /// series in the wheel's own travel and rack, in the kernel's frame of its side.
+    pub points: [Vec<Vector3<Taylor<f64>>>; 2],
+}
+
+impl Read<'_> {
+    /// Value of a quantity, or the reason for a missing value.
+    pub fn value(&self, quantity: Quantity) -> Result<f64, NoValue> {
+        if self.is_stuck(quantity) {
+            Err(NoValue::Toggle)
+        } else {
+            quantity.value(&self.state)
+        }
+    }
+
+    /// Returns the failure if a rocker is at or beyond a toggle. Parts on this rocker then have no position. `None` if
+    /// there is no such rocker.
+    pub fn toggle_failure(&self, placed: &AxlePose) -> Option<NoPose> {
+        Side::ALL.into_iter().find_map(|side| {
+            Some(NoPose::Wheel {
+                side,
+                travel: placed.travels[side as usize],
+                failure: Failure::Toggle(self.toggles[side as usize]?),
+            })
+        })
+    }
+
+    /// Returns true if a quantity depends on a rocker at or beyond a toggle.
+    pub fn is_stuck(&self, quantity: Quantity) -> bool {
+        let mut sides = Side::ALL.into_iter();
+        sides.any(|side| {
+            let is_of_side = quantity.side().is_none_or(|own| own == side);
+            if !is_of_side || self.stuck[side as usize].is_empty() {
+                return false;
+            }
+            let rockers = self.axle.rockers(side, &[quantity]);
+            rockers.into_iter().any(|rocker| self.holds(side, rocker))
+        })
+    }
+
+    /// Returns true if a rocker of one wheel is at or beyond a toggle.
+    pub(in crate::axle) fn holds(&self, side: Side, rocker: RockerId) -> bool {
+        self.stuck[side as usize].contains(&rocker)
+    }
+}
+
 impl<'a, const N: usize> AxleSolver<'a, N> {
     /// Computes the state of the axle in a position.
     pub fn read(&mut self, placed: &AxlePose) -> Result<Read<'a>, NoPose> {
@@ -100,6 +157,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             state: self.state([left.reading, right.reading], placed),
             condition: left.condition.max(right.condition),
             toggles: [left.toggle, right.toggle],
+            axle: self.axle,
+            stuck: [left.stuck.clone(), right.stuck.clone()],
             points: [left.points.clone(), right.points.clone()],
         }
     }

@@ -362,7 +362,8 @@ impl<'a, T: Balanced> Balance<'a, T> {
             });
         let none = self.at.rack.zero();
         let constraints = forces.fold(Vector3::new(none, none, none), |sum, force| sum + force);
-        if sprung_joint(self.at.mechanism) == Some(point) {
+        let joint = sprung_joint(self.at.mechanism).filter(|_| !self.is_at_wheel);
+        if joint == Some(point) {
             constraints + carried.support_force
         } else {
             constraints

@@ -27,7 +27,7 @@ formulas! {
     AttiaCamber {
         name: "attia_camber",
         unit: Unit::Angle,
-        positive: "wheel_centre above strut_upper and outboard of it",
+        positive: "wheel_centre below strut_upper and outboard of it",
         formula: "atan(-(z7 - z10)/(y7 - y10)), where 7 is strut_upper and 10 is wheel_centre",
         source: "Attia 2003, equation (17); camber only where 7-10 is the spin axis of an unsteered wheel",
         reads: &[Slot::StrutUpper, Slot::Centre],

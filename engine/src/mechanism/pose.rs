@@ -355,16 +355,24 @@ impl<'a, T: Real> Configuration<'a, T> {
         outlined!([T: Real] self.rack; inputs: arm::Inputs<T> = self.arm_inputs(arm, id) => Vector3<T> { arm_point(inputs) })
     }
 
-    /// Adds the derivative of `gradient . on_arm(arm, id)` to the sink. This is a separate function, because it is
-    /// rarely used and large.
+    /// Adds the derivative of `gradient . on_arm(arm, id)` to the sink.
     #[inline(always)]
-    pub(crate) fn push_arm_point(
+    fn push_arm_point(&self, arm: Arm, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
+        let by_outer = self.push_arm_hardpoints(arm, id, gradient, sink);
+        self.push_carried(arm.outer, by_outer, sink);
+    }
+
+    /// Adds the derivatives of `gradient . on_arm(arm, id)` with respect to hardpoints to the sink. Here the present position
+    /// of the arm's outer joint is fixed. Returns the derivative with respect to this position. A separate function,
+    /// because it is rarely used and large.
+    #[inline(always)]
+    pub(crate) fn push_arm_hardpoints(
         &self,
         arm: Arm,
         id: PointId,
         gradient: Vector3<T>,
         sink: &mut impl Sink<T>,
-    ) {
+    ) -> Vector3<T> {
         let by = outlined!(
             [T: Real] self.rack;
             inputs: arm::Inputs<T> = self.arm_inputs(arm, id), gradient: Vector3<T> = gradient
@@ -373,7 +381,7 @@ impl<'a, T: Real> Configuration<'a, T> {
         for (k, hardpoint) in [arm.front, arm.rear, arm.outer, id].iter().enumerate() {
             sink.hardpoint(*hardpoint, by[k]);
         }
-        self.push_carried(arm.outer, by[4], sink);
+        by[4]
     }
 
     /// Position and velocity of a point that is not on a rocker, from the velocity of the knuckle with the rack fixed. This

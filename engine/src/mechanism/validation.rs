@@ -40,7 +40,7 @@ pub enum HardpointFault {
     Both {
         /// A hardpoint of one alternative.
         first: &'static str,
-        /// First hardpoint in the list of the other alternative. The study may have left it out.
+        /// A hardpoint of the other alternative that the first alternative does not have.
         second: &'static str,
         /// Name of the group.
         group: &'static str,
@@ -90,10 +90,15 @@ impl HardpointFault {
         let list = nearest.filter(|list| count(list) > 0 || is_beside)?;
         let belongs = |name: &&str| group.complete.iter().any(|list| list.contains(name));
         let mut written = given.iter().filter(|name| belongs(name));
-        if let Some(other) = written.find(|name| !list.contains(name)) {
+        // The study gives at least as many hardpoints of `list` as of the other alternative. So one of them is not in the
+        // other alternative.
+        if let Some(first) = written.find(|name| !list.contains(name))
+            && let Some(other) = group.complete.iter().find(|list| list.contains(first))
+            && let Some(second) = list.iter().find(|n| is_given(n) && !other.contains(n))
+        {
             return Some(HardpointFault::Both {
-                first: other,
-                second: list[0],
+                first,
+                second,
                 group: group.what,
             });
         }

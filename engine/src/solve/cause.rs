@@ -49,7 +49,7 @@
 use super::closed_form::{Roles, UpperRoles};
 use super::continuation::{Curve, CurvePoint, Moving};
 use crate::mechanism::{Closure, Configuration, Driver, LimitCause, PartMeasure};
-use crate::model::{Drive, Mechanism, PointId, TwistBeam};
+use crate::model::{AxleTravel, Drive, Mechanism, PointId, TwistBeam};
 use crate::number::{Each, Vector3};
 use nalgebra::{Matrix5, SMatrix};
 
@@ -93,7 +93,13 @@ impl Curve<'_> {
         let at = self.configuration(fold);
         let arm = at.point(self.mechanism.wheel_centre) - at.point(beam.mount);
         let is_vertical = arm.x.abs() < VERTICAL * arm.x.hypot(arm.z);
-        let is_level = self.moving == Moving::Rack && self.held.value == 0.0;
+        // The held travel takes the place of the rack.
+        let held = self.mechanism.rigid_axle.as_ref().map(|rigid| rigid.held);
+        let is_level = match (self.moving, held) {
+            (Moving::Rack, Some(AxleTravel::Mean)) => self.held.value == 0.0,
+            (Moving::Drive, Some(AxleTravel::Difference)) => self.held.rack == 0.0,
+            _ => false,
+        };
         if is_level && !is_vertical {
             LimitCause::Unresolved
         } else {
@@ -144,10 +150,15 @@ fn part_measures(at: &Configuration<f64>) -> Option<[PartMeasure; 2]> {
         .tie_rod()
         .each(|id| axis.cross(at.point(id) - ball_joint));
     let [inner, outer]: [Vector3<f64>; 2] = ends;
-    // The cross products are normal to the half planes, and to the axis.
+    // The cross products are normal to the half planes, and to the axis. If an end is on the axis, the tie rod has no moment
+    // about it.
+    let levers = inner.norm() * outer.norm();
     let tie_rod = PartMeasure {
         cause: LimitCause::TieRodToggle,
-        sine: inner.cross(outer).norm() / (inner.norm() * outer.norm()),
+        sine: match levers {
+            0.0 => 0.0,
+            _ => inner.cross(outer).norm() / levers,
+        },
     };
     Some([upper, tie_rod])
 }
@@ -188,4 +199,33 @@ pub(crate) fn outer_ends(mechanism: &Mechanism) -> Vec<Option<PointId>> {
         std::iter::repeat_n(end, constraint.freedoms())
     });
     ends.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{LimitCause, Roles, nearest_part};
+    use crate::mechanism::{Configuration, Pose};
+    use crate::model::Topology;
+    use crate::number::Matrix3;
+    use crate::study::Study;
+    use std::path::Path;
+
+    /// A tie rod with its inner end on the steering axis is singular.
+    #[test]
+    fn a_tie_rod_that_ends_on_the_steering_axis_is_singular() {
+        let template = Topology::named("double_wishbone").unwrap().template;
+        let study = Study::from_text("cause.toml", template, Path::new(".")).unwrap();
+        let suspension = study.wheel();
+        let mechanism = &suspension.mechanism;
+        let roles = Roles::of(mechanism).unwrap();
+        let mut design = suspension.design.clone();
+        design[roles.tie_rod_inner.0] = design[roles.ball_joint().0];
+        let pose = Pose {
+            origin: design[mechanism.origin.0],
+            rotation: Matrix3::identity(1.0),
+        };
+        let at = Configuration::new(mechanism, &design, pose, 0.0);
+        let part = nearest_part(&at).unwrap();
+        assert_eq!((part.cause, part.sine), (LimitCause::TieRodToggle, 0.0));
+    }
 }

@@ -3,6 +3,7 @@
 mod axle;
 mod independent;
 mod lanes;
+mod legs;
 mod one_build;
 mod other_equations;
 mod reference;

@@ -8,6 +8,7 @@ use hardpoint::attia::StrutPoints;
 use hardpoint::attia::{Motion, Rates};
 use hardpoint::attia::{PointCoordinates, Pose, Station};
 use hardpoint::attia::{attia_camber, attia_kingpin};
+use hardpoint::characteristics::Characteristic;
 use hardpoint::number::{Jet, Vector3};
 use serde_json::Value;
 
@@ -221,5 +222,30 @@ fn the_paper_s_angles_and_their_derivatives() {
                 }
             }
         }
+    }
+}
+
+/// The angles are positive where the catalogue says so. A strut leans inboard, and the wheel centre is outboard of it.
+#[test]
+fn the_paper_s_angles_have_the_signs_of_the_catalogue() {
+    let (low, high) = (0.2, 0.6);
+    let (inboard, outboard) = (0.5, 0.7);
+    let upper = Vector3::new(0.0, inboard, high);
+    let centre = Vector3::new(0.0, outboard, low);
+    assert!(attia_camber(upper, centre) > 0.0);
+    let ball_joint = |y| Vector3::new(0.0, y, low);
+    assert!(attia_kingpin(ball_joint(inboard - 0.1), upper) > 0.0);
+    assert!(attia_kingpin(ball_joint(outboard), upper) < 0.0);
+    for (name, positive) in [
+        (
+            "attia_camber",
+            "wheel_centre below strut_upper and outboard of it",
+        ),
+        ("attia_kingpin", "strut_upper outboard of lower_ball_joint"),
+    ] {
+        assert_eq!(
+            Characteristic::named(name).unwrap().info().positive,
+            positive
+        );
     }
 }

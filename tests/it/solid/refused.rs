@@ -85,6 +85,17 @@ fn with_watt(text: &str) -> String {
     text.replace("[wheel]", &format!("{WATT}[wheel]"))
 }
 
+/// The lower link of a Watt linkage is at the axle, the upper link at the body. The message names one hardpoint of each
+/// kind. The rocker's pivot belongs to both kinds, so the message does not name it.
+#[test]
+fn links_of_two_kinds_of_watt_linkages_are_named() {
+    let mixed = with_watt(&panhard()).replace("watt_lower_chassis", "watt_lower_axle");
+    let found = refusal(&mixed);
+    let reason = "watt_lower_axle and watt_upper_chassis are both given: expected only one of them for \
+        the Watt linkage";
+    assert!(found.contains(reason), "{found}");
+}
+
 #[test]
 fn watt_linkages_are_refused_where_they_do_not_fit() {
     let proved = with_watt(&panhard()).replace(

@@ -4,6 +4,7 @@
 use crate::support::random::Random;
 use hardpoint::analyse::RangeEnd;
 use hardpoint::axle::{Axle, AxleLimits, AxleSolver, Placement, TravelRanges};
+use hardpoint::mechanism::LimitCause;
 use hardpoint::study::Study;
 use std::path::Path;
 
@@ -94,5 +95,33 @@ fn axles_of_each_kind_roll_up_to_their_limits() {
                 }
             }
         }
+    }
+}
+
+/// The halves of a twist beam differ, so its paths in heave turn back before the arms are vertical. The limits have the
+/// reason that curves have beyond them.
+#[test]
+fn heave_limits_of_a_skewed_beam_have_the_reason_of_its_curves() {
+    let text = include_str!("../../../studies/twist_beam_solve.toml");
+    let start = text.find("roll = {").unwrap();
+    let end = text[start..].find("\n[outputs]").unwrap() + start;
+    let heaves = "heave = [-400.0, 0.0, 460.0]\n";
+    let text = format!("{}{heaves}{}", &text[..start], &text[end..]);
+    let right = "[axle.right.hardpoints]\nmount = [412.0, -530.0, 340.0]\n\n[wheel]";
+    let text = text.replacen("\n[wheel]", &format!("\n{right}"), 1);
+    let study = Study::from_text("beam.toml", &text, Path::new("")).unwrap();
+    let limits = study.axle().unwrap().axle.limits().unwrap();
+    let TravelRanges::OfAxle { heave, .. } = &limits.travels else {
+        panic!("an axle of one body");
+    };
+    let failures = hardpoint::solved::Solved::of(&study).unwrap().failures();
+    assert_eq!(failures.len(), 2);
+    for (end, failure) in [&heave.lower, &heave.upper].into_iter().zip(&failures) {
+        let RangeEnd::Fold(limit) = end else {
+            panic!("{end:?}");
+        };
+        let failure = failure.to_string();
+        assert!(failure.contains(limit.cause.words()), "{failure} {limit:?}");
+        assert_eq!(limit.cause, LimitCause::Unresolved);
     }
 }

@@ -3,7 +3,7 @@
 use super::{at, template, travel};
 use crate::support::Worst;
 use crate::support::random::Random;
-use hardpoint::analyse::{Load, Reaction, Support};
+use hardpoint::analyse::{Carried, Load, Reaction, Support};
 use hardpoint::characteristics::{Characteristic, Constants, Quantity, WheelReading};
 use hardpoint::derive::DesignSeries;
 use hardpoint::model::{Axis, Body};
@@ -120,4 +120,45 @@ fn loads_are_balanced_and_the_spring_takes_its_share() {
         assert!(balance.0 < 1e-12, "{name}: {:e}", balance.0);
         assert!(work.0 < 1e-12, "{name}: {:e}", work.0);
     }
+}
+
+/// If a support at the wheel centre replaces the spring, the outer joint of the arm with the spring carries only the forces of
+/// the arm's legs.
+#[test]
+fn a_support_at_the_wheel_centre_does_not_load_the_arm_of_the_spring() {
+    let suspension = template("double_wishbone");
+    let mechanism = &suspension.mechanism;
+    let Body::Arm(arm) = mechanism.body(mechanism.spring_seat().unwrap()) else {
+        panic!("the spring is not on an arm");
+    };
+    let joint = mechanism.arms[arm.0].outer;
+    let point = travel(20.0, 0.0);
+    at(mechanism, &suspension.design, point, |solver, pose| {
+        let place = |id| solver.configuration(pose, point.rack).point(id);
+        let load = Load {
+            point: place(mechanism.wheel_centre) - Vector3::new(0.0, 0.0, 310.0),
+            force: Vector3::new(-1000.0, 500.0, 4000.0),
+            moment: Vector3::default(),
+        };
+        let balance = solver
+            .balance(pose, point.rack, Support::WheelCentre)
+            .unwrap();
+        let held = balance.under(&load);
+        assert!(held.support.abs() > 1000.0);
+        let legs = held.constraints.iter().map(|reaction| match *reaction {
+            Reaction::Rod {
+                inner,
+                outer,
+                tension,
+            } if outer == joint => (place(inner) - place(outer)).normalised() * tension,
+            _ => Vector3::default(),
+        });
+        let legs = legs.fold(Vector3::default(), |sum, pull| sum + pull);
+        let found =
+            Axis::ALL.map(|axis| balance.force(&held, Carried::Force(joint, axis)).unwrap());
+        let off = (Vector3::from(found) - legs).norm();
+        assert!(off < 1e-9 * load.force.norm(), "{found:?} {legs:?}");
+    })
+    .unwrap()
+    .unwrap();
 }

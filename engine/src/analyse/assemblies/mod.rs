@@ -121,16 +121,19 @@ const DOUBLE: f64 = 1e-5;
 /// Largest number of undecided regions in the result.
 const MOST_UNDECIDED: usize = 64;
 
-/// Merges overlapping ranges of the arm's angle, and keeps at most [`MOST_UNDECIDED`] regions.
+/// Merges overlapping ranges of the arm's angle, and keeps at most [`MOST_UNDECIDED`] regions. The fraction of the rotations
+/// that was not searched comes first, so this limit never removes it.
 fn merge(undecided: &mut Vec<Undecided>) {
     let mut ranges: Vec<(f64, f64)> = Vec::new();
-    let mut others = Vec::new();
+    let (mut unsearched, mut poses) = (Vec::new(), Vec::new());
     for place in undecided.drain(..) {
         match place {
+            Undecided::Rotations(_) => unsearched.push(place),
             Undecided::ArmAngle(low, high) => ranges.push((low, high)),
-            other => others.push(other),
+            Undecided::Pose(_) => poses.push(place),
         }
     }
+    undecided.append(&mut unsearched);
     sort_by(&mut ranges, |a, b| a.0.total_cmp(&b.0));
     for (low, high) in ranges {
         match undecided.last_mut() {
@@ -138,7 +141,7 @@ fn merge(undecided: &mut Vec<Undecided>) {
             _ => undecided.push(Undecided::ArmAngle(low, high)),
         }
     }
-    undecided.extend(others);
+    undecided.append(&mut poses);
     undecided.truncate(MOST_UNDECIDED);
 }
 
@@ -384,4 +387,26 @@ fn pose_distance(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
     let columns = a.rotation.columns.iter().zip(b.rotation.columns);
     let turned = columns.map(|(p, q)| (*p - q).norm()).fold(0.0, f64::max);
     (a.origin - b.origin).norm() + turned * size
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{MOST_UNDECIDED, Undecided, merge};
+    use crate::mechanism::Pose;
+    use crate::number::{Matrix3, Vector3};
+
+    /// Even if the search left very many poses undecided, the result states the fraction of the rotations that was not
+    /// searched.
+    #[test]
+    fn a_search_that_stopped_early_is_said_to_be_one() {
+        let pose = Undecided::Pose(Pose {
+            origin: Vector3::default(),
+            rotation: Matrix3::identity(1.0),
+        });
+        let mut undecided = vec![pose; MOST_UNDECIDED];
+        undecided.push(Undecided::Rotations(0.25));
+        merge(&mut undecided);
+        assert_eq!(undecided.len(), MOST_UNDECIDED);
+        assert_eq!(undecided[0], Undecided::Rotations(0.25));
+    }
 }

@@ -285,13 +285,15 @@ impl<T: Real> ArmEnd<T> {
         }
     }
 
-    /// Adds `weight` times (5). The force h follows from the design, so it is only approximate for a built arm.
+    /// Adds `weight` times (5). The derivatives with respect to hardpoints are those of a design.
     #[inline(always)]
     pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let push = self.push(at) * weight;
         at.push_carried(self.outer, push, sink);
         let arm = at.mechanism.arms[self.arm.0];
-        at.push_arm_point(arm, self.inner, -push, sink);
+        at.push_arm_hardpoints(arm, self.inner, -push, sink);
+        let [axis, _] = frame(arm, at.design);
+        at.push_carried(arm.outer, self.passed(axis, push), sink);
         if let Kind::Link { scale, .. } = self.kind {
             let designed = (at.designed(self.outer) - at.designed(self.inner)) * (scale * weight);
             sink.hardpoint(self.outer, -designed);

@@ -104,8 +104,9 @@ impl ClosedForm<f64> {
         // NaN does not exceed the bound.
         let exceeds = |value: f64, bound: f64| value > bound;
         match &self.upper {
+            // The strut's length is the root of dd - foot_squared, so this difference must have enough digits.
             Upper::Strut { foot_squared, .. } => {
-                if !exceeds(dd * (1.0 - small), *foot_squared) {
+                if !exceeds(dd * (1.0 - DEGENERATE), *foot_squared) {
                     return Err(DesignFault::NoStrutLength);
                 }
             }

@@ -26,7 +26,7 @@ const GIVEN_UP: f64 = 1e-6;
 pub struct Assembled {
     /// One row per assembly. For an axle the first column is `side`.
     pub table: Table,
-    /// Wheels that were searched: one wheel, or both wheels of an axle that is not mirrored.
+    /// Wheels that were searched: one wheel, or both wheels of an axle that is not mirrored or whose rack is displaced.
     pub wheels: Vec<WheelAssemblies>,
 }
 
@@ -293,7 +293,8 @@ fn undecided(wheel: &Wheel, place: &Undecided) -> String {
     }
 }
 
-/// True if two poses are equal. Different assemblies differ by far more than the tolerance; rounding errors are far smaller.
+/// True if two poses are equal. Rounding errors are far smaller than the tolerance. Different assemblies usually differ by far
+/// more.
 fn same(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> bool {
     let columns = a.rotation.columns.iter().zip(b.rotation.columns);
     let turned = columns.map(|(p, q)| (*p - q).norm()).fold(0.0, f64::max);

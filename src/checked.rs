@@ -43,7 +43,7 @@ impl<'s> Checked<'s> {
         not_solved(&self.solved, &self.of_motions, wheel)
     }
 
-    /// True if every requested value was found.
+    /// True if every station is solved, and every quantity has a value in some motion.
     pub fn is_complete(&self) -> bool {
         self.motions().are_complete()
     }
@@ -70,8 +70,7 @@ impl AllMotions<'_> {
         self.all().all(Curves::are_whole) && names.all(|column| self.has_value(&column.name))
     }
 
-    /// Remarks on the curves, one per line: their accuracy, and missing values. A remark on a named motion begins with the name
-    /// of that motion.
+    /// Remarks on the curves, one per line: their accuracy, and missing values. A remark on a named motion names that motion.
     pub(crate) fn remarks(&self, wheel: &Suspension) -> Vec<String> {
         let of =
             |curves| remarks_on_motion(curves, wheel.length_unit, |column| self.has_value(column));

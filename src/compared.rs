@@ -144,7 +144,7 @@ pub fn compared(label: String, study: &Study, mut curves: CurveTable) -> Compare
         && let [rack] = motion.rack[..]
         && rack != 0.0
     {
-        // A motion with a single rack displacement has no column for the rack, so the column is added here.
+        // A motion with a single rack displacement has no column for the rack. The column is added here, except for 0.
         curves.set_constant(&format!("rack_{}", suspension.length_unit.symbol()), rack);
     }
     let axle = study.axle().map(|both| &both.axle);

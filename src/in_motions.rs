@@ -23,7 +23,7 @@ impl InMotion {
     ///
     /// # Errors
     ///
-    /// A sentence that explains which design cannot be solved in its design position.
+    /// A sentence that explains why a design cannot be solved in its design position.
     pub fn all(designs: &[(&str, &Study)], with_targets: bool) -> Result<Vec<Self>, String> {
         let names = designs.first().map(|(_, study)| study.motion_names());
         let names = names.into_iter().flatten();

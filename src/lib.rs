@@ -70,6 +70,8 @@
 //! | `curves` | the outputs of a plan over a motion |
 //! | `evaluate` | quantities at stations with their gradients, of several designs at a time |
 //! | `axle` | both wheels: roll on a plane ground, steering, springs |
+//! | `compliance` | bushings and elastic links: equilibria under load |
+//! | `car` | two axles and a body: equilibria of load cases |
 //! | `sweep` | many designs on all cores, in constant memory |
 //! | `optimise` | targets as bounded least squares, and their minimum |
 //! | `side_effects` | changes of a tuned design that no target requests |
@@ -87,6 +89,8 @@
 //! | module | content |
 //! |---|---|
 //! | `drawing` | drawings of a page, solved in advance |
+//! | `in_motions` | curves over the named motions of a study |
+//! | `set_up`, `rig` | set-ups, and the tests of `kc` |
 //! | `checked` | a checked study: curves, warnings, and stations that are not solved |
 //! | `assembled`, `compared`, `scatter` | assemblies, comparisons and builds, in memory |
 //! | `solved` | curves of a study, of one wheel or of both, with their files, tables and remarks |

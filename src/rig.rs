@@ -17,7 +17,7 @@ pub const OTHER_TABLES: [&str; 3] = ["levels.csv", "compliance_matrix.csv", "sen
 /// Tests of a study at its stations.
 pub struct RigTests<'s> {
     study: &'s Study,
-    /// Number of bushings and elastic links.
+    /// Number that [`RigTests::elastic_parts`] returns.
     elastic_parts: usize,
     /// Results of the tests.
     pub results: KcResults<'s>,
@@ -131,7 +131,7 @@ impl<'s> RigTests<'s> {
     }
 }
 
-/// Travels of both wheels and rack displacement along the study's +y, at each station of an axle's motion.
+/// Travels of both wheels and rack displacement along the study's +y, at each station of an axle's motion on level pads.
 fn stations(both: &AxleStudy) -> Vec<([f64; 2], f64)> {
     let placements = both.plan.motion.placements();
     let along = both.axle.left.frame.sign(Axis::Y);

@@ -30,7 +30,7 @@ enum Planned<'s> {
 pub type Labelled<'a> = (&'a str, &'a str, &'a Solved<'a>);
 
 impl<'s> Solved<'s> {
-    /// Solves the curves of the study's outputs. An error explains in words which wheel cannot be solved in its design position.
+    /// Solves the curves of the study's outputs. An error explains in words why a wheel cannot be solved in its design position.
     pub fn of(study: &'s Study) -> Result<Self, String> {
         match &study.vehicle {
             Vehicle::Wheel(own) => Solved::of_wheel(study, own, Plan::of(own)),
@@ -38,7 +38,7 @@ impl<'s> Solved<'s> {
         }
     }
 
-    /// Solves the curves of the study's outputs and of the quantities of its targets. An error explains in words which wheel cannot
+    /// Solves the curves of the study's outputs and of the quantities of its targets. An error explains in words why a wheel cannot
     /// be solved in its design position.
     pub fn with_targets(study: &'s Study) -> Result<Self, String> {
         let targets = study.optimise.as_ref().map(|o| &o.targets[..]);
@@ -121,7 +121,7 @@ impl<'s> Solved<'s> {
         (!asked.is_empty()).then(|| sensitivities_csv(self.study, &self.curves))
     }
 
-    /// True if every requested value was found.
+    /// True if every station is solved with all its defined values, and every column has a value at some station.
     pub fn is_complete(&self) -> bool {
         self.curves.are_complete()
     }

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Yields for a robust tuning: of the design before it, of the optimum without scatter, and of the tuned design. All three come
 /// from the same Monte Carlo builds, as in `hardpoint tolerance`. The tuning uses other builds. `None` if the tuning is not
-/// robust, has no bands, or was stopped by the flag.
+/// robust, has no bands, found no design, or was stopped by the flag.
 pub fn yields(
     study: &Study,
     optimise: &Optimise,

@@ -29,7 +29,7 @@ use crate::study::CarStudy;
 use serde_json::json;
 use std::path::Path;
 
-/// Files that the commands for cars write.
+/// Files that the commands for cars write, except `sweep`.
 const FILES: [&str; 16] = [
     "report.json",
     "report.html",

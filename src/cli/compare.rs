@@ -183,7 +183,8 @@ pub(super) fn print_tables(arguments: &CompareArguments, tables: &Tables) -> Res
     Ok(())
 }
 
-/// Unique labels of the sources, without the parts that all paths have in common.
+/// Unique labels of the sources: name of the directory, or of the file without its extension. A repeated name becomes the whole
+/// path.
 pub(super) fn labels(sources: &[PathBuf]) -> Vec<String> {
     let mut labels: Vec<String> = Vec::new();
     for path in sources {
@@ -212,8 +213,8 @@ fn of_study(path: &Path, label: String, first: &mut Option<FirstMotion>) -> Resu
     crate::compared::of_study(study, label, first).map_err(|why| Stop::in_file(path, why))
 }
 
-/// Returns the results of a finished run. If the run has other stations than the first design, the study of the run is solved
-/// again over the motion of the first design.
+/// Returns the results of a finished run. If the run lacks stations of the first design, its kept study is solved again over the
+/// motion of the first design, if possible.
 fn of_run(
     path: &Path,
     label: String,

@@ -85,7 +85,7 @@ pub fn import_study(
 }
 
 /// `hardpoint sweep` of a study in memory. The study in `arguments` is only a name for messages. Returns true if every
-/// requested part is complete.
+/// requested part is computed. Without shards, every design must also be solved and every output have a value.
 pub fn sweep_study(study: &Study, arguments: &[String]) -> Result<bool, NotDone> {
     let Command::Sweep(arguments) = parsed(arguments)? else {
         return Err(NotDone::WrongInput("expected a sweep".to_owned()));

@@ -8,10 +8,11 @@ use std::path::Path;
 
 /// Longest word in an error message, in characters. Only a cell of a malicious or broken file is longer.
 const LONGEST_WORD: usize = 300;
-/// Longest error message, in characters.
+/// Length in bytes beyond which no further word is added to an error message.
 const LONGEST_REASON: usize = 20_000;
 
-/// Shortens the longest words of a message. A faulty file may have millions of characters instead of a number.
+/// Shortens the longest words of a message, and cuts a very long message. A faulty file may have millions of characters instead
+/// of a number.
 fn shortened(reason: &str) -> String {
     let mut short = String::new();
     for word in reason.split_inclusive(char::is_whitespace) {

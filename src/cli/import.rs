@@ -189,7 +189,7 @@ impl<'a> Questions<'a> {
     }
 
     /// Returns the result of `read` for the answers so far. If `read` returns an open question, the program asks the user at
-    /// the terminal. Without a terminal, the question becomes the reason of the refusal.
+    /// the terminal. Without a terminal or an answer, the question becomes the reason of the refusal.
     pub(super) fn settle<T>(
         &mut self,
         answers: &mut Answers,
@@ -337,7 +337,7 @@ fn study_text(arguments: &ImportArguments, imported: &mut Imported) -> Result<St
     Ok(text)
 }
 
-/// Asks a question until the user answers it. `None` at the end of the input.
+/// Asks a question until the user answers it. `None` at the end of the input, or after three lines that are no answer.
 fn ask(
     question: &Question,
     input: &mut impl BufRead,

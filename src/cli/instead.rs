@@ -1,4 +1,5 @@
-//! Answers to names of suspensions and parts that are not topologies. Each one names the nearest available topology.
+//! Answers to names of suspensions and parts that are not topologies. Each one names the nearest available topology, or the
+//! section of the part.
 
 /// Words in names of unsupported suspensions and parts, each with the sentence that the program answers.
 const INSTEAD: [(&str, &str); 8] = [
@@ -48,7 +49,7 @@ mod tests {
     use super::*;
     use crate::model::Topology;
 
-    /// Every topology that an answer mentions exists, and no existing topology has an answer.
+    /// Every `..._axle` and `..._beam` that an answer mentions is a topology, and no existing topology has an answer.
     #[test]
     fn answers_name_topologies() {
         for (_, answer) in INSTEAD {

@@ -52,7 +52,7 @@ fn phase() -> MutexGuard<'static, Phase> {
     PHASE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Flag that is true from the first signal on.
+/// Flag that is true from the first signal, or from [`raise`], until [`reset`].
 pub(super) fn flag() -> &'static Arc<AtomicBool> {
     &FLAG
 }

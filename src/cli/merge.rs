@@ -77,8 +77,8 @@ enum Kept {
 }
 
 impl Kept {
-    /// Reads the study that is kept in a directory with parts of a sweep. `None` if there is no study. The study gets the name
-    /// `name` instead of the name of its copy.
+    /// Reads the study that is kept in a directory with parts of a sweep. `None` if it cannot be read. The study of a wheel or an
+    /// axle gets the name `name` instead of the name of its copy.
     fn read(directory: &Path, name: &str) -> Option<Self> {
         let path = directory.join(STUDY_COPY);
         if CarStudy::is_at(&path) {

@@ -78,7 +78,7 @@ pub(super) fn template(topology: &str, parts: &[String]) -> Result<String, Strin
     study(named, &parts).map_err(|e| e.to_string())
 }
 
-/// Writes the three studies of a car. Writes none of them if one of the files exists.
+/// Writes the three studies of a car. Without `--force`, writes none of them if one of the files exists.
 fn write_car((name, files): &CarTemplate, arguments: &NewArguments) -> Result<Exit, Stop> {
     if !arguments.with.is_empty() {
         return Err(Stop::wrong_input(format!(
@@ -166,8 +166,8 @@ mod tests {
         }
     }
 
-    /// Each template runs over its whole motion: with each additional part alone, with all parts together, and with all parts
-    /// of one wheel. A solid axle gets a Panhard rod or a Watt linkage.
+    /// Each template runs over its whole motion: with each rigid part alone, with all rigid parts together, and with all rigid
+    /// parts of one wheel. A solid axle gets a Panhard rod or a Watt linkage.
     #[test]
     fn every_template_runs_with_every_part() {
         for topology in Topology::ALL {

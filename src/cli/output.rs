@@ -1,5 +1,5 @@
 //! Destination of a run's results: a directory or standard output. With a directory, the summary goes to standard output.
-//! Otherwise the main CSV goes to standard output, and everything else goes to standard error.
+//! Otherwise the main CSV goes to standard output, and the summary goes to standard error.
 
 use super::exit::Stop;
 use super::interrupt;
@@ -15,8 +15,8 @@ use std::io::{self, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-/// Study of the run. It includes the changes of `--set` and the target curves from files, so that later commands need no other
-/// file.
+/// Study of the run. It includes the changes of `--set` and the target curves from files. Later commands need no other file,
+/// except the file of the designs of a sweep.
 pub(super) const STUDY_COPY: &str = "study.toml";
 
 /// Files of `solve`.
@@ -111,7 +111,7 @@ impl<'a> Destination<'a> {
         self.out.unwrap_or(&self.default)
     }
 
-    /// True if the directory can hold a copy of the study: no input of the run has the same file name.
+    /// True if the directory can hold a copy of the study: no input of the run is this file.
     pub(super) fn keeps_study(&self, inputs: &[PathBuf]) -> bool {
         let copy = self.path().join(STUDY_COPY).canonicalize().ok();
         let is_input = |path: &PathBuf| copy.is_some() && path.canonicalize().ok() == copy;
@@ -183,8 +183,8 @@ impl Output {
         }
     }
 
-    /// Opens a directory, or standard output for `-`. If the default directory holds results of another version of the study, it
-    /// moves them aside. In a directory that the user has chosen, such results are an error.
+    /// Opens a directory, or standard output for `-`. If the default directory holds results of another command or version of the
+    /// study, it moves them aside. In a directory that the user has chosen, such results are an error without `--force`.
     pub(super) fn at(destination: &Destination<'_>, claim: Claim<'_>) -> Result<Self, Stop> {
         let format = destination.format;
         if destination.out == Some(Path::new("-")) {

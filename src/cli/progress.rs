@@ -4,7 +4,7 @@ use super::terminal;
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use std::fmt::Write;
 
-/// Progress line on standard error, shown only on a terminal.
+/// Progress line on standard error, shown only on a terminal that can move its cursor, and not with `--quiet`.
 pub(super) fn line(total: u64, unit: &str) -> ProgressBar {
     if terminal::is_quiet() || terminal::is_dumb() {
         return ProgressBar::hidden();

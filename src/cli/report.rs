@@ -63,8 +63,8 @@ pub(super) struct ReportOptions {
 }
 
 impl ReportOptions {
-    /// Checks that the pictures can be written, before a command computes its results. `record` describes the curves in
-    /// the pictures.
+    /// Checks that the pictures can be written, before a command writes its first file. `record` describes the curves in the
+    /// pictures.
     pub(super) fn open(
         arguments: &RunArguments,
         study: &Study,
@@ -138,8 +138,8 @@ fn write_page(page: &str, directory: &RunDirectory) -> Result<(), Stop> {
     written.map_err(Stop::unwritten)
 }
 
-/// Directory of pictures, with the run that they show. New pictures replace only pictures of the same command and
-/// study.
+/// Directory of pictures, with the run that they show. Without `--force`, new pictures replace only pictures of the same command
+/// and study.
 struct PictureDirectory {
     path: PathBuf,
     command: String,

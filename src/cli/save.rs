@@ -23,7 +23,8 @@ pub(super) fn note_saved(out: &Path) {
     note(&format!("Written: {}\n", out.display()));
 }
 
-/// Writes the files of a directory, or none of them if one exists already or is an input. Makes the directory.
+/// Writes the files of a directory. Writes none of them if one is an input, or exists already and `force` is false. Makes the
+/// directory.
 pub(super) fn save_all(
     directory: &Path,
     files: &[(&str, &str)],
@@ -55,7 +56,7 @@ pub(super) fn save_all(
     })
 }
 
-/// Refuses a file that is an input, or that exists and may not be replaced.
+/// Refuses a file that is an input, a directory, or an existing file that may not be replaced.
 fn check(out: &Path, force: bool, inputs: &[PathBuf]) -> Result<(), Stop> {
     if let Some(input) = inputs.iter().find(|input| are_one_file(input, out)) {
         return Err(Stop::wrong_input(format!(

@@ -1,5 +1,5 @@
-//! Output to the terminal. It contains no control sequences, and no line is wider than the terminal. With `--quiet` it contains
-//! only errors and requested data.
+//! Output to the terminal. Control sequences in texts are escaped; only errors of a study may have colours. Results and remarks
+//! are wrapped to the width of the terminal. With `--quiet`, only errors and requested data are printed.
 
 use crate::report::{is_printable, printable, wrapped};
 use crate::study::StudyErrors;
@@ -7,7 +7,7 @@ use std::cell::RefCell;
 use std::io::{self, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Width of lines if standard output is not a terminal.
+/// Width of lines if standard output is not a terminal and `COLUMNS` has no number.
 const PAPER: usize = 100;
 /// Smallest width to which lines are wrapped.
 const LEAST: usize = 40;
@@ -45,7 +45,7 @@ pub(super) fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
-/// Number of characters in a line of standard output: from the terminal, else from `COLUMNS`, else 100.
+/// Number of characters in a line of standard output: from the terminal, else from `COLUMNS`, else 100. At least 40.
 pub(super) fn width() -> usize {
     let terminal = terminal_size::terminal_size_of(io::stdout());
     let terminal = terminal.map(|(width, _)| usize::from(width.0));
@@ -53,7 +53,7 @@ pub(super) fn width() -> usize {
     terminal.or_else(variable).unwrap_or(PAPER).max(LEAST)
 }
 
-/// True if standard error accepts colours: it is a terminal, not a dumb one, and `NO_COLOR` is not set.
+/// True if standard error accepts colours: it is a terminal, not a dumb one, and `NO_COLOR` is not set or empty.
 pub(super) fn has_colours() -> bool {
     let asked_for_none = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
     io::stderr().is_terminal() && !asked_for_none && !is_dumb()
@@ -77,7 +77,7 @@ pub(super) fn eprint(text: &str) {
     let _ = io::stderr().write_all(printable(text).as_bytes());
 }
 
-/// Prints a remark on standard error, except with `--quiet`.
+/// Prints a remark on standard error, except with `--quiet`. Captured text contains the remark in any case.
 pub(super) fn note(text: &str) {
     if !is_captured(text) && !is_quiet() {
         match terminal_size::terminal_size_of(io::stderr()) {

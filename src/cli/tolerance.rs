@@ -113,7 +113,7 @@ fn print(
     output.say_remarks(summary.failures())
 }
 
-/// Prints the numbers of finished and of requested builds, and the files of the run.
+/// Prints the files of the run. After an interruption, also prints the numbers of finished and of requested builds.
 pub(super) fn ended(
     output: &Output,
     interrupted: bool,
@@ -133,7 +133,7 @@ pub(super) fn ended(
     })
 }
 
-/// Limit bands of one wheel, as its charts show them.
+/// Limit bands of one wheel, as its charts show them. Empty for an axle.
 fn bands(study: &Study, tolerance: &Tolerance) -> Vec<BandCurve> {
     let drive = study.motion().drive;
     let drives: Vec<f64> = study

@@ -17,7 +17,7 @@ const MOST_RACKS: usize = 3;
 
 impl DrawnDesigns {
     /// Selects the best designs of a sweep, and some designs of its Pareto front. Without targets, it selects the designs
-    /// with the smallest or largest outputs. Designs that cannot be solved are left out.
+    /// with the smallest or largest outputs. Designs that cannot be solved are left out. The nominal design comes first.
     pub fn of(
         study: &Study,
         own: &WheelStudy,

@@ -13,11 +13,11 @@ pub struct VehicleLimits {
     /// A row for each quantity, with the limits of this quantity while the other quantities stay constant. All builds of a
     /// study have the same rows.
     pub rows: Vec<LimitRow>,
-    /// Distance from the study's motion to the nearest limit; negative if the motion goes beyond it. `None` with the drive of
-    /// Attia's paper, and for an elastic wheel whose limit is not known. Also `None` for axles, because their motion has several
-    /// quantities.
+    /// Distance from the study's motion to the nearest limit of its drive; negative if the motion goes beyond it. A length, or
+    /// radians for an arm angle. `None` with the drive of Attia's paper, and for an elastic wheel whose limit is not known. Also
+    /// `None` for axles, because their motion has several quantities.
     pub margin: Option<f64>,
-    /// True if the study's motion goes beyond the limits.
+    /// True if the study's motion goes beyond the limits. Always false with the drive of Attia's paper.
     pub is_short: bool,
 }
 
@@ -106,7 +106,7 @@ impl NearestEnd {
     }
 }
 
-/// Count of some builds, and the index of the first build among them. The index is `None` if the count is 0.
+/// Count of some builds, and the number of the first build among them. The number is `None` if the count is 0.
 type Counted = (u64, Option<u64>);
 
 /// Nearest limits among some builds. If limits are equal, the first build counts.

@@ -20,7 +20,7 @@ use crate::study::{AxleComplianceStudy, AxleStudy, ComplianceStudy, Study, Wheel
 /// Words for the limits of the mechanism whose parts are all rigid.
 const RIGID: &str = "all parts rigid";
 
-/// Lower and upper limit of equilibrium, or the reason why the design position has no equilibrium.
+/// Lower and upper limit of equilibrium, or the reason why the start of the search has no equilibrium.
 type Ends = Result<[EquilibriumEnd; 2], NoEquilibrium>;
 
 /// Limits of one quantity.
@@ -32,7 +32,7 @@ pub(super) struct ElasticRow {
 }
 
 impl ElasticRow {
-    /// True if the design position has an equilibrium.
+    /// True if the start of the search has an equilibrium.
     fn has_equilibrium(&self) -> bool {
         self.ends.is_ok()
     }
@@ -50,7 +50,7 @@ impl ElasticRow {
     }
 }
 
-/// Limits of all rows. Returns an error if the design position has no equilibrium.
+/// Limits of all rows. Returns an error if the design position, or travel 0 with a displaced rack, has no equilibrium.
 pub(super) fn in_equilibrium(rows: Vec<ElasticRow>) -> Result<Vec<LimitRow>, String> {
     if !rows.iter().all(ElasticRow::has_equilibrium) {
         return Err("the design position has no equilibrium".to_owned());
@@ -250,7 +250,7 @@ pub(super) fn rows_of_wheel(
 }
 
 /// Distance of the travels from the nearest limit. `by_rack` has the limits at each rack displacement. The distance is negative if
-/// the travels go beyond the limit. `None` if there is no equilibrium.
+/// the travels go beyond the limit. The end of a search counts as a limit. `None` if a rack displacement has no equilibrium.
 fn margin(travels: &[f64], by_rack: &[Ends]) -> Option<f64> {
     let mut least = f64::INFINITY;
     for ends in by_rack {

@@ -11,7 +11,8 @@ use crate::solve::Solver;
 use crate::study::Study;
 use std::ops::ControlFlow;
 
-/// Distance from the drive values to the nearest limit of all these ranges. Negative if a value is beyond the limit.
+/// Distance from the drive values to the nearest limit of all these ranges. Negative if a value is beyond the limit. Infinite
+/// without ranges.
 pub(super) fn travel_left<'r>(ranges: impl Iterator<Item = &'r Range>, values: &[f64]) -> f64 {
     let left = ranges.flat_map(|range| values.iter().map(move |value| range.margin(*value)));
     left.fold(f64::INFINITY, f64::min)

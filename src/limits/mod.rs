@@ -27,7 +27,7 @@ pub(crate) struct LimitTable {
     rows: Vec<LimitRow>,
     /// Sentences below the table.
     pub(crate) notes: Vec<String>,
-    /// Stations of the study's own motion and of its named motions that are not solved, one range per line.
+    /// Stations of the study's own motion that are not solved, one range per line. For one wheel, also those of named motions.
     pub(crate) failures: Vec<String>,
 }
 
@@ -86,7 +86,8 @@ impl LimitTable {
     }
 }
 
-/// Ranges of the motion in a study of one wheel. Each range has the name of its quantity in the table of limits.
+/// Ranges of travel and rack in the motion of one wheel. Each range has the name of its quantity in the table of limits. Empty for
+/// an axle.
 pub(crate) fn motion_ranges(study: &Study) -> Vec<(String, [f64; 2])> {
     let Some(own) = study.one_wheel() else {
         return Vec::new();

@@ -107,7 +107,7 @@ impl Row {
         self.with([end(lower, -turn), end(upper, turn)])
     }
 
-    /// Row with these limits and their causes. `None` for an unknown value.
+    /// Row with these limits and their causes. `None` for an unknown value, or if there is no limit.
     pub(super) fn with(self, ends: [(Option<f64>, String); 2]) -> LimitRow {
         let factor = self.factor;
         let mut ends =

@@ -21,11 +21,11 @@ pub struct Claim<'a> {
     pub command: &'a str,
     /// Name of the study.
     pub study: &'a str,
-    /// SHA-256 of the whole content of the study.
+    /// Digest that identifies the run ([`RunRecord::digest`]).
     pub digest: String,
     /// Digest of an earlier run of the same command whose results this run continues: the same sweep with fewer samples.
     pub former: Option<String>,
-    /// Files that this run will write, if they are known in advance. A star represents digits.
+    /// Files that this run may write, as far as they are known in advance. A star represents digits.
     pub files: &'a [&'a str],
     /// Files that this run has read.
     pub inputs: &'a [PathBuf],
@@ -104,7 +104,7 @@ pub(super) fn examine(path: &Path, claim: &Claim<'_>) -> Result<Manifest, Refusa
     taken.map_or(Ok(manifest), Err)
 }
 
-/// True if a directory contains only files of finished runs, and no input of this run.
+/// True if a directory contains only files of runs, no unfinished sweep, and no input of this run.
 pub(super) fn may_be_moved(path: &Path, claim: &Claim<'_>) -> bool {
     let Ok(manifest) = Manifest::read(path) else {
         return false;
@@ -120,18 +120,19 @@ pub(super) fn may_be_moved(path: &Path, claim: &Claim<'_>) -> bool {
     !manifest.runs.iter().any(unfinished) && names(path).iter().all(is_ours)
 }
 
-/// True if a run will write a file with this name, or files that match it.
+/// True if one of the files that a claim names has this name or matches it.
 pub(super) fn is_wanted(claim: &Claim<'_>, name: &str) -> bool {
     let mut files = claim.files.iter();
     files.any(|file| *file == name || matches(file, name))
 }
 
+/// Canonical paths. Paths that do not exist are left out.
 pub(super) fn resolved(paths: &[PathBuf]) -> Vec<PathBuf> {
     let paths = paths.iter();
     paths.filter_map(|path| path.canonicalize().ok()).collect()
 }
 
-/// Sorted names of the files in a directory.
+/// Sorted names of all entries of a directory. Empty if the directory cannot be read.
 pub(super) fn names(path: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(path).into_iter().flatten().flatten();
     let mut names: Vec<String> = entries

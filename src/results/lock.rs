@@ -47,7 +47,7 @@ fn remove(path: &Path, file: &File) {
     }
 }
 
-/// A lock that is held until this value is dropped. Dropping it also removes the lock file.
+/// A lock that is held until this value is dropped. Dropping it also removes the lock file, unless another process shares it.
 #[derive(Debug)]
 pub struct Lock {
     number: u64,
@@ -58,7 +58,7 @@ pub struct Lock {
 /// Reason why a lock cannot be taken.
 #[derive(Debug)]
 pub enum NotLocked {
-    /// Another process holds the lock. The owner is given if the lock file could be read.
+    /// Another run holds the lock, or has just moved the directory aside. The owner is given if the lock file could be read.
     Held(Option<Owner>),
     /// The lock file cannot be created or locked.
     Failed(io::Error),
@@ -70,7 +70,7 @@ impl Lock {
         Lock::patiently(path, owner, ALONE, |file| file.try_lock())
     }
 
-    /// Takes the lock together with other processes that share it.
+    /// Takes the lock together with other processes that share it. Waits if another run holds the lock exclusively.
     pub fn shared(path: &Path, owner: &Owner) -> Result<Self, NotLocked> {
         Lock::patiently(path, owner, TOGETHER, |file| file.try_lock_shared())
     }
@@ -80,7 +80,7 @@ impl Lock {
         Lock::try_once(path, owner, &|file| file.try_lock())
     }
 
-    /// Turns an exclusive lock into a shared one.
+    /// Turns an exclusive lock into a shared one. Another run can take the lock in between.
     pub fn share(self, owner: &Owner) -> Result<Self, NotLocked> {
         let path = self.path.clone();
         drop(self);
@@ -189,7 +189,7 @@ pub(super) fn is_at(file: &File, path: &Path) -> bool {
     open.ok().map(identity) == there.ok().map(identity)
 }
 
-/// Always true: on systems other than Unix, an open file cannot be removed.
+/// True if the path exists. On systems other than Unix, the identity of the file is not checked.
 #[cfg(not(unix))]
 pub(super) fn is_at(_: &File, path: &Path) -> bool {
     path.exists()

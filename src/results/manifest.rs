@@ -24,11 +24,11 @@ pub struct RunRecord {
     pub command: String,
     /// Name of the study.
     pub study: String,
-    /// SHA-256 of the whole content of the study.
+    /// SHA-256 of the whole content of the study. For `sweep` and `merge`, a digest of the designs; for `compare`, of the results.
     pub digest: String,
     /// Version of the program.
     pub version: String,
-    /// True if the run ended with all of its results.
+    /// True if the run ended without an interruption. Results may still be missing, for example at stations without a pose.
     pub finished: bool,
     /// True if a signal ended the run.
     #[serde(default)]

@@ -10,7 +10,7 @@
 //! 5. While a run writes, it holds a [`Lock`]. If the run dies, the operating system releases the lock.
 //! 6. The next run removes the temporary files of a run that died.
 //!
-//! `--force` cancels the first three rules.
+//! `--force` cancels the first three rules, but an input is never replaced.
 
 mod claim;
 mod lock;

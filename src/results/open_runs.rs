@@ -49,7 +49,7 @@ pub(super) fn end<T>(path: &Path, last: impl FnOnce() -> T) -> T {
     last()
 }
 
-/// Records every run in progress as interrupted, and ends the process. No other write happens in between.
+/// Records every run in progress that computes results as interrupted, and ends the process. No other write happens in between.
 pub fn exit_interrupted(code: i32) -> ! {
     let mut open = open();
     for run in open.drain(..) {

@@ -10,7 +10,7 @@ pub struct Owner {
     pub process: u32,
     /// Name of the machine.
     pub host: String,
-    /// Command line of the owner, as in `hardpoint sweep front`.
+    /// Command of the owner, usually with the name of the study, as in `hardpoint sweep front`.
     pub command: String,
 }
 

@@ -13,7 +13,7 @@ pub struct WriteError {
     pub source: std::io::Error,
 }
 
-/// Reason why a run may not write to a directory. Each message names the file and a remedy.
+/// Reason why a run may not write to a directory. Each message names a path. Each message but `Unwritable` also names a remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum Refusal {
     /// The directory cannot be written to.
@@ -39,16 +39,16 @@ pub enum Refusal {
         /// Path of the input.
         file: String,
     },
-    /// The directory contains files that no run has written.
+    /// A result would replace a file that no run has recorded.
     #[error(
         "{file} exists already and is not from a run recorded in run.json: give another \
          directory with --out, or overwrite it with --force"
     )]
     Foreign {
-        /// One of the files of the directory.
+        /// Path of the file.
         file: String,
     },
-    /// The directory contains the results of another run.
+    /// A result would replace a file of another run.
     #[error(
         "{directory} holds the {unfinished}results of `hardpoint {command}` {of} ({file}), which would be lost: \
          give another directory with --out, or replace them with --force",

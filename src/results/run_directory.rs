@@ -19,7 +19,7 @@ pub struct RunDirectory {
     digest: String,
     force: bool,
     set_aside: Option<PathBuf>,
-    /// Canonical paths of the files that the run has read. They are never replaced, even if a run wrote them.
+    /// Canonical paths of the files that the run has read. [`RunDirectory::finish`] never removes them, even if a run wrote them.
     inputs: Vec<PathBuf>,
     lock: Mutex<Option<Lock>>,
 }
@@ -114,7 +114,7 @@ impl RunDirectory {
         Ok(directory)
     }
 
-    /// Checks that a directory could be claimed, without changing anything on disk.
+    /// Checks that a directory could be claimed, except for its lock. A temporary file is made and removed; nothing else changes.
     pub fn check(path: &Path, claim: &Claim<'_>) -> Result<(), Refusal> {
         // A missing directory would be created in its nearest existing parent.
         let there = path
@@ -246,8 +246,8 @@ impl RunDirectory {
         self.set_aside.as_deref()
     }
 
-    /// Records files, or names with a star for digits, as written by this run. Refuses an existing file that this run did not
-    /// write.
+    /// Records files, or names with a star for digits, as written by this run. Without `--force`, refuses an existing file that
+    /// this run did not write.
     pub fn record(&self, names: &[&str]) -> Result<(), WriteError> {
         let mut state = self.state();
         let before = state.manifest.clone();
@@ -344,7 +344,7 @@ impl RunDirectory {
         self.store_last(&state)
     }
 
-    /// Removes a file of this run, if it exists, because it would contradict the new results.
+    /// Removes a file that is recorded for this run, because it would contradict the new results. Other files stay.
     pub fn remove(&self, name: &str) -> Result<(), WriteError> {
         let is_own = {
             let mut state = self.state();
@@ -360,7 +360,7 @@ impl RunDirectory {
         }
     }
 
-    /// Removes the files that match these patterns and that this run may replace. A star represents digits.
+    /// Removes the files that match these patterns: files of this run, or with `--force` all of them. A star represents digits.
     pub fn remove_all(&self, patterns: &[&str]) -> Result<(), WriteError> {
         let state = self.state();
         for name in names(&self.path) {
@@ -373,8 +373,8 @@ impl RunDirectory {
         Ok(())
     }
 
-    /// Ends the run. Removes the files of replaced runs that this run did not write again. Records the run as finished, or as
-    /// interrupted after [`RunDirectory::mark_interrupted`].
+    /// Ends the run. Removes the files of replaced runs, and of earlier runs of this study, that this run did not write again.
+    /// Records the run as finished, or as interrupted after [`RunDirectory::mark_interrupted`].
     pub fn finish(&self) -> Result<(), WriteError> {
         let mut state = self.state();
         self.restate_summary(&state)?;

@@ -19,7 +19,8 @@ const OF_LINK: &str = "[9000.0, 1200.0, 9000.0, 5.0e4, 1.2e5, 5.0e4]";
 /// Top mount of a strut. z points along the strut, and the mount lets the strut turn freely about z.
 const OF_STRUT: &str = "[600.0, 600.0, 1500.0, 2.0e4, 2.0e4, 0.0]";
 
-/// Adds a spring, bushings and a link with axial stiffness to the text of a template.
+/// Adds a spring and bushings to the text of a template, and axial stiffness to its tie rod or toe link, if it has one. Replaces
+/// its outputs.
 ///
 /// # Errors
 /// The reason in words why the topology has no elastic parts.
@@ -104,7 +105,7 @@ fn sections(mechanism: &Mechanism) -> String {
     text
 }
 
-/// True for the link that steers the wheel.
+/// True for the tie rod or the toe link.
 fn is_toe_link(name: &str) -> bool {
     matches!(name, "tie_rod" | "toe_link")
 }

@@ -220,7 +220,7 @@ impl Composed<'_> {
         Ok(())
     }
 
-    /// True if the study gets springs. Templates with elastic parts contain a spring already.
+    /// True if an axle gets springs at their ends. Elastic parts bring their own spring.
     fn is_sprung(&self) -> bool {
         let has_ends = ["\nspring_lower ", "\nstrut_top "]
             .iter()

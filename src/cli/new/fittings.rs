@@ -109,7 +109,7 @@ pub(super) const DRAG_LINK_PLACES: [[f64; 3]; DRAG_LINK.len()] = [
 /// Values that differ between templates. Coordinates are in the template's axes.
 pub(super) struct Fitting {
     pub topology: &'static str,
-    /// Hardpoint whose height changes toe over wheel travel.
+    /// Hardpoint that the variables of `[sweep]` and `[optimise]` move.
     pub steers: &'static str,
     /// Body that carries the pushrod and the drop link.
     pub carrier: &'static str,

@@ -19,7 +19,7 @@ const MOTION: &str = "[motion]                         # every combination is a 
 const TARGETS: &str =
     "  { figure = \"steer_by_roll\", between = [-0.02, 0.02], tolerance = 0.005 },\n";
 
-/// Adds a spring and the stiffness of the links to the text of a solid axle.
+/// Adds a spring and the stiffness of the links to the text of a solid axle. Replaces its motion, outputs and targets.
 pub(super) fn with_links(text: &str) -> String {
     let has_rod = text.contains("\npanhard_axle ");
     let text = if has_rod && !text.contains("\nsingle = ") {

@@ -83,8 +83,8 @@ const STEERED_AXLE_OUTPUTS: [&str; 11] = [
 ];
 
 /// Changes the study text of a solid rear axle into the study text of a steered front axle. All points change the sign of x.
-/// Points of the Panhard rod and of the Watt linkage also change the sign of y. The Panhard rod is then parallel to the drag
-/// link.
+/// Points of the Panhard rod and of the Watt linkage also change the sign of y. The Panhard rod is then nearly parallel to the
+/// drag link.
 pub(super) fn as_steered_front_axle(text: &str) -> String {
     let mut written = String::new();
     let mut within = false;

@@ -55,11 +55,13 @@ pub(super) fn observe(
                 own.position(|c| is_same(*c, site.over))
             });
             let motion = site.and_then(|site| site.motion.as_deref());
-            let station = |sample: AxleSample| match motion == name {
-                true => grid.station(&place(&sample.placement), along?),
+            let station = |sample: AxleSample| {
+                if motion == name {
+                    return grid.station(&place(&sample.placement), along?);
+                }
                 // In another motion, the stations have different coordinates. So a target in that motion applies only to a
                 // station at exactly the same position.
-                false => placements.iter().position(|own| *own == sample.placement),
+                placements.iter().position(|own| *own == sample.placement)
             };
             let samples = target.axle_samples(&both.axle).into_iter();
             let own = samples.filter(|sample| is_own(sample.quantity));

@@ -73,9 +73,10 @@ pub(super) fn bushing(
     };
     let mechanism = &suspension.mechanism;
     let is_top = |c: &Constraint| matches!(c, Constraint::StrutLine { top, .. } if *top == point);
-    let default_z = match mechanism.constraints.iter().any(is_top) {
-        true => "the line of the strut",
-        false => "the vertical",
+    let default_z = if mechanism.constraints.iter().any(is_top) {
+        "the line of the strut"
+    } else {
+        "the vertical"
     };
     let directions = part.directions(mechanism, &suspension.design);
     check_directions(name, written, directions, default_z, problems)?;

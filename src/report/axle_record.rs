@@ -86,7 +86,9 @@ impl MotionRecord {
             rack: None,
             further,
             outputs: curves.columns.iter().map(OutputRecord::of).collect(),
-            targets: targets.filter_map(|t| target(t, name, axle)).collect(),
+            targets: targets
+                .filter_map(|t| target(t, name, &plan.motion, axle))
+                .collect(),
             bands: Vec::new(),
             designs: designs.iter().zip(frames).map(record).collect(),
         }
@@ -172,15 +174,23 @@ fn drawn(
 }
 
 /// Target as a value or a curve in the chart of one column. `None` if the motion with this name cannot show it.
-fn target(target: &Target, name: Option<&str>, axle: &Axle) -> Option<TargetRecord> {
+fn target(
+    target: &Target,
+    name: Option<&str>,
+    motion: &AxleMotion,
+    axle: &Axle,
+) -> Option<TargetRecord> {
     let site = target
         .site
         .axle
         .as_ref()
         .filter(|site| site.is_whole_motion(name))?;
     let record = TargetRecord::of(target, &target.stations_among(&site.values), |at| at);
+    let length = axle.left.length_unit;
+    let held = site.held_in(motion, axle).into_iter();
     (!record.points.is_empty()).then(|| TargetRecord {
-        over: Some(site.over.column(axle.left.length_unit)),
+        over: Some(site.over.column(length)),
+        held: held.map(|(c, value)| (c.column(length), value)).collect(),
         ..record
     })
 }

@@ -2,6 +2,7 @@
 
 use super::accuracy::remarks;
 use super::bands::limits_of;
+use super::chart::in_words;
 use super::choices::FrontRecord;
 use super::failures::FailureRange;
 use super::places::Places;
@@ -105,6 +106,9 @@ pub struct TargetRecord {
     /// For an axle: column that replaces the drive value in `points`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub over: Option<String>,
+    /// For an axle: columns of other coordinates that move, but that have one value at the stations of the target, with this value.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub held: Vec<(String, f64)>,
 }
 
 /// A target band, at its stations.
@@ -266,7 +270,15 @@ impl TargetRecord {
             tolerance: target.tolerance * factor.abs(),
             points,
             over: None,
+            held: Vec::new(),
         }
+    }
+
+    /// Values of the coordinates that move, but that have one value at the stations of the target: `heave 0 mm`.
+    pub(super) fn held_in_words(&self) -> Option<String> {
+        let held = self.held.iter();
+        let words: Vec<String> = held.map(|(column, at)| in_words(column, *at)).collect();
+        (!words.is_empty()).then(|| words.join(", "))
     }
 }
 

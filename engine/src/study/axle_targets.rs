@@ -79,10 +79,25 @@ impl AxleSite {
         motion + &self.words
     }
 
-    /// Returns true for the motion with this name, if the target gives no values of other coordinates. If such a coordinate
-    /// moves, the site (the stations of a target) may contain only the stations at which it is 0.
+    /// Returns true for the motion with this name, if the target gives no values of other coordinates. The target may still apply
+    /// to a part of the motion only: see [`AxleSite::held_in`].
     pub fn is_whole_motion(&self, name: Option<&str>) -> bool {
         self.motion.as_deref() == name && self.words.is_empty()
+    }
+
+    /// Other coordinates that move in this motion, but that have a fixed value at the stations of the target. The values are as
+    /// the study writes them.
+    pub fn held_in(&self, motion: &AxleMotion, axle: &Axle) -> Vec<(Coordinate, f64)> {
+        let moving = motion.all_moving().into_iter();
+        let (mut held, mut motion) = (self.held.clone(), motion.clone());
+        let fixed = moving.filter(|coordinate| *coordinate != self.over);
+        let fixed = fixed.flat_map(|coordinate| {
+            let values = held.along(coordinate).cloned().unwrap_or_default();
+            let is_whole = motion.along(coordinate).is_some_and(|own| *own == values);
+            let values = values.into_iter().filter(move |_| !is_whole);
+            values.map(move |value| (coordinate, coordinate.written(value, axle)))
+        });
+        fixed.collect()
     }
 
     /// Poses at which the varying coordinate `over` has the value `at`, in the study's unit.

@@ -18,10 +18,21 @@ impl Study {
     }
 
     /// Returns the study that the text describes. `self` differs from the returned study if the vehicle was changed in
-    /// memory.
+    /// memory. A study without text describes itself.
+    ///
+    /// # Panics
+    /// If the text cannot be read. The study was read from this text, so this is a defect of the program.
     pub(crate) fn as_written(&self) -> Study {
+        if self.text.is_empty() {
+            return self.clone();
+        }
         let read = Study::elastic_from_text(&self.name, &self.text, Path::new(""));
-        read.unwrap_or_else(|_| self.clone())
+        read.unwrap_or_else(|errors| {
+            panic!(
+                "the text of the study {} cannot be read again: {errors}",
+                self.name
+            )
+        })
     }
 
     /// Returns a built suspension ([`crate::assembly`]) as the text of a study. If angles define the spin axis of the study,

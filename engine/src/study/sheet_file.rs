@@ -12,8 +12,11 @@ use super::file::Target as Written;
 use super::names::nearest;
 use super::resolve::Context;
 use super::source::{LONGEST_TEXT, read_text};
+use super::targets::{not_tiny, refuse_measured, tiny};
 use super::value::{Number, Text};
-use super::{AxleStudy, ComplianceStudy, ElasticFigure, Site, Target, TargetQuantity, Wanted};
+use super::{
+    AxleStudy, ComplianceStudy, ElasticFigure, Motion, Site, Target, TargetQuantity, Wanted,
+};
 use crate::ask::six_digits;
 use crate::compliance::{HeldQuantity, KcTest, KcValue, TestLoad, figure_names, figures_by};
 use crate::model::Side;
@@ -161,7 +164,7 @@ fn of_sheet(
     let factor = super::suspension::above_zero(&written.tolerance, problems)?;
     let weight = match &written.weight {
         None => 1.0,
-        Some(weight) => super::suspension::above_zero(weight, problems)?,
+        Some(weight) => not_tiny(weight, problems)?,
     };
     let read = Reader {
         source,
@@ -423,6 +426,9 @@ impl Reader<'_> {
                 );
             }
         };
+        if let Some(message) = tiny(tolerance) {
+            return row.wrong(format!("tolerance: {message}"));
+        }
         let mut words = vec![("figure", figure.name)];
         let (site, drive, mut numbers) = match self.of {
             SheetOf::Wheel(_) => {
@@ -435,17 +441,17 @@ impl Reader<'_> {
                 (site, travel, vec![("at", travel), ("rack", rack)])
             }
             SheetOf::Axle(both) => {
-                let AxlePlace { site, numbers } = self.place_of_axle(both, row)?;
+                let AxlePlace { site, at, numbers } = self.place_of_axle(both, row)?;
                 words.push(("over", site.over.key().to_owned()));
                 words.extend(figure.side.map(|side| ("side", side.name().to_owned())));
-                let drive = site.values[0];
                 let site = Site {
                     axle: Some(site),
                     ..Site::default()
                 };
-                (site, drive, numbers)
+                (site, at, numbers)
             }
         };
+        self.check_within(drive, &site, row)?;
         numbers.extend([
             ("value", value),
             ("tolerance", tolerance),
@@ -464,6 +470,20 @@ impl Reader<'_> {
             of,
         };
         Ok((target, SheetTarget { words, numbers }))
+    }
+
+    /// Refuses a row outside of the motion. A tuning does not compare there.
+    fn check_within(&self, at: f64, site: &Site, row: &Row<'_>) -> Result<(), StudyErrors> {
+        let of_axle = site.axle.as_ref().map(|site| Motion {
+            values: site.values.clone(),
+            ..Motion::still()
+        });
+        // A motion with an error is already reported.
+        let motion = of_axle.as_ref().or(self.context.motion);
+        match motion.and_then(|motion| refuse_measured(at, motion, site, self.context)) {
+            Some(message) => row.wrong(message),
+            None => Ok(()),
+        }
     }
 }
 

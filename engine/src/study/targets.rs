@@ -176,15 +176,29 @@ fn quantity_and_site(
     (of, site, None)
 }
 
-/// Checks that the number is positive and not tiny, so that division by it, or by its square, does not overflow.
-fn not_tiny(number: &Number, problems: &mut Problems) -> Option<f64> {
+/// Message if a measured value at this drive value cannot be compared, because the drive value is outside of the motion.
+pub(super) fn refuse_measured(
+    at: f64,
+    motion: &Motion,
+    site: &Site,
+    context: &Context,
+) -> Option<String> {
+    DriveValues::of(motion, site, context).refuse_measured(at)
+}
+
+/// Message if a tolerance or a weight is so small that division by it, or by its square, may overflow.
+pub(super) fn tiny(value: f64) -> Option<String> {
     const LEAST: f64 = 1e-12;
+    (value < LEAST).then(|| format!("expected a number of at least {LEAST:e}, found {value:e}"))
+}
+
+/// Checks that the number is positive and not tiny.
+pub(super) fn not_tiny(number: &Number, problems: &mut Problems) -> Option<f64> {
     let value = above_zero(number, problems)?;
-    if value >= LEAST {
-        return Some(value);
+    match tiny(value) {
+        None => Some(value),
+        Some(message) => problems.refuse(number.span.clone(), message),
     }
-    let message = format!("expected a number of at least {LEAST:e}, found {value:e}");
-    problems.refuse(number.span.clone(), message)
 }
 
 fn interpolation(written: &Written, problems: &mut Problems) -> Option<Interpolation> {

@@ -325,6 +325,11 @@ impl Chart {
             self.missed
                 .extend(outside(record, tables, &output.column, limits, tolerance));
             self.wanted.push(Wanted::Values { points, tolerance });
+            let note = target
+                .held_in_words()
+                .map(|held| ("", format!("target at {held}")));
+            let note = note.filter(|note| !self.notes.contains(note));
+            self.notes.extend(note);
         }
         for band in record
             .motion

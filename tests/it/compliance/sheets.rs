@@ -218,6 +218,14 @@ fn mistakes_in_a_sheet_are_named_with_their_line() {
             2,
             "travel_mm is empty, but the row has a value",
         ),
+        (
+            "tolerance\nlateral,0.0,camber_by_lateral_force,0.02,deg_per_kN,0.001\n",
+            "tolerance,travel_mm\nlateral,0.0,camber_by_lateral_force,0.02,deg_per_kN,0.001,40.0\n\
+             lateral,0.0,camber_by_lateral_force,0.02,deg_per_kN,0.001,80.0\n",
+            3,
+            "80 is outside of the motion, which runs from -40 to 40",
+        ),
+        ("0.001", "1e-13", 2, "at least 1e-12, found 1e-13"),
     ] {
         let directory = tempfile::tempdir().unwrap();
         std::fs::write(directory.path().join("sheet.csv"), good.replace(from, to)).unwrap();

@@ -76,6 +76,39 @@ fn the_page_has_the_curves_of_named_motions() {
     }
 }
 
+/// A target without a value for a moving coordinate applies where this coordinate is 0. The chart states this.
+#[test]
+fn a_chart_states_where_a_target_applies() {
+    let text = study("macpherson_axle_front.toml");
+    let target = "characteristic = \"camber_to_road\", over = \"roll\", points = [[-2.0, 1.9], [2.0, 1.9]], tolerance = 1.0, side = \"left\"";
+    for (motion, held) in [
+        ("roll = [-2.0, 0.0, 2.0], heave = [-20.0, 0.0, 20.0]", true),
+        ("roll = [-2.0, 0.0, 2.0], heave = 20.0", false),
+    ] {
+        let sets = [
+            "--set",
+            &format!("motion={{ {motion} }}"),
+            "--set",
+            "outputs.characteristics=[\"camber_to_road\"]",
+            "--set",
+            &format!("optimise.targets=[{{ {target} }}]"),
+        ];
+        let run = Run::of("solve", "held", &text, &sets);
+        let data = run.data();
+        let record = &data["record"]["targets"][0];
+        let expected = match held {
+            true => serde_json::json!([["heave_mm", 0.0]]),
+            false => Value::Null,
+        };
+        assert_eq!(record["held"], expected, "{motion}: {record}");
+        assert_eq!(
+            run.page().contains("target at heave 0 mm"),
+            held,
+            "{motion}"
+        );
+    }
+}
+
 /// The curves before a tuning are in `curves_before.csv`. So the program refuses names of motions that begin with
 /// "before".
 #[test]

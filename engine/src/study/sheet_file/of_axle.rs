@@ -1,7 +1,7 @@
 //! Rows of a measured sheet for an axle: their test result and their station.
 
 use super::super::AxleStudy;
-use super::super::axle_targets::{self, AxleSite};
+use super::super::axle_targets::{self, AxleSite, distinct};
 use super::super::error::StudyErrors;
 use super::{Reader, Row, SheetFigure};
 use crate::axle::{Coordinate, Quantity, TestFigure, WheelMotion};
@@ -78,6 +78,13 @@ impl Reader<'_> {
         let [left, right] = [travel("left")?, travel("right")?];
         let rack = row.position(&format!("rack_{u}"))?;
         let mut held = both.plan.motion.clone();
+        if held.has_rows() {
+            return row.wrong(
+                "the motion of this study has combine = \"rows\", which fixes all positions of a row: expected a motion \
+                 without \"combine\" for a measured sheet"
+                    .to_owned(),
+            );
+        }
         let by_wheel = held.steering_wheel.take().is_some();
         if by_wheel && rack != 0.0 {
             return row.wrong(
@@ -86,18 +93,20 @@ impl Reader<'_> {
                     .to_owned(),
             );
         }
-        let mut put = |coordinate: Coordinate, value: f64| {
-            if let Some(along) = held.along(coordinate) {
-                *along = vec![coordinate.in_kernel(value, axle)];
-            }
-        };
-        put(Coordinate::Rack, rack);
         let is_heave = matches!(both.plan.motion.wheels, WheelMotion::Heave(_));
         let over = if is_heave {
             Coordinate::Heave
         } else {
             Coordinate::TravelLeft
         };
+        // These coordinates have the same values in the motion and in the study.
+        let values = held.along(over).cloned().unwrap_or_default();
+        let mut put = |coordinate: Coordinate, value: f64| {
+            if let Some(along) = held.along(coordinate) {
+                *along = vec![coordinate.in_kernel(value, axle)];
+            }
+        };
+        put(Coordinate::Rack, rack);
         if is_heave && left != right {
             return row.wrong(
                 "the travels of both wheels differ in this row, but the motion of \
@@ -112,22 +121,25 @@ impl Reader<'_> {
             put(Coordinate::TravelRight, right);
             numbers.push(("travel_right", right));
         }
-        if !by_wheel {
-            numbers.push(("rack", rack));
-        }
+        let steering = if by_wheel {
+            "steering_wheel_angle"
+        } else {
+            "rack"
+        };
+        numbers.push((steering, rack));
         let words = match rack {
             0.0 => String::new(),
             rack => format!(", rack {rack}"),
         };
-        let values = vec![left];
         Ok(AxlePlace {
             site: AxleSite {
                 motion: None,
                 over,
-                values,
+                values: distinct(values),
                 held,
                 words,
             },
+            at: left,
             numbers,
         })
     }
@@ -136,6 +148,8 @@ impl Reader<'_> {
 /// Station of a row in the motion of an axle.
 pub(super) struct AxlePlace {
     pub(super) site: AxleSite,
+    /// Value of the coordinate that varies.
+    pub(super) at: f64,
     /// Keys of a target that describe the station by numbers.
     pub(super) numbers: Vec<(&'static str, f64)>,
 }

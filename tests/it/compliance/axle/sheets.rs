@@ -140,6 +140,10 @@ fn rows_say_which_wheel_and_test_they_are_of() {
             "expected equal travels",
         ),
         (
+            "load,mode,quantity,value,travel_mm\nlateral,parallel,toe_by_lateral_force,-0.01,40.0\n",
+            "40 is outside of the motion, which runs from -30 to 30",
+        ),
+        (
             "load,mode,quantity,value,unit\nlateral,parallel,toe_by_lateral_force,-0.01,rad\n",
             "as the unit",
         ),
@@ -154,4 +158,44 @@ fn rows_say_which_wheel_and_test_they_are_of() {
             "{why}: {said}"
         );
     }
+}
+
+/// The written study has the stations of the sheet in each motion. A motion of rows has no place for the rows of a sheet, so the
+/// program refuses it.
+#[test]
+fn rows_of_a_sheet_keep_their_stations_in_the_written_study() {
+    let sheet = "load,mode,quantity,value,travel_left_mm,travel_right_mm\n\
+                 lateral,parallel,toe_by_lateral_force,-0.01,10.0,10.0\n";
+    let target =
+        "{ file = \"sheet.csv\", figure = \"toe_by_lateral_force_trail_30\", tolerance = 0.001 }";
+    let heave = "heave = { from = -30.0, to = 30.0, steps = 3 }";
+    let read = |motion: &str| {
+        let directory = tempfile::tempdir().unwrap();
+        std::fs::write(directory.path().join("sheet.csv"), sheet).unwrap();
+        let text = asked(target);
+        assert_eq!(text.matches(heave).count(), 1);
+        Study::elastic_from_text("case.toml", &text.replace(heave, motion), directory.path())
+    };
+    for motion in [
+        heave,
+        "heave = [10.0, 20.0]\nsteering_wheel_angle = 30.0",
+        "travel_left = [0.0, 10.0]\ntravel_right = [0.0, 10.0]\nrack = [-5.0, 5.0]",
+    ] {
+        let study = read(motion).unwrap_or_else(|e| panic!("{motion}: {e}"));
+        let again = elastic(&study.text);
+        let [own, written] = [&study, &again].map(|study| {
+            let axle = &study.axle().unwrap().axle;
+            study.optimise.as_ref().unwrap().targets[0].axle_samples(axle)
+        });
+        assert_eq!(own.len(), 2, "{motion}");
+        for (own, written) in own.iter().zip(&written) {
+            assert_eq!(own.placement, written.placement, "{motion}");
+        }
+    }
+    let refused = read("heave = [-30.0, 10.0]\ncombine = \"rows\"").unwrap_err();
+    assert_eq!(refused.all()[0].position(), Some((2, 1)), "{refused}");
+    assert!(
+        refused.to_string().contains("without \"combine\""),
+        "{refused}"
+    );
 }

@@ -33,8 +33,8 @@ impl<'s> RigTests<'s> {
         }
         let elastic = elastic_or_rigid(study)?;
         let (suspension, parts) = (study.wheel(), &elastic.parts);
-        let run = KcRun::new(suspension, parts, elastic.tyre_rate)
-            .map_err(|fault| fault.describe(parts, suspension))?;
+        let run =
+            KcRun::new(suspension, parts, elastic.tyre_rate).map_err(|fault| fault.describe())?;
         let mechanism = &suspension.mechanism;
         let bushings = parts.bushings.iter();
         let results = KcResults {
@@ -71,8 +71,7 @@ impl<'s> RigTests<'s> {
         };
         let vehicle = axle.axle.on_rig(elastic.tyre_rate);
         let suspension = &axle.axle.left;
-        let run = AxleKcRun::new(vehicle, &elastic.parts)
-            .map_err(|fault| fault.describe(&elastic.parts.wheels, suspension))?;
+        let run = AxleKcRun::new(vehicle, &elastic.parts).map_err(|fault| fault.describe())?;
         let loads = run.design_loads();
         let bushings = elastic.bushing_names(suspension);
         let rack = usize::from(elastic.parts.rack_rate.is_some())

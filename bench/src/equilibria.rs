@@ -77,7 +77,7 @@ impl Equilibria {
         let elastic = wheel.compliance.as_ref().ok_or(Unmeasurable::Rigid)?;
         let (suspension, parts) = (&wheel.suspension, &elastic.parts);
         let fault = |fault: hardpoint_engine::compliance::ElasticFault| {
-            Unmeasurable::Design(fault.of_design(parts, suspension))
+            Unmeasurable::Design(fault.of_design())
         };
         let own = ElasticWheel::new(suspension, parts).map_err(fault)?;
         let run = KcRun::new(suspension, parts, elastic.tyre_rate).map_err(fault)?;
@@ -176,9 +176,8 @@ impl Equilibria {
         let elastic = axle.elastic.as_ref().ok_or(Unmeasurable::Rigid)?;
         let parts = &elastic.parts;
         let vehicle = axle.on_rig(elastic.tyre_rate);
-        let fault = |fault: hardpoint_engine::compliance::AxleFault| {
-            Unmeasurable::Axle(fault.describe(&parts.wheels, &axle.left))
-        };
+        let fault =
+            |fault: hardpoint_engine::compliance::AxleFault| Unmeasurable::Axle(fault.describe());
         let designs = vehicle.suspensions.map(|wheel| &wheel.design[..]);
         let own = ElasticAxle::of(vehicle.suspensions, designs, parts).map_err(fault)?;
         let run = AxleKcRun::new(vehicle, parts).map_err(fault)?;

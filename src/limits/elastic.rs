@@ -83,7 +83,7 @@ fn cause(end: &EquilibriumEnd, factor: f64, unit: &str) -> String {
     for (event, first) in &end.events {
         let event = match event {
             Event::WheelLifts => "wheel lifts",
-            Event::StopMet => "bump stop",
+            Event::StopMet(stop) => stop.name(),
             Event::SpringSlack => "spring slack",
             Event::Extrapolated => "extrapolated",
         };
@@ -202,8 +202,8 @@ pub(super) fn rows_of_wheel(
     elastic: &ComplianceStudy,
 ) -> Result<(Vec<ElasticRow>, Option<f64>), DesignFault> {
     let suspension = &own.suspension;
-    let run = KcRun::new(suspension, &elastic.parts, elastic.tyre_rate)
-        .map_err(|why| why.of_design(&elastic.parts, suspension))?;
+    let run =
+        KcRun::new(suspension, &elastic.parts, elastic.tyre_rate).map_err(|why| why.of_design())?;
     let wheel = run.wheel();
     let unit = suspension.length_unit.symbol();
     let sign = suspension.frame.sign(Axis::Y);
@@ -293,8 +293,7 @@ pub(super) fn rows_of_axle(
     elastic: &AxleComplianceStudy,
 ) -> Result<Vec<ElasticRow>, String> {
     let vehicle = axle.on_rig(elastic.tyre_rate);
-    let run = AxleKcRun::new(vehicle, &elastic.parts)
-        .map_err(|why| why.describe(&elastic.parts.wheels, &axle.left))?;
+    let run = AxleKcRun::new(vehicle, &elastic.parts).map_err(|why| why.describe())?;
     let unit = axle.left.length_unit.symbol();
     let row = |quantity: &str, at: &str| Row::length_of_axle(axle, quantity, at, 1.0);
     let points = &axle.left.mechanism.points;

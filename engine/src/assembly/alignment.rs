@@ -21,7 +21,7 @@ use crate::derive::DesignedSpinAxis;
 use crate::linear::lu::Vector6;
 use crate::mechanism::{Pose, Twist};
 use crate::model::{Mechanism, Side};
-use crate::number::{Real, Vector3};
+use crate::number::{Real, Vector3, larger};
 use crate::study::Adjustment;
 use nalgebra::DMatrix;
 
@@ -48,8 +48,9 @@ pub(crate) struct Alignment {
 
 impl Alignment {
     /// Makes an alignment that keeps toe and camber at their nominal values. It uses the adjustments of the set-up that
-    /// act on the wheel of this side. `side` is `None` for a single wheel. A single adjustment keeps only toe. Other
-    /// targets of the set-up are ignored. A solid axle cannot be aligned.
+    /// act on the wheel of this side. `side` is `None` for a single wheel. A single adjustment keeps only toe. A wheel
+    /// without adjustments keeps its toe and camber as built. Other targets of the set-up are ignored. A solid axle cannot be
+    /// aligned.
     pub(crate) fn of(
         adjust: &[Adjustment],
         side: Option<Side>,
@@ -58,6 +59,7 @@ impl Alignment {
         let adjust: Vec<&Adjustment> = adjust.iter().filter(|a| a.is_of(side)).collect();
         let suspension = assembler.suspension();
         let held: &[Characteristic] = match adjust.len() {
+            0 => &[],
             1 => &[Characteristic::Toe],
             _ => &[Characteristic::Toe, Characteristic::Camber],
         };
@@ -149,7 +151,7 @@ impl Alignment {
             let corrections = self.adjust(mechanism, parts, into);
             let largest = corrections
                 .iter()
-                .fold(0.0, |most: f64, c| most.max(c.abs()));
+                .fold(0.0, |most: f64, c| larger(most, c.abs()));
             if largest <= ROUNDING * self.size {
                 return Ok(());
             }
@@ -253,7 +255,10 @@ fn value<T: Real>(mechanism: &Mechanism, design: &[Vector3<T>], c: Characteristi
     c.of_spin_axis(DesignedSpinAxis::of(mechanism, design).direction)
 }
 
-/// Returns the pseudo-inverse of a matrix.
+/// Returns the pseudo-inverse of a matrix. For a wheel without adjustments, it is empty like the matrix itself.
 fn inverse(by: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    if by.is_empty() {
+        return Some(by.transpose());
+    }
     by.clone().pseudo_inverse(1e-9 * by.amax()).ok()
 }

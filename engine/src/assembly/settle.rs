@@ -26,7 +26,7 @@ use super::parts::Parts;
 use super::settle_series::SettlingSeries;
 use crate::mechanism::constraint::PartDimensions;
 use crate::mechanism::{Closure, Pose, Turn};
-use crate::number::{Each, Jet, Matrix3, Outlined, Real, SimdReal, Vector3};
+use crate::number::{Each, Jet, Matrix3, Outlined, Real, SimdReal, Vector3, larger};
 
 /// Maximum number of corrections. Builds near the nominal parts converge much earlier.
 const MOST_ROUNDS: usize = 40;
@@ -243,12 +243,6 @@ impl Assembler {
         };
         Closure::of_parts(mechanism, parts)
     }
-}
-
-/// Larger of two lengths. NaN if the first is NaN.
-#[inline(always)]
-pub(super) fn larger<B: SimdReal>(a: B, b: B) -> B {
-    B::select(a.less(b), b, a)
 }
 
 /// Copies this pose to every SIMD lane.

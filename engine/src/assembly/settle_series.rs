@@ -8,9 +8,8 @@
 use super::alignment::Alignment;
 use super::assembler::Assembler;
 use super::parts::Parts;
-use super::settle::larger;
 use crate::mechanism::Pose;
-use crate::number::{Jet, Matrix3, Outlined, SimdReal, Vector3};
+use crate::number::{Jet, Matrix3, Outlined, SimdReal, Vector3, larger};
 
 /// Maximum number of corrections.
 const MOST_ROUNDS: usize = 40;
@@ -105,6 +104,7 @@ impl<B: SimdReal> Outlined for SettlingSeries<'_, B> {
             };
             let is_fine = !(largest * like.constant(FINE)).less(ahead);
             let is_coarse = !(largest * like.constant(COARSE)).less(moved);
+            // `larger` keeps NaN, and NaN fails this comparison.
             let is_finite = largest.less(like.constant(f64::INFINITY));
             let ends = open & is_finite & (is_fine | (is_coarse & !contracts));
             rejected = rejected | (open & !ends & !(contracts & is_finite));

@@ -56,7 +56,7 @@ pub(crate) use series::{ByGear, DesignedWheel, Series, SeriesPosition};
 pub use setup::Setup;
 pub(crate) use solver::displace;
 pub use solver::{AxlePose, AxleSolver, Placement, Read, WheelRead};
-pub use spring::{BumpStop, ForceCurve, Law, SpringLaw};
+pub use spring::{BumpStop, ForceCurve, Law, SpringLaw, Stop};
 pub use state::{AxleState, Hold, Motion, WheelState};
 pub use taylor::{Line, Taylor};
 pub(crate) use wheel_curve::{

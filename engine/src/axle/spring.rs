@@ -40,6 +40,28 @@ pub struct BumpStop {
     pub curve: ForceCurve,
 }
 
+/// The two kinds of stops of a spring.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// Stop that limits the spring's compression.
+    Bump,
+    /// Stop that limits the spring's extension.
+    Rebound,
+}
+
+impl Stop {
+    /// Both stops.
+    pub const ALL: [Self; 2] = [Stop::Bump, Stop::Rebound];
+
+    /// Name in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stop::Bump => "bump stop",
+            Stop::Rebound => "rebound stop",
+        }
+    }
+}
+
 impl<T: Copy> SpringLaw<T> {
     /// Converts the law to another number type.
     pub fn map<U: Copy>(&self, f: impl Fn(T) -> U) -> SpringLaw<U> {
@@ -126,10 +148,13 @@ impl<T: Valued> SpringLaw<T> {
 
 impl<T: Scalar> SpringLaw<T> {
     /// Returns true if a stop is in contact at a length.
-    pub(crate) fn meets_stop(&self, length: T, design: T) -> bool {
+    pub(crate) fn meets(&self, stop: Stop, length: T, design: T) -> bool {
         let shortened = self.shortened(length, design).value();
-        let meets = |stop: &Option<BumpStop>, by: f64| stop.as_ref().is_some_and(|s| by > s.gap);
-        meets(&self.bump_stop, shortened) || meets(&self.rebound_stop, -shortened)
+        let (stop, change) = match stop {
+            Stop::Bump => (&self.bump_stop, shortened),
+            Stop::Rebound => (&self.rebound_stop, -shortened),
+        };
+        stop.as_ref().is_some_and(|stop| change > stop.gap)
     }
 }
 
@@ -443,10 +468,12 @@ mod tests {
         for length in [535.0, 528.0, 510.0, 492.0, 475.0] {
             for design in [492.0, 500.0, 507.0] {
                 assert_eq!(kept.force(length, design), law.force(length, 500.0));
-                assert_eq!(
-                    kept.meets_stop(length, design),
-                    law.meets_stop(length, 500.0)
-                );
+                for stop in Stop::ALL {
+                    assert_eq!(
+                        kept.meets(stop, length, design),
+                        law.meets(stop, length, 500.0)
+                    );
+                }
             }
         }
         // The force depends only on the length, so its derivative with respect to the design length is zero.

@@ -24,7 +24,8 @@ pub(super) struct Built<T> {
     /// Reference point of the carrier in the design position.
     pub(super) reference: Vector3<T>,
     pub(super) bushings: Vec<BushingPlace>,
-    pub(super) links: Vec<LinkPlace>,
+    /// Place of each link, in the order of the definition. `None` for the rod of a rocker whose spring has no law.
+    pub(super) links: Vec<Option<LinkPlace>>,
     /// Names of the parts with their own degrees of freedom, for messages.
     pub(super) names: Vec<String>,
     pub(super) places: Places,
@@ -123,7 +124,7 @@ impl<T: Scalar> Built<T> {
             reference: builder.reference,
             system: builder.system,
             bushings: bushings.chain(mounts).collect(),
-            links: builder.links.into_iter().flatten().collect(),
+            links: builder.links,
             names: builder.names,
             places: builder.places,
         }

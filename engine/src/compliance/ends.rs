@@ -23,6 +23,7 @@ use super::loads::WheelLoads;
 use super::solve::{Obstacle, Solution};
 use super::system::{Singular, State, Task};
 use super::wheel::{ElasticWheel, Equilibrium, HeldQuantity, level_task};
+use crate::axle::Stop;
 use crate::model::LengthUnit;
 use crate::number::Each;
 
@@ -90,8 +91,8 @@ pub enum DrivingForce {
 pub enum Event {
     /// The vertical force at a contact point turns negative, although the wheel has a spring.
     WheelLifts,
-    /// The suspension meets a bump stop or a rebound stop.
-    StopMet,
+    /// The suspension meets a stop.
+    StopMet(Stop),
     /// The force of a spring with its stops turns negative.
     SpringSlack,
     /// A bushing is deflected beyond an end of its force curve, or rotated by more than 60 degrees.
@@ -100,9 +101,10 @@ pub enum Event {
 
 impl Event {
     /// All events that the search looks for.
-    pub(super) const ALL: [Event; 4] = [
+    pub(super) const ALL: [Event; 5] = [
         Event::WheelLifts,
-        Event::StopMet,
+        Event::StopMet(Stop::Bump),
+        Event::StopMet(Stop::Rebound),
         Event::SpringSlack,
         Event::Extrapolated,
     ];
@@ -373,7 +375,7 @@ impl Followable for ElasticWheel {
         let at = equilibrium(state, task);
         match event {
             Event::WheelLifts => self.spring(&at).is_some() && self.wheel_load(&at) < -NEGATIVE,
-            Event::StopMet => self.spring(&at).is_some_and(|spring| spring.meets_stop),
+            Event::StopMet(stop) => self.spring(&at).is_some_and(|spring| spring.meets(stop)),
             Event::SpringSlack => self
                 .spring(&at)
                 .is_some_and(|spring| spring.force < -NEGATIVE),

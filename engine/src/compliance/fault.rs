@@ -1,8 +1,8 @@
 //! Reasons why a suspension has no elastic model, or no equilibrium.
 
-use super::definition::Compliance;
+use super::solve::Obstacle;
 use crate::mechanism::{DesignFault, NoPose};
-use crate::model::{Axis, Side, Suspension};
+use crate::model::{Axis, Side};
 
 /// Reason why a suspension has no elastic model.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,8 +22,8 @@ pub enum ElasticFault {
     },
     /// A bushing needs a certain force for balance at the design load, but its force curve does not contain this force.
     OutOfReach {
-        /// Index of the bushing.
-        bushing: usize,
+        /// Name of the bushing, or of the mount of the subframe.
+        bushing: String,
         /// Index of the axis, 0 to 2.
         axis: usize,
     },
@@ -51,21 +51,37 @@ pub enum Motion {
     Shift(Axis),
 }
 
-/// Reason why there is no equilibrium.
+/// What is missing at a state that has no result.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Lack {
+    /// The solver found no equilibrium beyond a fraction of the change.
+    Equilibrium,
+    /// The solver reached no fraction of its last change, because the equilibrium that it found is not stable.
+    Stability,
+    /// The equilibrium is not stable, because at most the torsional stiffness of bushings holds a part. The text is the name of
+    /// this part.
+    Stiffness(String),
+    /// The equilibrium has no derivatives, because its equations are singular.
+    Derivatives,
+    /// The parts have no elastic model, for example while the rack is locked. The text is the reason in words.
+    Model(String),
+}
+
+/// Reason why there is no equilibrium, or no result in an equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoEquilibrium {
     /// Fraction of the change that the solver reached, from 0 (no part of the change) to 1 (full change). In a level of a
     /// test, the change starts at zero load.
     pub share: f64,
-    /// True if the solver reached no fraction of its last change, because the equilibrium that it found is not stable.
-    pub is_unstable: bool,
+    /// Kind of the failure.
+    pub lack: Lack,
     /// Part that gives way, and its motion; `None` if they could not be found.
     pub softest: Option<(String, Motion)>,
 }
 
 impl ElasticFault {
     /// Describes the reason in words.
-    pub fn describe<T>(&self, parts: &Compliance<T>, suspension: &Suspension) -> String {
+    pub fn describe(&self) -> String {
         match self {
             ElasticFault::Loose { part, motion } => {
                 let motion = match motion {
@@ -80,11 +96,9 @@ impl ElasticFault {
                 "the forces at the design load cannot be found: only the torsional stiffness of bushings holds {part}"
             ),
             ElasticFault::OutOfReach { bushing, axis } => {
-                let point = parts.bushings[*bushing].point;
                 format!(
-                    "the force curve along {} of the bushing {} does not reach the force that this bushing carries at the design load",
-                    ["x", "y", "z"][*axis],
-                    suspension.mechanism.name(point)
+                    "the force curve along {} of the bushing {bushing} does not reach the force that this bushing carries at the design load",
+                    ["x", "y", "z"][*axis]
                 )
             }
             ElasticFault::NoForce => {
@@ -97,26 +111,61 @@ impl ElasticFault {
     }
 
     /// Converts the reason to a fault of the design.
-    pub fn of_design<T>(&self, parts: &Compliance<T>, suspension: &Suspension) -> DesignFault {
-        DesignFault::Elastic(self.describe(parts, suspension))
+    pub fn of_design(&self) -> DesignFault {
+        DesignFault::Elastic(self.describe())
     }
 }
 
 impl AxleFault {
     /// Describes the reason in words.
-    pub fn describe<T>(&self, parts: &[Compliance<T>; 2], suspension: &Suspension) -> String {
-        let number = self.side.map_or(0, |side| side as usize);
-        let words = self.fault.describe(&parts[number], suspension);
+    pub fn describe(&self) -> String {
+        let words = self.fault.describe();
         self.side.map_or(words.clone(), |side| side.about(&words))
+    }
+}
+
+impl NoEquilibrium {
+    /// Failure at an equilibrium whose equations are singular.
+    pub(crate) fn without_derivatives() -> Self {
+        NoEquilibrium {
+            share: 1.0,
+            lack: Lack::Derivatives,
+            softest: None,
+        }
+    }
+
+    /// Failure of parts without elastic model. `reason` states the fault in words.
+    pub(super) fn without_model(reason: String) -> Self {
+        NoEquilibrium {
+            share: 0.0,
+            lack: Lack::Model(reason),
+            softest: None,
+        }
+    }
+
+    /// Lack of an equilibrium after a fraction of the change, or of its stability. `barely_held` returns the part that at most
+    /// the torsional stiffness of bushings holds.
+    pub(super) fn lack(
+        share: f64,
+        obstacle: &Obstacle,
+        barely_held: impl FnOnce() -> Option<String>,
+    ) -> Lack {
+        match obstacle {
+            Obstacle::Unstable(_) if share == 0.0 => {
+                barely_held().map_or(Lack::Stability, Lack::Stiffness)
+            }
+            _ => Lack::Equilibrium,
+        }
     }
 }
 
 impl From<NoEquilibrium> for NoPose {
     fn from(why: NoEquilibrium) -> Self {
-        if why.is_unstable {
-            NoPose::Unstable
-        } else {
-            NoPose::NoEquilibrium { share: why.share }
+        match why.lack {
+            Lack::Equilibrium => NoPose::NoEquilibrium { share: why.share },
+            Lack::Stability | Lack::Stiffness(_) => NoPose::Unstable,
+            Lack::Derivatives => NoPose::NoDerivatives,
+            Lack::Model(_) => NoPose::NoModel,
         }
     }
 }

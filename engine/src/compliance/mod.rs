@@ -54,7 +54,7 @@ pub use definition::{
 };
 pub use derivatives::Tangent;
 pub use ends::{DrivingForce, EndCause, EquilibriumEnd, Event, LARGEST_FORCE};
-pub use fault::{AxleFault, ElasticFault, Motion, NoEquilibrium};
+pub use fault::{AxleFault, ElasticFault, Lack, Motion, NoEquilibrium};
 pub use inputs::{AxleParameter, OnTape, Parameter};
 pub(crate) use kc::{AxleFigure, Conditions, Here};
 pub use kc::{

@@ -213,7 +213,7 @@ impl<T: Scalar> Built<T> {
     }
 
     fn set_links(&mut self, seen: &SeenStep<'_, T>) {
-        for place in self.links.clone() {
+        for place in self.links.clone().into_iter().flatten() {
             match place {
                 LinkPlace::Rod(number) => {
                     let on_rack = self.system.rods[number].on_rack;

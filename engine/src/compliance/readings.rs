@@ -11,6 +11,7 @@ use super::reading::WheelFigures;
 use super::swinging::Swinging;
 use super::system::{Limb, State, System};
 use super::wheel::{BushingReading, ElasticWheel, Equilibrium, SpringReading};
+use crate::axle::Stop;
 use crate::mechanism::Pose;
 use crate::number::{Each, Scalar, Valued, Vector3};
 
@@ -70,11 +71,10 @@ impl<T: Scalar> Built<T> {
         self.bushings.iter().filter_map(read).collect()
     }
 
-    /// Returns the tension of each link, in the order of the definition. The rod of a rocker whose spring has no law has no
-    /// entry.
-    pub(super) fn tensions(&self, state: &State<T>, around: &Surroundings<T>) -> Vec<T> {
+    /// Returns the tension of each link, in the order of the definition. `None` for the rod of a rocker whose spring has no law.
+    pub(super) fn tensions(&self, state: &State<T>, around: &Surroundings<T>) -> Vec<Option<T>> {
         let frames = self.system.frames(&state.carrier, around, false);
-        let tension = |place: &LinkPlace| match *place {
+        let tension = |place: LinkPlace| match place {
             LinkPlace::Rod(number) => {
                 let rod = &self.system.rods[number];
                 let [rate, tension] = rod.elastic?;
@@ -83,7 +83,8 @@ impl<T: Scalar> Built<T> {
             }
             LinkPlace::RockerRod => self.system.seat(&frames, state)?.rod_tension,
         };
-        self.links.iter().filter_map(tension).collect()
+        let links = self.links.iter();
+        links.map(|place| place.and_then(tension)).collect()
     }
 
     /// State of the spring.
@@ -111,7 +112,8 @@ impl<T: Scalar> Built<T> {
         Some(SpringReading {
             length,
             force,
-            meets_stop: laws.meets_stop(length, design),
+            meets_bump_stop: laws.meets(Stop::Bump, length, design),
+            meets_rebound_stop: laws.meets(Stop::Rebound, length, design),
         })
     }
 
@@ -230,8 +232,8 @@ impl<T: Scalar> ElasticWheel<T> {
             .bushing_readings(&at.solution.state, &at.around())
     }
 
-    /// Tension of each link, in the order of the definition, except the rod of a rocker whose spring has no law.
-    pub fn tensions(&self, at: &Equilibrium<T>) -> Vec<T> {
+    /// Tension of each link, in the order of the definition. `None` for the rod of a rocker whose spring has no law.
+    pub fn tensions(&self, at: &Equilibrium<T>) -> Vec<Option<T>> {
         self.built.tensions(&at.solution.state, &at.around())
     }
 

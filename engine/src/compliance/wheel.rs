@@ -9,6 +9,7 @@ use super::preload::NoPreload;
 use super::reading::WheelGeometry;
 use super::solve::{Bounds, Obstacle, Solution, Stuck};
 use super::system::{Equations, Held, Hold, Limb, Singular, State, Task};
+use crate::axle::Stop;
 use crate::characteristics::Constants;
 use crate::linear::square::MOST;
 use crate::model::{Axis, Suspension};
@@ -85,8 +86,20 @@ pub struct SpringReading<T = f64> {
     pub length: T,
     /// Force of the spring with its stops, positive in compression.
     pub force: T,
-    /// True if the suspension is in contact with the bump stop or the rebound stop.
-    pub meets_stop: bool,
+    /// True if the suspension is in contact with the bump stop.
+    pub meets_bump_stop: bool,
+    /// True if the suspension is in contact with the rebound stop.
+    pub meets_rebound_stop: bool,
+}
+
+impl<T> SpringReading<T> {
+    /// Returns true if the suspension is in contact with a stop.
+    pub fn meets(&self, stop: Stop) -> bool {
+        match stop {
+            Stop::Bump => self.meets_bump_stop,
+            Stop::Rebound => self.meets_rebound_stop,
+        }
+    }
 }
 
 /// Elastic suspension of one wheel, in one design.
@@ -136,7 +149,12 @@ impl<T: Scalar> ElasticWheel<T> {
         let mut wheel = Self::unloaded(suspension, design, compliance, alone);
         if compliance.relaxed == Relaxed::AtDesignLoad {
             let found = wheel.built.preload(wheel.bounds);
-            wheel.start = found.map_err(|fault| preload_fault(&wheel.built.names, fault))?;
+            let name = |number: usize| {
+                let point = compliance.bushings[number].point;
+                suspension.mechanism.name(point).to_owned()
+            };
+            let found = found.map_err(|fault| preload_fault(&wheel.built.names, fault, name));
+            wheel.start = found?;
             let around = Surroundings::of_rack(wheel.start.vertical.zero());
             wheel.check_leverage(&around)?;
         }
@@ -343,12 +361,22 @@ impl ElasticWheel {
         };
         NoEquilibrium {
             share: stuck.share,
-            is_unstable: stuck.share == 0.0 && matches!(stuck.obstacle, Obstacle::Unstable(_)),
+            lack: NoEquilibrium::lack(stuck.share, &stuck.obstacle, || self.barely_held()),
             softest: stuck
                 .last
                 .and_then(|(state, task)| self.softest(&state, &task))
                 .map(|(_, motion)| motion)
                 .or(by_limb),
+        }
+    }
+
+    /// Returns the part that at most the torsional stiffness of bushings holds in the design position. `None` if there is no
+    /// such part.
+    fn barely_held(&self) -> Option<String> {
+        match self.built.clone().preload(self.bounds) {
+            Err(NoPreload::Singular(Singular::Limb(limb))) => Some(self.built.names[limb].clone()),
+            Err(NoPreload::Singular(Singular::Carrier)) => Some(CARRIER.to_owned()),
+            Err(NoPreload::OutOfReach { .. }) | Ok(_) => None,
         }
     }
 
@@ -411,14 +439,30 @@ pub(super) fn largest_axis(v: Vector3<f64>) -> Axis {
         .fold(x, |m, a| if size(&a) > size(&m) { a } else { m })
 }
 
-pub(super) fn preload_fault(names: &[String], fault: NoPreload) -> ElasticFault {
+/// Fault of parts whose forces at the design load cannot be computed. `names` are the names of the parts with their own degrees
+/// of freedom.
+pub(super) fn no_balance(names: &[String], singular: Singular) -> ElasticFault {
+    let part = match singular {
+        Singular::Limb(limb) => names[limb].clone(),
+        Singular::Carrier => CARRIER.to_owned(),
+    };
+    ElasticFault::NoBalance { part }
+}
+
+/// Fault of parts that have no forces at the design load. `bushing` returns the name of a bushing.
+pub(super) fn preload_fault(
+    names: &[String],
+    fault: NoPreload,
+    bushing: impl Fn(usize) -> String,
+) -> ElasticFault {
     match fault {
-        NoPreload::Singular(Singular::Limb(limb)) => ElasticFault::NoBalance {
-            part: names[limb].clone(),
+        NoPreload::Singular(singular) => no_balance(names, singular),
+        NoPreload::OutOfReach {
+            bushing: number,
+            axis,
+        } => ElasticFault::OutOfReach {
+            bushing: bushing(number),
+            axis,
         },
-        NoPreload::Singular(Singular::Carrier) => ElasticFault::NoBalance {
-            part: CARRIER.to_owned(),
-        },
-        NoPreload::OutOfReach { bushing, axis } => ElasticFault::OutOfReach { bushing, axis },
     }
 }

@@ -66,7 +66,7 @@ pub(super) fn elastic_curves(
     plan: &Plan,
 ) -> Result<Curves, DesignFault> {
     let run = KcRun::new(suspension, &elastic.parts, elastic.tyre_rate)
-        .map_err(|fault| fault.of_design(&elastic.parts, suspension))?;
+        .map_err(|fault| fault.of_design())?;
     let (columns, reads): (Vec<Column>, Vec<Read>) =
         columns(suspension.length_unit, plan).into_iter().unzip();
     let wanted: Vec<KcValue> = reads.iter().map(|read| read.value).collect();

@@ -96,8 +96,7 @@ fn equilibrium_frames(
     elastic: &ComplianceStudy,
     plan: &Plan,
 ) -> Result<Vec<Frame>, DesignFault> {
-    let wheel = ElasticWheel::new(suspension, &elastic.parts)
-        .map_err(|fault| fault.of_design(&elastic.parts, suspension))?;
+    let wheel = ElasticWheel::new(suspension, &elastic.parts).map_err(|fault| fault.of_design())?;
     let origin = suspension.design[suspension.mechanism.origin.0];
     let along = suspension.frame.sign(Axis::Y);
     let stations = plan.racks.iter().flat_map(|rack| {

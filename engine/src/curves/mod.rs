@@ -68,8 +68,9 @@ impl Status {
             Status::IllConditioned => "ill_conditioned",
             Status::Unsupported => "unsupported",
             Status::Toggle(_) => "toggle",
-            Status::Failed(NoPose::NoEquilibrium { .. }) => "no_equilibrium",
+            Status::Failed(NoPose::NoEquilibrium { .. } | NoPose::NoModel) => "no_equilibrium",
             Status::Failed(NoPose::Unstable) => "unstable",
+            Status::Failed(NoPose::NoDerivatives) => "singular",
             Status::Failed(reason) => match reason.of_wheel() {
                 None if reason.is_unproven() => "uncertified",
                 None => "unreachable",

@@ -73,7 +73,7 @@ impl ElasticQuantities {
     ) -> Result<Evaluator<'a>, DesignFault> {
         let (suspension, parts) = (&self.suspension, &self.elastic.parts);
         let own = ElasticWheel::new(suspension, parts);
-        let own = own.map_err(|fault| fault.of_design(parts, suspension))?;
+        let own = own.map_err(|fault| fault.of_design())?;
         let one_by_one = ElasticOneByOne(ElasticDesigns::new(self, stations));
         let mut evaluator = Evaluator::of(suspension.design.len(), Box::new(one_by_one));
         if let Some(width) = width {
@@ -142,7 +142,7 @@ impl<'a> ElasticDesigns<'a> {
         }
         let (suspension, parts) = (&self.of.suspension, &self.elastic.parts);
         KcRun::of(suspension, design, parts, self.elastic.tyre_rate)
-            .map_err(|fault| fault.of_design(parts, suspension))
+            .map_err(|fault| fault.of_design())
     }
 
     /// Travel and rack displacement of a station, along the kernel's axes.

@@ -56,6 +56,16 @@ pub enum NoPose {
     /// The elastic parts have an equilibrium, but it is unstable.
     #[error("the equilibrium is not stable")]
     Unstable,
+    /// The elastic parts have an equilibrium, but a motion has no stiffness there.
+    #[error(
+        "the equilibrium has no derivatives: its equations are singular, because a motion of the parts has no stiffness"
+    )]
+    NoDerivatives,
+    /// The elastic parts have no model under the conditions of a test: rack locked, or anti-roll bar disconnected.
+    #[error(
+        "the elastic parts have no equilibrium under the conditions of a test; `hardpoint kc` states the reason"
+    )]
+    NoModel,
 }
 
 impl NoPose {
@@ -118,7 +128,9 @@ impl NoPose {
             | NoPose::NoLoad
             | NoPose::Unproven
             | NoPose::NoEquilibrium { .. }
-            | NoPose::Unstable => None,
+            | NoPose::Unstable
+            | NoPose::NoDerivatives
+            | NoPose::NoModel => None,
         }
     }
 

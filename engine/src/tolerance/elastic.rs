@@ -142,7 +142,7 @@ pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f6
     };
     let parts = &elastic.parts;
     let run = KcRun::new(suspension, parts, elastic.tyre_rate)
-        .map_err(|fault| SetUpError::Fault(fault.of_design(parts, suspension)))?;
+        .map_err(|fault| SetUpError::Fault(fault.of_design()))?;
     let points = (0..suspension.design.len()).map(PointId);
     let mut parameters: Vec<Parameter> = points
         .flat_map(|point| Axis::ALL.map(|axis| Parameter::Point(point, axis)))

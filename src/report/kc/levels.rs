@@ -166,7 +166,7 @@ impl KcResults<'_> {
         // The last bushings and links of a solid axle exist only once. The cells of the right wheel for these parts stay empty.
         let before_links = WHEEL_CELLS + BUSHING_CELLS * self.bushings.len();
         cells.resize(before_links, None);
-        cells.extend(state.tensions.iter().copied().map(Some));
+        cells.extend(state.tensions.iter().copied());
         cells.resize(before_links + self.links.len(), None);
         cells
     }

@@ -15,7 +15,7 @@ pub(in crate::report) use tables::four_figures;
 use super::shortest;
 use crate::ask::Unit;
 use crate::compliance::{
-    HeldQuantity, KcFigure, KcOutcome, KcStation, KcSubject, KcTest, Motion, NoEquilibrium,
+    HeldQuantity, KcFigure, KcOutcome, KcStation, KcSubject, KcTest, Lack, Motion, NoEquilibrium,
     TestLoad, TestMode, TestPlace,
 };
 use crate::model::{Axis, LengthUnit, Suspension};
@@ -45,10 +45,21 @@ pub struct KcResults<'a> {
 pub fn no_equilibrium(why: &NoEquilibrium) -> String {
     let softest = why.softest.as_ref();
     let motion = softest.map(|(part, motion)| weakest_motion(part, *motion));
-    match (why.is_unstable, motion) {
-        (true, Some(motion)) => format!("an equilibrium was found, but it is not stable: {motion}"),
-        (true, None) => "an equilibrium was found, but it is not stable".to_owned(),
-        (false, motion) => {
+    match (&why.lack, motion) {
+        (Lack::Stability, Some(motion)) => {
+            format!("an equilibrium was found, but it is not stable: {motion}")
+        }
+        (Lack::Stability, None) => "an equilibrium was found, but it is not stable".to_owned(),
+        (Lack::Stiffness(part), _) => format!(
+            "an equilibrium was found, but it is not stable, because at most the torsional stiffness of bushings \
+             holds {part}: expected stiffness of its bushings along all axes"
+        ),
+        (Lack::Derivatives, _) => {
+            "an equilibrium was found, but it has no derivatives: its equations are singular"
+                .to_owned()
+        }
+        (Lack::Model(reason), _) => reason.clone(),
+        (Lack::Equilibrium, motion) => {
             let motion = motion.unwrap_or_else(|| "no equilibrium is found".to_owned());
             format!(
                 "equilibria exist only for the first {:.1} % of the change from the last state; then {motion}",
@@ -68,10 +79,10 @@ pub fn weakest_motion(part: &str, motion: Motion) -> String {
 
 /// Status word of a state without equilibrium.
 fn status(why: &NoEquilibrium) -> &'static str {
-    if why.is_unstable {
-        "unstable"
-    } else {
-        "no_equilibrium"
+    match why.lack {
+        Lack::Stability | Lack::Stiffness(_) => "unstable",
+        Lack::Derivatives => "singular",
+        Lack::Equilibrium | Lack::Model(_) => "no_equilibrium",
     }
 }
 

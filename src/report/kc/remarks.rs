@@ -1,6 +1,7 @@
 //! Stations and load levels without equilibrium, and warnings.
 
 use super::{KcResults, no_equilibrium};
+use crate::axle::Stop;
 use crate::compliance::{KcWheelState, TestLoad};
 
 impl KcResults<'_> {
@@ -60,14 +61,15 @@ impl KcResults<'_> {
         let states: Vec<&KcWheelState> = states.flat_map(|state| &state.wheels).collect();
         let mut warnings = Vec::new();
         for (k, name) in self.bushings.iter().enumerate() {
-            let beyond = states.iter().filter(|s| s.bushings[k].is_extrapolated);
-            let count = beyond.count();
+            // The right half of a solid axle has no bushings of parts in the middle of the axle.
+            let own = || states.iter().filter_map(|state| state.bushings.get(k));
+            let count = own().filter(|found| found.is_extrapolated).count();
             if count > 0 {
                 warnings.push(format!(
                     "warning: {name} is beyond its curve, or turned by more than 60 degrees, in \
                      {} of {} states; the force law is extended by a straight line",
                     count,
-                    states.len()
+                    own().count()
                 ));
             }
         }
@@ -79,15 +81,16 @@ impl KcResults<'_> {
                 states.len()
             ));
         }
-        let stopped = states
-            .iter()
-            .filter(|s| s.spring.is_some_and(|s| s.meets_stop));
-        let stopped = stopped.count();
-        if stopped > 0 {
-            warnings.push(format!(
-                "the bump stop is in contact in {stopped} of {} states",
-                states.len()
-            ));
+        for stop in Stop::ALL {
+            let meets = |s: &&&KcWheelState| s.spring.is_some_and(|spring| spring.meets(stop));
+            let stopped = states.iter().filter(meets).count();
+            if stopped > 0 {
+                warnings.push(format!(
+                    "the {} is in contact in {stopped} of {} states",
+                    stop.name(),
+                    states.len()
+                ));
+            }
         }
         warnings
     }

@@ -96,7 +96,7 @@ fn values<'t>(
     let members = link_members(&suspension.mechanism);
     for (part, tension) in parts.links.iter().zip(wheel.tensions(at)) {
         let (name, _) = members.iter().find(|(_, m)| *m == part.member).unwrap();
-        add(&format!("{name}_tension"), tension);
+        add(&format!("{name}_tension"), tension.unwrap());
     }
     found
 }

@@ -6,7 +6,7 @@ use crate::support::larger;
 use hardpoint::characteristics::Characteristic;
 use hardpoint::compliance::{
     AxialStiffness, BushingPart, Change, Compliance, ElasticFault, ElasticWheel, HeldQuantity,
-    LinkPart, Relaxed, Shape, WheelFigures, WheelLoads, link_members,
+    Lack, LinkPart, Relaxed, Shape, WheelFigures, WheelLoads, link_members,
 };
 use hardpoint::model::Suspension;
 use hardpoint::study::Study;
@@ -339,7 +339,7 @@ fn a_side_force_ends_at_the_fold() {
     let reached = why.share * wanted;
     // The program finds the reachable fraction of the load to 1e-6.
     assert!((reached - 18_129.16).abs() < 2e-6 * wanted, "{reached}");
-    assert!(why.softest.is_some() && !why.is_unstable);
+    assert!(why.softest.is_some() && why.lack == Lack::Equilibrium);
     // If the wheel height is held instead, the force has no maximum up to this value.
     wheel
         .loaded(&start, &side(wanted), HeldQuantity::WheelHeight)

@@ -273,7 +273,10 @@ fn an_arm_passes_the_forces_of_its_bushings() {
         if name.starts_with("lower_arm") {
             continue;
         }
-        let found = value(&curves, 1, &format!("corner_{name}_N"));
+        let (found, tension) = (
+            value(&curves, 1, &format!("corner_{name}_N")),
+            tension.unwrap(),
+        );
         assert!((found - tension).abs() < 1e-8, "{name}: {found} {tension}");
     }
 }

@@ -82,7 +82,7 @@ fn values(case: &Value, wheel: &ElasticWheel, at: &Equilibrium) -> BTreeMap<Stri
     let members = link_members(&suspension.mechanism);
     for (part, tension) in compliance.links.iter().zip(wheel.tensions(at)) {
         let name = &members.iter().find(|(_, m)| *m == part.member).unwrap().0;
-        values.insert(format!("{name}_tension"), tension);
+        values.insert(format!("{name}_tension"), tension.unwrap());
     }
     let spring = wheel.spring(at).unwrap();
     values.insert("spring_length".to_owned(), spring.length);

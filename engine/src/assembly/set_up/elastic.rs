@@ -380,7 +380,7 @@ impl<'a> Elastic<'a> {
                 let (suspension, parts) = (self.suspension(), &elastic.parts);
                 let design = &built[0].suspension.design;
                 let run = KcRun::of(suspension, design, parts, elastic.tyre_rate)
-                    .map_err(|fault| SetUpError::Fault(fault.of_design(parts, suspension)))?;
+                    .map_err(|fault| SetUpError::Fault(fault.of_design()))?;
                 let parameters: Vec<Parameter> = parameters.collect();
                 let mut found = Found::of(wanted.len());
                 run.gradients([0.0; 2], wanted, &parameters, &mut |own| {

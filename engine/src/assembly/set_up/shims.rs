@@ -117,7 +117,9 @@ impl Problem<'_> {
             let allowed = self.half_steps(levels, &state);
             let is_beyond = levels.rest.iter().any(|i| {
                 let aim = self.aims[*i].value().unwrap_or(f64::NAN);
-                (state.values[*i] - aim).abs() > MET + allowed[*i]
+                let is_near = (state.values[*i] - aim).abs() <= MET + allowed[*i];
+                // A value that is NaN is not near.
+                !is_near
             });
             let errors = self.errors(&state, &levels.rest).norm();
             let changed: f64 = state.amounts.iter().map(|a| a * a).sum();

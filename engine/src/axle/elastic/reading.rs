@@ -381,7 +381,7 @@ impl Axle {
     ) -> Result<Equilibria<'_>, (Side, DesignFault)> {
         let vehicle = self.on_rig(self.elastic.as_ref().and_then(|own| own.tyre_rate));
         let run = AxleKcRun::of(vehicle, designs, parts).map_err(|fault| {
-            let words = fault.describe(&parts.wheels, &self.left);
+            let words = fault.describe();
             let side = fault.side.unwrap_or(Side::Left);
             (side, DesignFault::Elastic(words))
         })?;
@@ -448,11 +448,6 @@ impl Equilibria<'_> {
         parameters: &[AxleParameter],
         receive: &mut dyn FnMut(usize, f64, &[f64]),
     ) -> Result<(), NoEquilibrium> {
-        let lost = || NoEquilibrium {
-            share: 1.0,
-            is_unstable: true,
-            softest: None,
-        };
         for (conditions, numbers) in by_conditions(wanted) {
             let own: Vec<AxleRead> = numbers.iter().map(|k| wanted[*k]).collect();
             let plain = self.run.here(conditions, travels, rack, tests(&own))?;
@@ -461,7 +456,7 @@ impl Equilibria<'_> {
             }
             let tape = Tape::new();
             let station = self.run.on_tape(conditions, &plain, parameters, &tape);
-            let mut station = station.ok_or_else(lost)?;
+            let mut station = station.ok_or_else(NoEquilibrium::without_derivatives)?;
             let values = read(&self.run, &mut station, &own, self.home, |station, test| {
                 self.run.secants_on_tape(&plain, station, test)
             });

@@ -54,7 +54,7 @@ impl Followable for ElasticAxle {
             Event::WheelLifts => {
                 self.spring(&at, side).is_some() && self.wheel_load(&at, side) < -NEGATIVE
             }
-            Event::StopMet => self.spring(&at, side).is_some_and(|own| own.meets_stop),
+            Event::StopMet(stop) => self.spring(&at, side).is_some_and(|own| own.meets(stop)),
             Event::SpringSlack => self
                 .spring(&at, side)
                 .is_some_and(|own| own.force < -NEGATIVE),

@@ -20,11 +20,12 @@ use super::carried::{CarriedForces, ElasticMember};
 use super::definition::Relaxed;
 use super::fault::{AxleFault, ElasticFault, Motion};
 use super::ground::{RACK, SHARED};
-use super::preload::{NoPreload, SeenStep};
+use super::preload::SeenStep;
 use super::reading::WheelFigures;
 use super::system::{Hold, Singular, State};
 use super::wheel::{
-    BushingReading, CARRIER, ElasticWheel, HeldQuantity, SpringReading, level_task, preload_fault,
+    BushingReading, CARRIER, ElasticWheel, HeldQuantity, SpringReading, level_task, no_balance,
+    preload_fault,
 };
 use crate::characteristics::Inputs;
 use crate::mechanism::Pose;
@@ -93,7 +94,15 @@ impl<T: Scalar> ElasticAxle<T> {
             bar_rate: parts.bar_rate,
         };
         if axle.relaxed() == Relaxed::AtDesignLoad {
-            axle.preload()?;
+            // The mounts of the subframe come after the bushings of a wheel.
+            axle.preload(|side, number| {
+                let bushings = &parts.wheels[side].bushings;
+                let mounts = parts.subframe.iter().flat_map(|subframe| &subframe.mounts);
+                let mechanism = &suspensions[side].mechanism;
+                let own = bushings.iter().map(|part| mechanism.name(part.point));
+                let mut names = own.chain(mounts.map(|mount| mount.name.as_str()));
+                names.nth(number).unwrap_or_default().to_owned()
+            })?;
         }
         axle.check_held()?;
         Ok(axle)
@@ -115,8 +124,8 @@ impl<T: Scalar> ElasticAxle<T> {
         }
     }
 
-    /// Computes the forces of the elastic parts at the design load.
-    fn preload(&mut self) -> Result<(), AxleFault> {
+    /// Computes the forces of the elastic parts at the design load. `bushing` returns the name of a side's bushing.
+    fn preload(&mut self, bushing: impl Fn(usize, usize) -> String) -> Result<(), AxleFault> {
         let state = self.start();
         let task = self.level([0.0; 2], 0.0);
         let found = self
@@ -139,7 +148,7 @@ impl<T: Scalar> ElasticAxle<T> {
             let start = wheel.built.set_preload(&seen);
             wheel.start = start.map_err(|fault| AxleFault {
                 side: Some(name),
-                fault: preload_fault(&wheel.built.names, fault),
+                fault: preload_fault(&wheel.built.names, fault, |number| bushing(side, number)),
             })?;
             let has_leverage = wheel.check_leverage(&around);
             has_leverage.map_err(|fault| AxleFault {
@@ -158,7 +167,7 @@ impl<T: Scalar> ElasticAxle<T> {
             AxleSingular::Wheel(side, why) => {
                 return AxleFault {
                     side: Some(Side::ALL[side]),
-                    fault: preload_fault(&self.wheels[side].built.names, NoPreload::Singular(why)),
+                    fault: no_balance(&self.wheels[side].built.names, why),
                 };
             }
             AxleSingular::Carrier => AXLE,
@@ -292,8 +301,8 @@ impl<T: Scalar> ElasticAxle<T> {
         built.bushing_readings(&at.state.wheels[side as usize], &around)
     }
 
-    /// Tension of each link of a side, in the order of the definition, except the rod of a rocker whose spring has no law.
-    pub fn tensions(&self, at: &AxleEquilibrium<T>, side: Side) -> Vec<T> {
+    /// Tension of each link of a side, in the order of the definition. `None` for the rod of a rocker whose spring has no law.
+    pub fn tensions(&self, at: &AxleEquilibrium<T>, side: Side) -> Vec<Option<T>> {
         let around = at.state.around(side as usize);
         let built = &self.wheels[side as usize].built;
         built.tensions(&at.state.wheels[side as usize], &around)

@@ -3,7 +3,7 @@
 use super::equations::{AxleHeld, AxleSingular, AxleState, AxleStep, AxleTask, Purpose, lever_of};
 use super::{AXLE, AxleEquilibrium, ElasticAxle};
 use crate::compliance::definition::Relaxed;
-use crate::compliance::fault::{Motion, NoEquilibrium};
+use crate::compliance::fault::{AxleFault, ElasticFault, Motion, NoEquilibrium};
 use crate::compliance::ground::SHARED;
 use crate::compliance::loads::WheelLoads;
 use crate::compliance::solve::{Judge, Obstacle, Unraised, Verdict, between, raised};
@@ -12,6 +12,7 @@ use crate::compliance::wheel::{CARRIER, HeldQuantity, largest_axis};
 use crate::linear::square::MOST;
 use crate::model::{Axis, Side};
 use crate::number::{Each, Vector3, array_of, larger};
+use crate::threads::checkpoint;
 
 /// Number of inverse iterations that find the softest motion.
 const SOFT_STEPS: usize = 8;
@@ -114,6 +115,7 @@ impl ElasticAxle {
         let bounds = self.wheels[0].bounds;
         let mut judge = Judge::new(bounds);
         loop {
+            checkpoint();
             let found = self
                 .shared
                 .equations(&self.wheels, &state, task, held, Purpose::Balance);
@@ -155,11 +157,26 @@ impl ElasticAxle {
         let last = stuck.last.as_ref();
         NoEquilibrium {
             share: stuck.share,
-            is_unstable: stuck.share == 0.0 && matches!(stuck.obstacle, Obstacle::Unstable(_)),
+            lack: NoEquilibrium::lack(stuck.share, &stuck.obstacle, || self.barely_held()),
             softest: last
                 .and_then(softest)
                 .or(by_limb)
                 .or_else(|| softest(start)),
+        }
+    }
+
+    /// Returns the part that at most the torsional stiffness of bushings holds in the design position. `None` if there is no
+    /// such part.
+    fn barely_held(&self) -> Option<String> {
+        let (start, level) = (self.start(), self.level([0.0; 2], 0.0));
+        let found = self
+            .shared
+            .equations(&self.wheels, &start, &level, None, Purpose::Preload);
+        let AxleFault { side, fault } = self.singular(found.err()?);
+        match (side, fault) {
+            (Some(side), ElasticFault::NoBalance { part }) => Some(of_side(side as usize, &part)),
+            (None, ElasticFault::NoBalance { part }) => Some(part),
+            _ => None,
         }
     }
 

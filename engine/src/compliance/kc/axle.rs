@@ -231,11 +231,8 @@ impl<'a> AxleKcRun<'a> {
         rack: f64,
         tests: impl IntoIterator<Item = &'t KcTest>,
     ) -> Result<Here, NoEquilibrium> {
-        let axle = self.variant(conditions).map_err(|_| NoEquilibrium {
-            share: 0.0,
-            is_unstable: true,
-            softest: None,
-        })?;
+        let axle = self.variant(conditions);
+        let axle = axle.map_err(|fault| NoEquilibrium::without_model(fault.describe()))?;
         let at = axle.at(travels, rack)?;
         // Only the roll test needs the axle without springs and anti-roll bar.
         let rolls = tests.into_iter().any(|test| test.load == TestLoad::Roll);

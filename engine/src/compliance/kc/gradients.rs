@@ -181,11 +181,6 @@ impl KcRun<'_> {
         let tape = Tape::new();
         let along = self.suspension.frame.sign(Axis::Y);
         let at = self.wheel.at(travel, along * rack)?;
-        let lost = || NoEquilibrium {
-            share: 1.0,
-            is_unstable: true,
-            softest: None,
-        };
         let varied = OnTape::new(
             self.suspension,
             &self.design,
@@ -193,8 +188,9 @@ impl KcRun<'_> {
             parameters,
             &tape,
         );
-        let varied = varied.map_err(|_| lost())?;
-        let here = varied.carried(&at).ok_or_else(lost)?;
+        let varied = varied.map_err(|fault| NoEquilibrium::without_model(fault.describe()))?;
+        let here = varied.carried(&at);
+        let here = here.ok_or_else(NoEquilibrium::without_derivatives)?;
         let mut station = Station::new(&varied.wheel, self.sheet(&at), here);
         let values = station.values(wanted, |test| {
             self.secant_on_tape(&at, &here, &varied, test)

@@ -90,8 +90,8 @@ pub struct KcWheelState {
     pub spring: Option<SpringReading>,
     /// States of the bushings, in the order of the definition; for an axle, then of the subframe's mounts.
     pub bushings: Vec<BushingReading>,
-    /// Tensions of the links, in the order of the definition, except the rod of a rocker whose spring has no law.
-    pub tensions: Vec<f64>,
+    /// Tensions of the links, in the order of the definition. `None` for the rod of a rocker whose spring has no law.
+    pub tensions: Vec<Option<f64>>,
 }
 
 /// Level of a test: one of the loads of the test, with its equilibrium.

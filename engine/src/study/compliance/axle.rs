@@ -111,7 +111,7 @@ pub(in super::super) fn axle_compliance<'m>(
             tyre_rate,
         })),
         Err(fault) => {
-            let message = fault.describe(&parts.wheels, suspension);
+            let message = fault.describe();
             problems.refuse(section.span(), &message)
         }
     }

@@ -240,7 +240,7 @@ pub(super) fn compliance(
             tyre_rate: tyre_rate?,
         })),
         Err(fault) => {
-            let message = fault.describe(&parts, suspension);
+            let message = fault.describe();
             problems.refuse(section.span(), &message)
         }
     }

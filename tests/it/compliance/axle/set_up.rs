@@ -4,7 +4,9 @@ use crate::compliance::set_up::{
     LINKS, RUBBER, amount, at_rest, found, free, one, read_again, set,
 };
 use crate::compliance::support::{elastic, with};
+use crate::support::larger;
 use hardpoint::study::Study;
+use hardpoint::tolerance::Problem;
 
 const SUBFRAME: &str = "subframe_axle_compliance.toml";
 /// Section of the study that the test replaces by the data of a different right wheel.
@@ -117,6 +119,32 @@ fn wheels_that_differ_are_set_up_as_a_whole() {
             assert!((a - b).abs() < 1e-8, "{part}: {a} {b}");
         }
     }
+}
+
+/// If the set-up has adjustments for the left wheel only, the builds align the left wheel. The right wheel stays as built.
+#[test]
+fn a_wheel_without_adjustments_stays_as_built() {
+    let build = |aligned: bool| {
+        let soft = "[axle.right.bushings.lower_arm_rear]\nscale = [0.5, 0.5, 0.5, 0.5, 0.5, 0.5]\n";
+        let setup = "[setup]\nadjust = [{ length = \"tie_rod\", side = \"left\" }]\n";
+        let tolerance = format!(
+            "[tolerance]\nbuilds = 4\nseed = 3\naligned = {aligned}\n\
+             scatter = [{{ hardpoints = [\"lower_arm_rear\", \"upper_ball_joint\"], sigma = 0.4 }}]\n"
+        );
+        let text = with(SUBFRAME, &format!("\n{soft}{setup}{tolerance}")).replace(MIRRORED, "");
+        let study = elastic(&text);
+        let problem = Problem::of(&study, study.tolerance.as_ref().unwrap()).unwrap();
+        let built = elastic(&problem.built_text(1).unwrap());
+        let axle = &built.axle().unwrap().axle;
+        [axle.left.design.clone(), axle.right.design.clone()]
+    };
+    let (aligned, plain) = (build(true), build(false));
+    let [left, right] = [0, 1].map(|side: usize| {
+        let both = aligned[side].iter().zip(&plain[side]);
+        both.fold(0.0, |most, (a, b)| larger(most, (*a - *b).norm()))
+    });
+    assert!(left > 1e-3, "{left}");
+    assert!(right < 1e-9, "{right}");
 }
 
 /// The program refuses three kinds of input: targets without a value in an elastic equilibrium, test results as

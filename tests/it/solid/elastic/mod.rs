@@ -280,7 +280,7 @@ pub fn tensions(
     let links = &made.axle.links;
     let of = |(k, link): (usize, &Link)| {
         let is_second = links[..k].iter().any(|before| before.name == link.name);
-        own[usize::from(is_second)][number_of(study, &link.name)]
+        own[usize::from(is_second)][number_of(study, &link.name)].unwrap()
     };
     links.iter().enumerate().map(of).collect()
 }

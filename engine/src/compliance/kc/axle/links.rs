@@ -50,7 +50,7 @@ impl AxleKcRun<'_> {
         }
         let parts = self.parts.wheels[side as usize].links.iter();
         let tensions = here.axle.tensions(&here.at, side);
-        let figure = |(member, tension): (LinkMember, T)| {
+        let figure = |(member, tension): (LinkMember, Option<T>)| {
             let LinkMember::Rod { inner, .. } = member else {
                 return None;
             };
@@ -59,7 +59,7 @@ impl AxleKcRun<'_> {
             Some(AxleFigure {
                 quantity,
                 unit: Unit::Force,
-                value: Some(tension),
+                value: tension,
                 secant: None,
                 of: if mechanism.is_single(inner) {
                     KcSubject::Axle

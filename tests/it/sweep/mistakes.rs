@@ -68,8 +68,8 @@ fn shards_of_other_sweeps_delete_nothing() {
     let fit = [&unchecked[..], &["--set", "optimise.fit=true"]].concat();
     for (study, more) in [
         ("copy.toml", &unchecked[..]),
-        ("study.toml", &fit),
-        ("study.toml", &[]),
+        ("study.toml", &fit[..]),
+        ("study.toml", &[][..]),
     ] {
         let (_, error) = said(&shard(study, "1/2", more).code(2));
         assert!(error.contains("which would be lost"), "{error}");

@@ -96,7 +96,8 @@ impl<'c> CarRequest<'c> {
                 continue;
             }
             let found = solver.solve(case);
-            match found.and_then(|found| solver.solved(case, &found)) {
+            let quantities = results.iter().map(|of| of.quantity);
+            match found.and_then(|found| solver.solved_for(case, &found, quantities)) {
                 Ok(solved) => {
                     for (value, result) in into[from..].iter_mut().zip(results) {
                         let printed = result.quantity.printed(&solved, case);
@@ -120,7 +121,8 @@ impl<'c> CarRequest<'c> {
     }
 
     /// Returns every result with its derivatives, in radians, newtons and length units. `None` if the result's case has
-    /// no equilibrium, or if the derivatives of its state do not exist.
+    /// no equilibrium, if the derivatives of its state do not exist, or if the result is measured from a car at rest that has
+    /// no equilibrium.
     ///
     /// # Errors
     /// Returns the reason if the design position cannot be solved.
@@ -136,7 +138,13 @@ impl<'c> CarRequest<'c> {
             let found = solver.solve(case);
             let gradients = found.and_then(|found| solver.gradients(case, &found, &quantities));
             match gradients {
-                Ok(gradients) => all.extend(gradients.into_iter().map(Some)),
+                Ok(gradients) => {
+                    let known = quantities.iter().zip(gradients).map(|(of, gradient)| {
+                        let lacks_rest = of.is_since_rest() && gradient.value.is_nan();
+                        (!lacks_rest).then_some(gradient)
+                    });
+                    all.extend(known);
+                }
                 Err(_) => all.extend(quantities.iter().map(|_| None)),
             }
         }

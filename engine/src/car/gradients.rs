@@ -25,6 +25,17 @@ pub struct CarGradient {
     pub parameters: [f64; Parameter::COUNT],
 }
 
+impl CarGradient {
+    /// Sets the value and all derivatives to NaN.
+    fn remove(&mut self) {
+        self.value = f64::NAN;
+        self.parameters = [f64::NAN; Parameter::COUNT];
+        for by in self.hardpoints.iter_mut().chain(&mut self.wheels).flatten() {
+            *by = Vector3::new(f64::NAN, f64::NAN, f64::NAN);
+        }
+    }
+}
+
 impl<'a> CarSolver<'a> {
     /// Computes a state with its derivatives with respect to accelerations, a couple on the body, body motions, and
     /// warp of the ground.
@@ -32,6 +43,17 @@ impl<'a> CarSolver<'a> {
         &mut self,
         case: &Case,
         found: &Equilibrium,
+    ) -> Result<Solved<'a, f64>, NoEquilibrium> {
+        self.solved_for(case, found, [CarQuantity::Whole(WholeResult::JackingHeave)])
+    }
+
+    /// Computes the same as [`CarSolver::solved`], but solves the car at rest only if one of these results is measured from
+    /// it.
+    pub fn solved_for(
+        &mut self,
+        case: &Case,
+        found: &Equilibrium,
+        quantities: impl IntoIterator<Item = CarQuantity>,
     ) -> Result<Solved<'a, f64>, NoEquilibrium> {
         let wheels = self.wheels_of(found)?;
         let parameters = Parameters::of(self.car, case);
@@ -41,11 +63,17 @@ impl<'a> CarSolver<'a> {
             Wheels::Exact(exact) => Solved::at(car, &exact.base(held), &parameters, x),
         };
         let mut solved = solved.ok_or(NoEquilibrium::Singular)?;
-        if let Ok((rest, at_rest)) = self.at_rest(case) {
-            let state = self.balance(&rest, &at_rest)?;
-            solved.rest_heave = CarQuantity::Whole(WholeResult::Heave).evaluate_state(&state);
+        if quantities.into_iter().any(CarQuantity::is_since_rest) {
+            solved.rest_heave = self.heave_at_rest(case).unwrap_or(f64::NAN);
         }
         Ok(solved)
+    }
+
+    /// Computes the heave of the car at rest with the tyres of a case.
+    fn heave_at_rest(&mut self, case: &Case) -> Result<f64, NoEquilibrium> {
+        let (rest, found) = self.at_rest(case)?;
+        let state = self.balance(&rest, &found)?;
+        Ok(CarQuantity::Whole(WholeResult::Heave).evaluate_state(&state))
     }
 
     /// Solves the car at rest with the tyres of a case (rigid or elastic).
@@ -63,21 +91,21 @@ impl<'a> CarSolver<'a> {
         }
     }
 
+    /// Computes the heave of the car at rest with its derivatives.
+    fn gradient_at_rest(&mut self, case: &Case) -> Result<CarGradient, NoEquilibrium> {
+        let heave = [CarQuantity::Whole(WholeResult::Heave)];
+        let (rest, found) = self.at_rest(case)?;
+        Ok(self.gradients(&rest, &found, &heave)?.swap_remove(0))
+    }
+
     /// Adds the heave of the car at rest to results that are measured from the car at rest. Also adds the derivatives
     /// of this heave with respect to the design. This heave does not depend on the accelerations, speed, warp or racks
-    /// of the case.
-    fn add_rest(
-        &mut self,
-        case: &Case,
-        quantities: &[CarQuantity],
-        gradients: &mut [CarGradient],
-    ) -> Result<(), NoEquilibrium> {
+    /// of the case. If the car at rest has no equilibrium, these results become NaN.
+    fn add_rest(&mut self, case: &Case, quantities: &[CarQuantity], gradients: &mut [CarGradient]) {
         if !quantities.iter().any(|quantity| quantity.is_since_rest()) {
-            return Ok(());
+            return;
         }
-        let (rest, found) = self.at_rest(case)?;
-        let heave = [CarQuantity::Whole(WholeResult::Heave)];
-        let at_rest = self.gradients(&rest, &found, &heave)?.swap_remove(0);
+        let at_rest = self.gradient_at_rest(case);
         let of_case = |place: usize| {
             use AxleParameter::Rack;
             use BodyParameter::{Ax, Ay, Az, Speed, Warp};
@@ -89,6 +117,10 @@ impl<'a> CarSolver<'a> {
             if !quantity.is_since_rest() {
                 continue;
             }
+            let Ok(at_rest) = &at_rest else {
+                gradient.remove();
+                continue;
+            };
             gradient.value += at_rest.value;
             for (place, sum) in gradient.parameters.iter_mut().enumerate() {
                 if !of_case(place) {
@@ -103,10 +135,10 @@ impl<'a> CarSolver<'a> {
                 }
             }
         }
-        Ok(())
     }
 
-    /// Computes results with their derivatives with respect to all hardpoints and parameters.
+    /// Computes results with their derivatives with respect to all hardpoints and parameters. Results that are measured from
+    /// the car at rest have the value NaN if the car at rest has no equilibrium.
     pub fn gradients(
         &mut self,
         case: &Case,
@@ -173,7 +205,7 @@ impl<'a> CarSolver<'a> {
                 wheels,
             });
         });
-        self.add_rest(case, quantities, &mut gradients)?;
+        self.add_rest(case, quantities, &mut gradients);
         Ok(gradients)
     }
 

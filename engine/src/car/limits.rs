@@ -161,7 +161,7 @@ impl CarSolver<'_> {
             let leaves = !matches!(&next, Ok(found) if found.lifted == [false; 4]);
             if leaves && at.is_down() {
                 at = self.last_down(&ray, at, g);
-                lift = self.lift(&ray, &at);
+                lift = lift.or_else(|| self.lift(&ray, &at));
             }
             match next {
                 Ok(found) => at = At { g, found },

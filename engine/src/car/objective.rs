@@ -3,8 +3,7 @@
 use super::moves::{CarVariable, moved};
 use super::rig::RigRows;
 use super::tune::{CarGoals, RigGoals};
-use super::{Car, CarQuantity, CarSolver, NoEquilibrium};
-use crate::mechanism::DesignFault;
+use super::{AXLE_NAMES, Car, CarQuantity, CarSolver, NoEquilibrium};
 use crate::optimise::{
     Assessment, Constrained, Infeasible, LeastSquares, Linearisation, Shape, TargetLayout,
 };
@@ -306,16 +305,18 @@ impl Constrained for Objective<'_> {
 pub(super) struct Problem<'a> {
     pub(super) car: &'a Car,
     pub(super) goals: CarGoals<'a>,
-    layouts: Vec<(&'a Vehicle, &'a RigGoals, TargetLayout)>,
+    /// Index, study, goals and layout of each axle with goals.
+    layouts: Vec<(usize, &'a Vehicle, &'a RigGoals, TargetLayout)>,
     scale: f64,
 }
 
 impl<'a> Problem<'a> {
     /// Makes the problem. The error describes an axle whose design position cannot be solved.
     pub(super) fn of(car: &'a Car, goals: CarGoals<'a>) -> Result<Self, String> {
-        let layouts = goals.rigs.into_iter().flatten().map(|(vehicle, own)| {
+        let layouts = goals.rigs.into_iter().enumerate().filter_map(|(end, rig)| {
+            let (vehicle, own) = rig?;
             let layout = TargetLayout::of(&own.optimise, vehicle);
-            (vehicle, own, layout)
+            Some((end, vehicle, own, layout))
         });
         let mut problem = Problem {
             car,
@@ -323,7 +324,7 @@ impl<'a> Problem<'a> {
             layouts: layouts.collect(),
             scale: 1.0,
         };
-        let rigs = problem.rigs().map_err(|fault| format!("{fault:?}"))?;
+        let rigs = problem.rigs()?;
         let residuals: usize = rigs.iter().map(|rig| rig.shape().goal).sum();
         let of_cases: f64 = goals.targets.iter().map(|target| target.weight).sum();
         let weights = of_cases + rigs.iter().map(RigRows::weights).sum::<f64>();
@@ -332,9 +333,12 @@ impl<'a> Problem<'a> {
         Ok(problem)
     }
 
-    fn rigs(&self) -> Result<Vec<RigRows<'_>>, DesignFault> {
+    fn rigs(&self) -> Result<Vec<RigRows<'_>>, String> {
         let layouts = self.layouts.iter();
-        let rows = layouts.map(|(vehicle, own, layout)| RigRows::new(vehicle, own, layout));
+        let rows = layouts.map(|(end, vehicle, own, layout)| {
+            let rows = RigRows::new(vehicle, own, layout);
+            rows.map_err(|reason| format!("{} axle: {reason}", AXLE_NAMES[*end]))
+        });
         rows.collect()
     }
 

@@ -2,7 +2,6 @@
 
 use super::Car;
 use super::tune::RigGoals;
-use crate::mechanism::DesignFault;
 use crate::optimise::{
     Assessment, Constrained, Deviation, Infeasible, Linearisation, Objective, Shape, TargetLayout,
 };
@@ -18,12 +17,15 @@ pub(super) struct RigRows<'a> {
 }
 
 impl<'a> RigRows<'a> {
+    /// Makes the rows. The error is the reason why the design position of the axle cannot be solved.
     pub(super) fn new(
         vehicle: &'a Vehicle,
         goals: &'a RigGoals,
         layout: &'a TargetLayout,
-    ) -> Result<Self, DesignFault> {
-        let objective = Objective::new(vehicle.wheel(), &goals.optimise.variables, layout)?;
+    ) -> Result<Self, String> {
+        let wheel = vehicle.wheel();
+        let objective = Objective::new(wheel, &goals.optimise.variables, layout);
+        let objective = objective.map_err(|fault| fault.describe(&wheel.mechanism))?;
         Ok(RigRows {
             goals,
             layout,
@@ -170,8 +172,7 @@ impl RigGoals {
     /// Computes the outcome for values `x` of the car's variables. The error is the reason why the axle has no outcome.
     pub fn outcome(&self, vehicle: &Vehicle, x: &[f64]) -> Result<RigOutcome, String> {
         let layout = TargetLayout::of(&self.optimise, vehicle);
-        let mut rows =
-            RigRows::new(vehicle, self, &layout).map_err(|fault| format!("{fault:?}"))?;
+        let mut rows = RigRows::new(vehicle, self, &layout)?;
         let x = DVector::from_column_slice(x);
         let own = rows.own(&x);
         let margins = rows.objective.margins(&own, &mut rows.assessment);

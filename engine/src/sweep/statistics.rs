@@ -150,7 +150,6 @@ impl SweepStatistics {
             let is_solved = rows.failing[place].is_none();
             let mut violates = false;
             for (k, least) in limits.iter().filter(|_| is_solved) {
-                // A margin without a value is NaN. Such a design does not satisfy the constraint.
                 if outputs[*k].is_nan() || outputs[*k] < *least {
                     statistics.violating[*k] += 1;
                     violates = true;

@@ -11,6 +11,7 @@ mod mechanics;
 mod moves;
 mod page;
 mod reference;
+mod rest;
 mod rigs;
 mod second_order;
 mod side_effects;

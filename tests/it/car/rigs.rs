@@ -3,7 +3,7 @@
 use super::commands::{hardpoint, studies};
 use hardpoint::axle::{AxleSolver, Placement, Quantity};
 use hardpoint::car::{CarGoals, CarQuantity, CarSolver, CarTarget, moved, tune};
-use hardpoint::study::CarStudy;
+use hardpoint::study::{CarStudy, Vehicle};
 use serde_json::Value;
 use std::path::Path;
 
@@ -37,6 +37,28 @@ constraints = [
   { case = "turn", characteristic = "front_right_wheel_load", at_most = 7000.0 },
 ]
 "#;
+
+/// The outer joint of the arm lies on the axis of its inner joints. The reason names the point in words.
+#[test]
+fn the_fault_of_an_axle_is_in_words() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = car(directory.path(), BUMP_STEER);
+    let mut study = CarStudy::read(&path, &[]).unwrap();
+    let Vehicle::Axle(both) = &mut study.axles[0].vehicle else {
+        panic!("an axle of a car");
+    };
+    let left = &mut both.axle.left;
+    let [joint, inner] =
+        ["lower_ball_joint", "lower_arm_front"].map(|name| left.mechanism.point(name).unwrap());
+    left.design[joint.0] = left.design[inner.0];
+    let rig = study.optimise.as_ref().unwrap().rigs[0].as_ref().unwrap();
+    let columns = rig.columns.iter().max().unwrap() + 1;
+    let reason = rig
+        .outcome(&study.axles[0].vehicle, &vec![0.0; columns])
+        .unwrap_err();
+    assert!(reason.contains("lower_ball_joint"), "{reason}");
+    assert!(!reason.contains("PointId"), "{reason}");
+}
 
 /// Gradients of all residuals equal finite differences. The misfit is the weighted mean over targets of load cases and
 /// targets of axles.

@@ -1,4 +1,4 @@
-//! Tests of the statistics of rows: which designs are ranked, and which sums the main effects use.
+//! Tests of the statistics of rows: which designs are ranked, and which sums the main effects use. Also a test of the record.
 
 use super::{Bench, STUDY};
 use hardpoint::study::Study;
@@ -57,4 +57,18 @@ fn an_incomplete_grid_has_corrected_shares() {
     });
     assert_eq!(lacking, failed);
     assert_ne!(lacking, whole);
+}
+
+/// The x axis of the study points rearward, against the axis of the program. The tolerance in the record stays positive.
+#[test]
+fn tolerances_of_reversed_axes_are_positive() {
+    let study = STUDY.replace(
+        "[suspension]\n",
+        "[suspension]\nframe = \"x_rear\"\nside = \"right\"\n",
+    );
+    let bench = Bench::new(&study);
+    let target = "optimise.targets=[{ point = \"wheel_centre\", axis = \"x\", at = 0.0, value = 1.0, tolerance = 0.5 }]";
+    let study = Study::read(&bench.path("study.toml"), &[target.to_owned()]).unwrap();
+    let plan = SweepPlan::of(&study, study.sweep.as_ref().unwrap()).unwrap();
+    assert_eq!(plan.record.targets[0].tolerance, 0.5);
 }

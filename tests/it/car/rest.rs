@@ -1,0 +1,40 @@
+//! Tests of cars that have no equilibrium at rest.
+
+use hardpoint::car::{CarQuantity, CarRequest, CarSolver, Case};
+use hardpoint::study::CarStudy;
+use std::path::Path;
+
+/// The car is ten times as heavy, and its case has a tenth of the gravity. At rest its springs cannot carry it. Only the jacking
+/// heave is measured from the car at rest, so only this result is unknown.
+#[test]
+fn only_the_jacking_heave_needs_the_car_at_rest() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/off_road_car.toml");
+    let mut car = CarStudy::read(&path, &[]).unwrap().car;
+    car.mass *= 10.0;
+    let mut case = Case::at_rest("light");
+    (case.ay, case.az) = (0.02, -0.9);
+    case.setting.elastic_tyres = false;
+    let [roll, jacking] = ["roll", "jacking_heave"].map(|name| CarQuantity::named(name)[0]);
+    let mut solver = CarSolver::new(&car).unwrap();
+    assert!(
+        solver
+            .solve(&Case {
+                az: 0.0,
+                ..case.clone()
+            })
+            .is_err()
+    );
+    let found = solver.solve(&case).unwrap();
+    let alone = solver.gradients(&case, &found, &[roll]).unwrap();
+    let both = solver.gradients(&case, &found, &[roll, jacking]).unwrap();
+    assert!(both[0].value.is_finite() && both[0].value == alone[0].value);
+    assert_eq!(both[0].parameters, alone[0].parameters);
+    assert!(both[1].value.is_nan() && both[1].parameters.iter().all(|by| by.is_nan()));
+    let cases = [case];
+    let request = CarRequest::of(&cases, &[roll, jacking], []);
+    let known = request.gradients(&car).unwrap();
+    assert!(known[0].is_some() && known[1].is_none());
+    let mut values = [0.0; 2];
+    assert!(request.values(&car, &mut values).unwrap().is_none());
+    assert!(values[0].is_finite() && values[1].is_nan());
+}

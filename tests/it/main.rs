@@ -16,6 +16,7 @@ mod command_line;
 mod compliance;
 mod convert;
 mod derivatives;
+mod design_function;
 mod effects;
 mod exchange;
 mod front_door;

@@ -610,3 +610,66 @@ fn changes_as_asked_have_their_own_line() {
         "{said}"
     );
 }
+
+/// Study of an axle with a second motion of the same kind, `other`, and a target for toe in `[motion]`. Returns the side effects
+/// of a moved tie rod, and the change of the left toe at each station of `other`.
+fn of_second_motion(other: &str, target: &str) -> (Vec<SideEffect>, Vec<f64>) {
+    let overrides = [
+        "motion={ heave = [-40.0, 0.0, 40.0] }",
+        &format!("motions.other={other}"),
+        "outputs.characteristics=[\"toe\"]",
+        &format!(
+            "optimise.targets=[{{ characteristic = \"toe\", over = \"heave\", {target}, value = 0.0, tolerance = 0.1 }}]"
+        ),
+        "optimise.variables=[{ hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-20.0, 20.0] }]",
+    ];
+    let before = study("macpherson_axle_front", &overrides);
+    let after = before.moved(&[5.0]);
+    let [was, is] = [&before, &after]
+        .map(|study| axle_values(&study.in_motion("other").unwrap(), "left_toe_deg"));
+    let changes = was.iter().zip(&is).map(|(a, b)| b.unwrap() - a.unwrap());
+    (side_effects(&before, &after).unwrap(), changes.collect())
+}
+
+/// A target for one wheel requests a change of this wheel alone, also over a named motion. There, the same change of the other
+/// wheel is a side effect.
+#[test]
+fn a_target_of_one_wheel_asks_for_nothing_at_the_other() {
+    for (side, other) in [("left", "right"), ("right", "left")] {
+        let target = format!("side = \"{side}\", at = 40.0");
+        let (effects, changes) = of_second_motion("{ heave = [20.0, 30.0] }", &target);
+        let toe = named(&effects, "toe, other");
+        assert_eq!(toe.wheel.as_deref(), Some(other), "{toe:?}");
+        let whole = changes
+            .iter()
+            .fold(0.0, |most, change| larger(most, change.abs()));
+        assert!(
+            whole > 0.05 && (toe.largest_change.unwrap().abs() - whole).abs() < 1e-9,
+            "{toe:?} {whole}"
+        );
+        assert!(
+            (toe.asked_change.abs() - whole).abs() < 1e-9,
+            "{toe:?} {whole}"
+        );
+    }
+}
+
+/// A target in `[motion]` does not apply to the nearest station of a named motion. This station is compared, too.
+#[test]
+fn a_target_of_the_motion_is_not_moved_to_a_named_motion() {
+    let (effects, changes) = of_second_motion("{ heave = [-20.0, -10.0, 10.0] }", "at = 40.0");
+    let toe = named(&effects, "toe, other");
+    // In jounce the change has the direction of the requested change, and is smaller. In rebound it has the other direction.
+    assert!(
+        changes[0] * changes[2] < 0.0 && changes[2].abs() > 0.01,
+        "{changes:?}"
+    );
+    assert!(
+        (toe.asked_change - changes[2]).abs() < 1e-9,
+        "{toe:?} {changes:?}"
+    );
+    assert!(
+        (toe.largest_change.unwrap() - changes[0]).abs() < 1e-9,
+        "{toe:?} {changes:?}"
+    );
+}

@@ -1,8 +1,10 @@
 //! Tests of the meaning of a study: units, frames, defaults, overrides, and studies written back.
 
 use hardpoint::characteristics::Characteristic;
+use hardpoint::curves::wheel_curves;
 use hardpoint::model::{Body, PointId, SpinAxis, Topology};
 use hardpoint::number::Vector3;
+use hardpoint::plan::Plan;
 use hardpoint::study::{Designs, Drive, Interpolation, Order, Study, Wanted};
 use proptest::prelude::*;
 use std::fs;
@@ -435,6 +437,29 @@ proptest! {
         let front = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_front.toml");
         if let Err(errors) = Study::read(&front, &[set]) {
             prop_assert!(errors.to_string().contains("--set"));
+        }
+    }
+}
+
+/// If a drawing leaves out stations of a motion over time, each of the others keeps its time and its time derivatives.
+#[test]
+fn stations_of_a_drawing_keep_their_times() {
+    let motion =
+        "motion={ time = { polynomial = [-30.0, 50.0, 20.0], from = 0.0, to = 0.9, steps = 91 } }";
+    let outputs = "outputs={ characteristics = [\"camber\", \"toe\"], order = \"velocity\" }";
+    let study = with_overrides(&[motion, outputs]);
+    let own = study.one_wheel().unwrap();
+    let plan = Plan::of(own);
+    let all = wheel_curves(own, &plan).unwrap();
+    let few = wheel_curves(own, &plan.thinned(46, 3)).unwrap();
+    assert_eq!((all.stations.len(), few.stations.len()), (91, 46));
+    assert_eq!(few.motion.len(), 3);
+    for (number, few) in few.stations.iter().enumerate() {
+        let all = &all.stations[2 * number];
+        assert_eq!(few.at, all.at);
+        for (a, b) in few.values.iter().zip(&all.values) {
+            let (a, b) = (a.unwrap(), b.unwrap());
+            assert!((a - b).abs() < 1e-9 * b.abs().max(1.0), "{a} {b}");
         }
     }
 }

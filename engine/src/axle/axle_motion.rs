@@ -1,7 +1,7 @@
 //! Motion of an axle, and the stations of this motion: all combinations of the given values, or the rows of a table.
 
 use super::solver::Placement;
-use super::{Axle, AxlePlan, Coordinate};
+use super::{Axle, AxlePlan, Coordinate, Motion};
 use crate::study::{AxleStudy, TimeLaw};
 
 /// Rule that combines the values of the coordinates into stations.
@@ -237,7 +237,7 @@ impl AxleMotion {
 
     /// Checks that another study can have this motion: the checks of a study's own motion.
     fn check_for(&self, other: &Axle, plan: &AxlePlan) -> Result<(), String> {
-        let has_gear = !other.is_rigid() || other.left.mechanism.axle_steering().is_some();
+        let by_time = self.time.as_ref().map(|time| time.coordinate.motion());
         let at_load = matches!(self.wheels, WheelMotion::Roll { at_load: true, .. });
         let why = if self.shows_roll() && other.setup.wheel_radius.is_none() {
             "a plane ground needs radius in [wheel], which this study does not give"
@@ -249,9 +249,9 @@ impl AxleMotion {
         } else if at_load && plan.certify {
             "the first study has hold = \"wheel_load\", which does not work with certify; expected no certify in this study, or \
              hold = \"mean_travel\" in the first study"
-        } else if self.shows_rack && !has_gear {
-            "this axle has no rack and no drag link; expected no \"rack\" and no \"steering_wheel_angle\" in [motion] of the first \
-             study"
+        } else if by_time == Some(Motion::Rack) && !other.has_steering_gear() {
+            "the rack of the first study is a function of time, and this axle has no rack and no drag link; expected another \
+             \"drive\" in [motion] of the first study"
         } else if other.elastic.is_some() && !self.is_on_level_pads() {
             "axles with [compliance] are solved on level pads: the first study needs heave, or travel_left and travel_right, in \
              [motion]"

@@ -8,7 +8,7 @@ use super::taylor::Taylor;
 use super::{Axle, AxlePlan, Quantity, Read, WheelMotion};
 use crate::ask::{NoValue, with_unit};
 use crate::curves::{ByTime, Column, Loads, per, velocity_name};
-use crate::model::{Axis, LengthUnit, PointId, RockerId, Side};
+use crate::model::{Axis, PointId, RockerId, Side};
 use crate::number::{Each, Jet};
 
 /// A column of values in the results.
@@ -329,7 +329,8 @@ fn by_wheel() -> impl Iterator<Item = (Side, Axis)> {
 
 impl AxlePlan {
     /// Motions along which results have derivatives, with the name and unit of each motion.
-    fn motions(&self, length: LengthUnit) -> Vec<ByMotion> {
+    fn motions(&self, axle: &Axle) -> Vec<ByMotion> {
+        let length = axle.left.length_unit;
         if self.derivatives == 0 {
             return Vec::new();
         }
@@ -352,7 +353,8 @@ impl AxlePlan {
                 by_length(Motion::TravelRight, "travel_right"),
             ],
         };
-        if self.motion.shows_rack {
+        // The motion of another study may move a rack that this axle does not have.
+        if self.motion.shows_rack && axle.has_steering_gear() {
             motions.push(by_length(Motion::Rack, "rack"));
         }
         motions
@@ -386,7 +388,7 @@ impl AxlePlan {
     /// wheel carriers, forces.
     pub fn columns(&self, axle: &Axle) -> Vec<AxleColumn> {
         let length = axle.left.length_unit;
-        let motions = self.motions(length);
+        let motions = self.motions(axle);
         let derivatives = |value: &AxleColumn| self.derivatives_of(value, &motions, axle);
         let mut columns = Vec::new();
         for quantity in &self.quantities {

@@ -127,6 +127,11 @@ impl Axle {
         self.left.mechanism.rigid_axle.is_some()
     }
 
+    /// Returns true if a rack or a drag link steers the wheels.
+    pub(crate) fn has_steering_gear(&self) -> bool {
+        !self.is_rigid() || self.left.mechanism.axle_steering().is_some()
+    }
+
     /// Kind of this axle.
     pub fn kind(&self) -> AxleKind {
         match &self.left.mechanism.rigid_axle {

@@ -25,6 +25,7 @@ mod springs;
 mod sweep;
 mod symmetry;
 mod targets_of_motions;
+mod toggles;
 mod tuning;
 
 use hardpoint::axle::{Axle, Law, Setup, SpringLaw};

@@ -1,7 +1,7 @@
 //! Tests of `hardpoint compare` with axles.
 
 use super::commands::{folder, run, study};
-use crate::support::larger;
+use crate::support::{larger, one_line};
 use hardpoint::report::CurveTable;
 use std::fs;
 use std::path::Path;
@@ -136,5 +136,86 @@ fn wheels_and_axles_and_other_motions_are_not_mixed() {
         let (_, said) = run(&["compare", pair[0], pair[1], "--out", "-"], 2);
         let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(said.contains("run them over the same motion"), "{said}");
+    }
+}
+
+/// Writes a study of the repository with changed texts into this folder.
+fn changed(folder: &Path, name: &str, changes: &[(&str, &str)]) -> String {
+    fs::create_dir_all(folder).unwrap();
+    let mut text = fs::read_to_string(study(&format!("{name}.toml"))).unwrap();
+    for (from, to) in changes {
+        assert!(text.contains(from), "{from}");
+        text = text.replacen(from, to, 1);
+    }
+    let path = folder.join(format!("{name}_changed.toml"));
+    fs::write(&path, text).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+/// The motion of the first study moves a rack that a second, unsteered solid axle does not have. This axle has no derivatives
+/// with respect to the rack, and all other columns.
+#[test]
+fn an_axle_without_a_rack_has_no_derivatives_by_the_rack() {
+    let folder = folder("compare_rack");
+    let order = ("[outputs]", "[outputs]\norder = \"velocity\"");
+    let few = ("steering_wheel_angle = [0.0, 120.0]", "rack = [0.0, 10.0]");
+    let first = changed(&folder, "macpherson_axle", &[few]);
+    let solid = changed(&folder, "solid_axle_solve", &[order]);
+    let out = folder.join("compared");
+    run(
+        &["compare", &first, &solid, "--out", out.to_str().unwrap()],
+        0,
+    );
+    let header = comparison(&out).header;
+    assert!(
+        header.iter().any(|name| name.starts_with("roll_steer")),
+        "{header:?}"
+    );
+    let of_solid = |name: &&String| name.ends_with("[solid_axle_solve_changed]");
+    let mut of_solid = header.iter().filter(of_solid);
+    assert!(
+        of_solid.all(|name| !name.contains("_by_rack")),
+        "{header:?}"
+    );
+    // A rack that follows a time law gives no time derivatives of this axle either.
+    let law =
+        "drive = \"rack\"\ntime = { polynomial = [0.0, 10.0], from = 0.0, to = 1.0, steps = 2 }";
+    let first = changed(
+        &folder,
+        "macpherson_axle",
+        &[("steering_wheel_angle = [0.0, 120.0]", law)],
+    );
+    let (_, said) = run(&["compare", &first, &solid, "--out", "-"], 2);
+    assert!(
+        one_line(&said).contains("this axle has no rack and no drag link"),
+        "{said}"
+    );
+}
+
+/// Derivatives along roll are at constant mean travel. So `compare` refuses them, and certificates, if the first study holds the
+/// wheel loads instead.
+#[test]
+fn what_a_study_cannot_have_at_constant_wheel_loads_is_refused() {
+    let folder = folder("compare_loads");
+    let hold = (
+        "steering_wheel_angle = [0.0, 120.0]",
+        "hold = \"wheel_load\"",
+    );
+    let first = changed(&folder, "macpherson_axle", &[hold]);
+    for (key, wanted) in [
+        ("order = \"velocity\"", "does not work with derivatives"),
+        ("certify = true", "does not work with certify"),
+    ] {
+        let outputs = format!("[outputs]\n{key}\ncharacteristics = [\"camber\"]\n");
+        let text = fs::read_to_string(study("macpherson_axle.toml")).unwrap();
+        let other = folder.join("other.toml");
+        fs::write(
+            &other,
+            text.split("[outputs]").next().unwrap().to_owned() + &outputs,
+        )
+        .unwrap();
+        let arguments = ["compare", &first, other.to_str().unwrap(), "--out", "-"];
+        let (_, said) = run(&arguments, 2);
+        assert!(one_line(&said).contains(wanted), "{said}");
     }
 }

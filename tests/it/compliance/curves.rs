@@ -3,7 +3,8 @@
 use super::support::{elastic, fourth_order, with};
 use crate::support::larger;
 use hardpoint::compliance::ElasticWheel;
-use hardpoint::curves::{Curves, Status};
+use hardpoint::curves::{Curves, Influence, Status, influences};
+use hardpoint::plan::Plan;
 use hardpoint::study::Study;
 use std::path::Path;
 
@@ -288,4 +289,41 @@ fn quantities_of_the_rigid_mechanism_are_refused_by_name() {
         let said = errors.render(false);
         assert!(said.contains(phrase), "{more}: {said}");
     }
+}
+
+/// Influence of coordinates on outputs: a test whose window has no equilibrium at the last station has no value there. The
+/// influences on other outputs are the same as without this test, and its own influences are those of the other stations.
+#[test]
+fn a_missing_value_does_not_mix_influences() {
+    let influences_on = |outputs: &str, travels: &str| {
+        let text = with("double_wishbone_compliance.toml", outputs);
+        let test = "relaxed = \"at_design_load\"\ntests = [{ load = \"lateral\", hold = \"wheel_load\", window = 40000.0 }]";
+        let text = text.replacen("relaxed = \"at_design_load\"", test, 1);
+        let steps = "travel = { from = -40.0, to = 40.0, steps = 5 }";
+        assert!(text.contains(steps));
+        let study = elastic(&text.replacen(steps, travels, 1));
+        let own = study.one_wheel().unwrap();
+        influences(own, &Plan::of(own)).unwrap()
+    };
+    let both = "[outputs]\ncharacteristics = [\"toe\", \"toe_by_lateral_force_secant\"]\n";
+    let toe = "[outputs]\ncharacteristics = [\"toe\"]\n";
+    let secant = "[outputs]\ncharacteristics = [\"toe_by_lateral_force_secant\"]\n";
+    let found = influences_on(both, "travel = [-40.0, 0.0, 40.0]");
+    let mut wanted = influences_on(toe, "travel = [-40.0, 0.0, 40.0]");
+    wanted.extend(influences_on(secant, "travel = [-40.0, 0.0]"));
+    assert!(wanted.len() > 40, "{}", wanted.len());
+    let named = |all: &[Influence]| -> Vec<(String, String)> {
+        all.iter()
+            .map(|i| (i.output.clone(), i.coordinate.clone()))
+            .collect()
+    };
+    assert_eq!(named(&found), named(&wanted));
+    let numbers = |i: &Influence| [i.largest, i.rms, i.bend];
+    let mut worst = 0.0;
+    for (found, wanted) in found.iter().zip(&wanted) {
+        for (a, b) in numbers(found).into_iter().zip(numbers(wanted)) {
+            worst = larger(worst, (a - b).abs() / wanted.rms.max(1e-6));
+        }
+    }
+    assert!(worst < 1e-9, "{worst:e}");
 }

@@ -238,3 +238,18 @@ fn a_loose_subframe_is_named() {
     assert_eq!(ran.status.code(), Some(1), "{said}");
     assert!(said.contains("then the subframe moves along"), "{said}");
 }
+
+/// `check` warns of a c_factor with the wrong sign, also for an axle with elastic parts.
+#[test]
+fn a_wheel_that_turns_against_the_steering_wheel_is_doubted() {
+    let directory = tempfile::tempdir().unwrap();
+    for (sign, is_wrong) in [("-", false), ("", true)] {
+        let factor = format!("steering.c_factor={sign}60.0");
+        let ran = hardpoint(&["check", &study(), "--set", &factor], directory.path());
+        let said =
+            [&ran.stdout, &ran.stderr].map(|text| String::from_utf8_lossy(text).into_owned());
+        let said = crate::support::one_line(&said.concat());
+        let doubt = "the wheels turn against the steering wheel";
+        assert_eq!(said.contains(doubt), is_wrong, "{said}");
+    }
+}

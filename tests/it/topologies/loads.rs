@@ -6,6 +6,7 @@ use crate::support::random::Random;
 use hardpoint::analyse::{Carried, Load, Reaction, Support};
 use hardpoint::characteristics::{Characteristic, Constants, Quantity, WheelReading};
 use hardpoint::derive::DesignSeries;
+use hardpoint::mechanism::Configuration;
 use hardpoint::model::{Axis, Body};
 use hardpoint::number::Vector3;
 
@@ -134,7 +135,8 @@ fn a_support_at_the_wheel_centre_does_not_load_the_arm_of_the_spring() {
     let joint = mechanism.arms[arm.0].outer;
     let point = travel(20.0, 0.0);
     at(mechanism, &suspension.design, point, |solver, pose| {
-        let place = |id| solver.configuration(pose, point.rack).point(id);
+        let configuration = Configuration::new(mechanism, &suspension.design, *pose, point.rack);
+        let place = |id| configuration.point(id);
         let load = Load {
             point: place(mechanism.wheel_centre) - Vector3::new(0.0, 0.0, 310.0),
             force: Vector3::new(-1000.0, 500.0, 4000.0),

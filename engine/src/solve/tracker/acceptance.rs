@@ -18,8 +18,6 @@ pub enum Rejection {
     TurnedFar,
     /// The path is as steep as near a fold. Or a contact point rises too slowly with its wheel.
     FoldNear,
-    /// The pose is correct, but a result that is computed from it is not accurate there. No check gives this reason at present.
-    ReadingUncertain,
     /// The route does not visit the station: the station is out of reach, or has the same drive value as another one. Or the
     /// mechanism cannot be tracked.
     NotOnTheWay,
@@ -27,14 +25,13 @@ pub enum Rejection {
 
 impl Rejection {
     /// All reasons.
-    pub const ALL: [Rejection; 8] = [
+    pub const ALL: [Rejection; 7] = [
         Rejection::NoLength,
         Rejection::NotSettled,
         Rejection::IllConditioned,
         Rejection::ChangedTooMuch,
         Rejection::TurnedFar,
         Rejection::FoldNear,
-        Rejection::ReadingUncertain,
         Rejection::NotOnTheWay,
     ];
 
@@ -47,7 +44,6 @@ impl Rejection {
             Rejection::ChangedTooMuch => "the equations changed too much in one step",
             Rejection::TurnedFar => "the mechanism turned too far in one step",
             Rejection::FoldNear => "a fold is near",
-            Rejection::ReadingUncertain => "an output is uncertain",
             Rejection::NotOnTheWay => "the station is out of reach or listed twice",
         }
     }

@@ -73,6 +73,16 @@ pub(super) struct Leg {
     pub extremes: Vec<Extremes>,
 }
 
+impl Leg {
+    /// Order of the stations that an evaluation needs: of the targets, of the constraints, or of both.
+    pub(super) fn order_of(&self, with_targets: bool, with_constraints: bool) -> StationOrder {
+        self.order.only(|station| {
+            with_targets && !self.targets[station].is_empty()
+                || with_constraints && !self.checks[station].is_empty()
+        })
+    }
+}
+
 /// A part of a constraint: one measure with its limits.
 #[derive(Clone, Debug)]
 pub(super) struct Part {

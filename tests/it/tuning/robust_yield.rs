@@ -175,3 +175,29 @@ fn a_value_held_at_a_limit_costs_no_yield() {
     assert_eq!(expected.judged, [1.0; 2]);
     assert!(expected.surrogate > 0.999, "{}", expected.surrogate);
 }
+
+/// The scatter of the tie rod does not change the caster in the design position, so all builds have the same bits. A band
+/// of such a value does not disturb the search, inside of the band and outside.
+#[test]
+fn a_value_without_scatter_does_not_stop_the_search() {
+    for [low, high] in [[2.0, 6.0], [-6.0, -2.0]] {
+        let bands = format!(
+            "tolerance.bands=[{{ characteristic = \"caster\", at = 0.0, between = [{low:?}, {high:?}] }}, \
+             {{ characteristic = \"toe\", at = 0.0, between = [-0.2, 0.2] }}]"
+        );
+        let overrides = [
+            &bands[..],
+            "tolerance.aligned=false",
+            "tolerance.scatter=[{ hardpoint = \"tie_rod_inner\", axis = \"y\", sigma = 0.3 }]",
+            "optimise.targets=[{ characteristic = \"bump_steer\", at = 0.0, value = -0.01, tolerance = 0.002 }]",
+            VARIABLES,
+            YIELD[0],
+            "optimise.scatter=16",
+        ];
+        let study = edited(WELDED, &overrides);
+        let (tuning, _) = best(&study, study.optimise.as_ref().unwrap());
+        let expected = tuning.expected_yield.unwrap().unwrap();
+        assert!(expected.surrogate.is_finite(), "{expected:?}");
+        assert_eq!(expected.judged[1] > 0.0, low > 0.0, "{expected:?}");
+    }
+}

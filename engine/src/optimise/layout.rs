@@ -6,6 +6,7 @@ mod draft;
 mod margins;
 mod rows;
 
+pub(super) use margins::whole;
 pub use margins::{Margin, VIOLATED};
 use rows::parts;
 pub(super) use rows::{Check, LimitedValue};

@@ -2,8 +2,8 @@
 //!
 //! The gain from a tighter tolerance comes from the first-order result over a fixed random sample. For each random draw, the
 //! code computes the contribution of each contributor to each value with a band. So the effect of half or twice a tolerance
-//! needs no new random numbers and no derivatives, only sums. A predicted yield is the yield of the Monte Carlo analysis plus the change of the
-//! linear yield.
+//! needs no new random numbers and no derivatives, only sums. A predicted yield is the yield of the Monte Carlo analysis plus
+//! the change of the linear yield.
 
 use super::{Expansion, MonteCarlo, Problem};
 use crate::sorting::sort_by;

@@ -158,3 +158,40 @@ impl TargetLayout {
         self.labels.iter().map(limit).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::Study;
+    use std::path::Path;
+
+    /// If one value of a constraint is missing, its margin has no value, at whatever station. The margins of the other
+    /// constraints do not change.
+    #[test]
+    fn a_missing_value_leaves_no_margin() {
+        let text = include_str!("../../../templates/double_wishbone.toml");
+        let study = Study::from_text("study.toml", text, Path::new("")).unwrap();
+        let overrides = [
+            "motion.travel=[-10.0,0.0,10.0]",
+            "optimise.variables=[{ hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-5.0, 5.0] }]",
+            "optimise.targets=[{ characteristic = \"toe\", at = 0.0, value = 0.0, tolerance = 0.1 }]",
+            "optimise.constraints=[{ characteristic = \"camber\", between = [-5.0, 5.0] }, \
+             { characteristic = \"toe\", between = [-5.0, 5.0] }]",
+        ];
+        let overrides = overrides.map(str::to_owned);
+        let study = study.with_overrides("study.toml", &overrides).unwrap();
+        let layout = TargetLayout::of(study.optimise.as_ref().unwrap(), &study.vehicle);
+        let labels = layout.labels();
+        let values: Vec<f64> = (0..labels.len()).map(|row| -1.0 - row as f64).collect();
+        let all = layout.margins(&values, &[]);
+        assert!(all.len() == 2 && all.iter().all(|own| own.margin > 0.0));
+        for (row, label) in labels.iter().enumerate() {
+            let mut missing = values.clone();
+            missing[row] = f64::NAN;
+            let found = layout.margins(&missing, &[]);
+            assert!(found[label.constraint].margin.is_nan());
+            let other = 1 - label.constraint;
+            assert_eq!(found[other].margin, all[other].margin);
+        }
+    }
+}

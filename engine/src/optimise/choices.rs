@@ -1,12 +1,12 @@
 //! Alternatives to the tuned design: the trade-off between a study's goals, and the price list (smallest misfit for each size of
 //! the design change).
 
-use super::constrained::Constrained;
+use super::constrained::{Constrained, KEPT};
 use super::front::{Found, Tracer};
 use super::multistart::fits;
 use super::trade::Criterion;
 use super::tune::{Tuner, TuningRequest};
-use super::{Control, Tuning};
+use super::{Control, Fit, Tuning};
 use crate::mechanism::DesignFault;
 use crate::study::{Optimise, Scatter, Vehicle};
 use nalgebra::DVector;
@@ -140,7 +140,7 @@ impl Tuner<'_> {
                 amounts,
             })
         };
-        let unmoved = untraded(&self.design).filter(|_| self.keeps_constraints());
+        let unmoved = untraded(&self.design).filter(|_| self.keeps_constraints(best));
         // The list also contains the tuned design, if this design satisfies the constraints.
         let kept = untraded(&best.x).filter(|_| best.is_feasible());
         let mut all: Vec<Found> = unmoved.into_iter().chain(found).collect();
@@ -148,19 +148,25 @@ impl Tuner<'_> {
             let place = all.partition_point(|other| other.amounts[1] < kept.amounts[1]);
             let near = |other: &Found| (other.amounts[1] - kept.amounts[1]).abs() < 1e-6;
             match all.iter().position(near) {
-                Some(same) => all[same].x = kept.x,
+                Some(same) => {
+                    // No weights belong to the tuned design. The weights of the entry apply to nearly the same change.
+                    let weights = std::mem::take(&mut all[same].weights);
+                    all[same] = Found { weights, ..kept };
+                }
                 None => all.insert(place, kept),
             }
         }
         all.into_iter().map(|found| self.choice(found)).collect()
     }
 
-    /// Returns true if the study's own design satisfies the constraints.
-    fn keeps_constraints(&self) -> bool {
+    /// Returns true if the study's own design satisfies the constraints. Rows that no variable moves do not count, as in the
+    /// best fit.
+    fn keeps_constraints(&self, best: &Fit) -> bool {
         let mut problem = self.problem();
         let shape = problem.shape();
         let mut at = super::Assessment::new(&shape);
         let assessed = problem.assess(&self.design, &mut at);
-        assessed.is_ok() && at.violation(shape.equalities, &[]) <= super::constrained::KEPT
+        let counts = |row| best.constraints.as_ref().is_none_or(|own| own.counts(row));
+        assessed.is_ok() && at.violation_of(shape.equalities, &[], counts) <= KEPT
     }
 }

@@ -74,12 +74,14 @@ impl Covariance {
         self.spread.column(j).norm_squared() / self.inverse[j]
     }
 
-    /// Pairs of variables with close correlation, the closest first.
+    /// Pairs of variables with close correlation, the closest first. A variable that the measurements do not determine has no
+    /// correlations.
     pub(super) fn correlations(&self) -> Vec<(usize, usize, f64)> {
         let norms: Vec<f64> = self.spread.column_iter().map(|c| c.norm()).collect();
         let mut correlations = Vec::new();
-        for i in 0..self.variables.len() {
-            for j in i + 1..self.variables.len() {
+        let count = self.variables.len();
+        for i in (0..count).filter(|i| !self.unseen[*i]) {
+            for j in (i + 1..count).filter(|j| !self.unseen[*j]) {
                 let product = self.spread.column(i).dot(&self.spread.column(j));
                 let correlation = product / (norms[i] * norms[j]);
                 if correlation.abs() > CLOSE {
@@ -145,6 +147,7 @@ mod tests {
         };
         let all = Covariance::of(&at, vec![0, 1, 2], &bounds, &[1.0; 3]).unwrap();
         assert_eq!(all.unseen, [true, true, false]);
+        assert_eq!(all.correlations(), []);
         assert_eq!((all.ratio(0), all.ratio(1)), (1.0, 1.0));
         assert!((all.ratio(2) - 1.0).abs() < 1e-12);
         assert_eq!(all.ratio(7), 0.0);

@@ -216,6 +216,15 @@ fn along_variables(
     add_rates(moved, by_rate, slopes);
 }
 
+/// Indices of the values that these targets and limits of a station use, in rising order.
+pub(super) fn used_by(samples: &[TargetSample], limits: &[LimitedValue]) -> Vec<usize> {
+    let of_samples = samples.iter().map(|own| own.of);
+    let mut used: Vec<usize> = of_samples.chain(limits.iter().map(|own| own.of)).collect();
+    used.sort_unstable();
+    used.dedup();
+    used
+}
+
 /// Adds the contributions of moving points to the derivatives with respect to the variables. `by` returns the derivative of
 /// the value with respect to a coordinate.
 pub(super) fn add_points(ways: &[PointRate], by: impl Fn(Parameter) -> f64, slopes: &mut [f64]) {
@@ -269,20 +278,24 @@ impl RowsBeside for Rows<'_> {
             )
         })?;
         for station in &layout.stations {
-            if into.is_none() && station.limits.is_empty() {
+            let samples = into.as_ref().map_or(&[][..], |_| &station.samples[..]);
+            let limits = rows.as_ref().map_or(&[][..], |_| &station.limits[..]);
+            let used = used_by(samples, limits);
+            if used.is_empty() {
                 continue;
             }
             let mut missing = false;
             let at = [station.travel, station.rack];
-            let found = run.gradients(at, &station.values, parameters, &mut |found| {
-                let own = |sample: &&TargetSample| sample.of == found.number;
+            let values: Vec<KcValue> = used.iter().map(|of| station.values[*of]).collect();
+            let found = run.gradients(at, &values, parameters, &mut |found| {
+                let of = used[found.number];
                 let Some(value) = found.value else {
                     missing = true;
                     return;
                 };
                 along_variables(moved, parameters, found.by, slopes);
                 if let Some((into, first)) = &mut into {
-                    for sample in station.samples.iter().filter(own) {
+                    for sample in samples.iter().filter(|sample| sample.of == of) {
                         let row = *first + sample.row;
                         if sample.write_residual(row, value, into) {
                             into.write_slopes(row, slopes, sample.scale);
@@ -290,7 +303,7 @@ impl RowsBeside for Rows<'_> {
                     }
                 }
                 if let Some(rows) = &mut rows {
-                    for own in station.limits.iter().filter(|own| own.of == found.number) {
+                    for own in limits.iter().filter(|own| own.of == of) {
                         own.check.write(&own.limited, value, slopes, rows);
                     }
                 }

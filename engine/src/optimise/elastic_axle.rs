@@ -5,8 +5,8 @@
 //! wheels are mirror images, one derivative applies to both; otherwise each wheel has a separate derivative. In a build, each
 //! wheel also has separate rates.
 
-use super::axle::{AxleLayout, AxleStation, Moved, RowsBeside};
-use super::elastic::{add_points, add_rates};
+use super::axle::{AxleLayout, Moved, RowsBeside};
+use super::elastic::{add_points, add_rates, used_by};
 use super::layout::TargetSample;
 use super::{Infeasible, Linearisation};
 use crate::axle::{Axle, AxleRead, Placement};
@@ -73,16 +73,6 @@ struct Rows<'a> {
     slopes: Vec<f64>,
 }
 
-/// Indices of the quantities that targets or limits of a station use. `count` is the number of all quantities. Targets are
-/// included only if `seeks_targets` is true.
-fn used_by(station: &AxleStation, count: usize, seeks_targets: bool) -> Vec<usize> {
-    let is_used = |k: &usize| {
-        let is_wanted = seeks_targets && station.samples.iter().any(|own| own.of == *k);
-        is_wanted || station.limits.iter().any(|own| own.of == *k)
-    };
-    (0..count).filter(is_used).collect()
-}
-
 /// Writes the slopes of a value along the variables, from its derivatives with respect to the parameters of the wheels that move.
 fn along_variables(
     moved: &Moved<'_>,
@@ -133,17 +123,15 @@ impl RowsBeside for Rows<'_> {
             .map_err(|(side, fault)| Infeasible::Refused(axle.describe_fault((side, fault))))?;
         let unit = axle.left.length_unit.symbol();
         for station in &layout.stations {
-            let AxleStation {
-                placement,
-                samples,
-                limits,
-            } = station;
-            if into.is_none() && limits.is_empty() {
+            let placement = &station.placement;
+            let samples = into.as_ref().map_or(&[][..], |_| &station.samples[..]);
+            let limits = rows.as_ref().map_or(&[][..], |_| &station.limits[..]);
+            let used = used_by(samples, limits);
+            if used.is_empty() {
                 continue;
             }
             let at = placement.on_level_pads();
             let at = at.ok_or_else(|| for_rigid_axles_only(*placement, unit))?;
-            let used = used_by(station, layout.quantities.len(), into.is_some());
             let reads = used.iter().map(|k| layout.quantities[*k].into());
             let reads: Vec<AxleRead> = reads.collect();
             let mut is_found = vec![false; used.len()];

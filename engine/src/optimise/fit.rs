@@ -238,6 +238,13 @@ pub struct ConstraintState {
     pub culprits: Vec<Held>,
 }
 
+impl ConstraintState {
+    /// Returns true if a row counts as satisfied or violated: some variable moves it.
+    pub(super) fn counts(&self, row: usize) -> bool {
+        self.movable.get(row).copied().unwrap_or(true)
+    }
+}
+
 impl Fit {
     /// Largest violation of the constraints; 0 without constraints.
     pub(super) fn violation(&self) -> f64 {

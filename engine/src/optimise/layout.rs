@@ -6,6 +6,7 @@ mod draft;
 mod margins;
 mod rows;
 
+pub(super) use margins::whole;
 pub use margins::{Margin, VIOLATED};
 use rows::parts;
 pub(super) use rows::{Check, LimitedValue};
@@ -71,6 +72,16 @@ pub(super) struct Leg {
     pub targets: Vec<Vec<TargetSample>>,
     pub checks: Vec<Vec<Check>>,
     pub extremes: Vec<Extremes>,
+}
+
+impl Leg {
+    /// Order of the stations that an evaluation needs: of the targets, of the constraints, or of both.
+    pub(super) fn order_of(&self, with_targets: bool, with_constraints: bool) -> StationOrder {
+        self.order.only(|station| {
+            with_targets && !self.targets[station].is_empty()
+                || with_constraints && !self.checks[station].is_empty()
+        })
+    }
 }
 
 /// A part of a constraint: one measure with its limits.

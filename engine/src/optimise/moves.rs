@@ -2,8 +2,9 @@
 //!
 //! Points that rotate as one body move to c + R(w) (p - c). Here c is the centroid of these points in the design, and w is
 //! the rotation vector. The displacements of a point by several bodies and by all other moves add up. Each is measured from
-//! the unmoved design. With the angle a = |w|, R is Cayley's rotation of the Rodrigues vector w tan(a/2)/a. The factor tan(a/2)/a is a power series in w.w. For rotations up to 18 degrees the series is
-//! accurate to double precision. With 15 degrees about each axis, the relative error of the angle is 3e-14.
+//! the unmoved design. With the angle a = |w|, R is Cayley's rotation of the Rodrigues vector w tan(a/2)/a. The factor
+//! tan(a/2)/a is a power series in w.w. For rotations up to 18 degrees the series is accurate to double precision. With 15
+//! degrees about each axis, the relative error of the angle is 3e-14.
 
 use crate::model::{Axis, Frame, PointId, Suspension};
 use crate::number::{Dual, Matrix3, Real, Vector3};

@@ -320,7 +320,8 @@ impl<'a> Objective<'a> {
     }
 
     /// Solves and reads the poses of one wheel with the moved design, one by one. Writes the residuals into `into`,
-    /// from the given row on, and the rows of the constraints into `rows`.
+    /// from the given row on, and the rows of the constraints into `rows`. Skips the stations that neither of them needs:
+    /// a build may lack a pose where only constraints apply.
     pub(super) fn evaluate_moved(
         &mut self,
         mut into: Option<(&mut Linearisation, usize)>,
@@ -328,9 +329,14 @@ impl<'a> Objective<'a> {
     ) -> Result<(), Infeasible> {
         self.prepare()?;
         for leg in &self.layout.legs {
+            let order = leg.order_of(into.is_some(), rows.is_some());
+            if order.is_empty() {
+                continue;
+            }
             self.begin(leg)?;
             self.reader.visit(Visit {
                 leg,
+                order: &order,
                 layout: self.layout,
                 constants: self.constants,
                 point_rates: &self.wheel.point_rates,

@@ -18,6 +18,8 @@ pub(super) type PartValues = Vec<Vec<f64>>;
 /// Inputs and memory for the evaluation of the stations of a leg (a motion at one rack displacement).
 pub(super) struct Visit<'v, 'a> {
     pub(super) leg: &'v Leg,
+    /// Stations of the leg that this evaluation needs ([`Leg::order_of`]).
+    pub(super) order: &'v StationOrder,
     pub(super) layout: &'v TargetLayout,
     pub(super) constants: Constants,
     pub(super) point_rates: &'v [PointRate],
@@ -87,6 +89,7 @@ impl<const N: usize> ReadStations for Reader<N> {
     fn visit(&mut self, visit: Visit<'_, '_>) -> Result<(), Infeasible> {
         let Visit {
             leg,
+            order,
             layout,
             constants,
             point_rates,
@@ -102,7 +105,7 @@ impl<const N: usize> ReadStations for Reader<N> {
             values.resize(leg.order.values().len(), f64::NAN);
         }
         let mut failed = None;
-        read_poses(solver, leg, &leg.order, |solver, station, place, pose| {
+        read_poses(solver, leg, order, |solver, station, place, pose| {
             let motion = place.along_drive::<N>();
             let linearised = solver.linearised(&self.series, pose, &motion)?;
             if let Some(rod) = toggles.note(Some(solver), &linearised.at, place.value) {

@@ -261,7 +261,11 @@ impl<'a> Tuner<'a> {
             Termination::YieldNotConverged
         };
         if let Some(state) = &mut fit.constraints {
-            state.violation = assessment.violation(shape.equalities, &[]);
+            for (all, own) in state.movable.iter_mut().zip(&found.movable) {
+                *all |= *own;
+            }
+            let counts = |row| state.counts(row);
+            state.violation = assessment.violation_of(shape.equalities, &[], counts);
             state.values = assessment.rows.residuals;
             // Prices of limits are changes of the misfit, so a search for yield reports no prices.
             (state.multipliers, state.alternatives) = (None, None);

@@ -3,6 +3,7 @@
 
 use super::constrained::KEPT;
 use super::fixed::{MISSED, moves};
+use super::layout::whole;
 use super::{Bounds, Fit, Linearisation};
 
 /// Relative difference up to which two computed prices of the same constraint count as equal.
@@ -30,12 +31,7 @@ impl Limit {
         values: &[f64],
         violation: impl Fn(usize, f64) -> f64,
     ) -> Option<Self> {
-        let value = match other {
-            None => values[row],
-            Some(other) if row < other => values[row].hypot(values[other]),
-            Some(_) => return None,
-        };
-        Some(Limit {
+        whole(row, other, |row| values[row]).map(|value| Limit {
             rows: [Some(row), other],
             violation: violation(row, value),
         })

@@ -50,6 +50,9 @@ const WIDTHS: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
 const WIDEST: f64 = 0.25;
 /// If a smaller share of the builds is within all bands, the search first lowers the distance of the builds from the bands.
 const FEW: f64 = 0.5;
+/// Standard deviation of a band whose value is the same in all builds: so small that it smooths nothing, and so large that
+/// the residuals and their powers stay finite.
+const STILL: f64 = 1e-30;
 /// Number of further builds with which the ends of the search are evaluated.
 const JUDGED: usize = 1 << 16;
 /// Number of further builds with which a design with elastic parts is evaluated. This number is smaller, because equilibria
@@ -123,8 +126,8 @@ impl<'a> YieldSearch<'a> {
         })
     }
 
-    /// Raises the yield from the optimum without scatter. An error gives the reason why a build of that optimum, or of an end
-    /// of the search, has no values. A request to stop can also be the reason.
+    /// Raises the yield from the optimum without scatter. An error gives the reason why a build of that optimum, or of the
+    /// builds of the search, has no values. A request to stop can also be the reason.
     fn run(&self, plain: &DVector<f64>) -> Result<Found, Infeasible> {
         let sigmas = self.sigmas(plain)?;
         let plain_share = self.share(plain)?;
@@ -143,8 +146,14 @@ impl<'a> YieldSearch<'a> {
             if self.control.is_interrupted() {
                 break;
             }
-            let share = self.share(&fit.x)?;
-            if fit.is_feasible() && share > kept.0 {
+            if !fit.is_feasible() {
+                continue;
+            }
+            // A further build of this end may have no values. This rejects only this end.
+            let Ok(share) = self.share(&fit.x) else {
+                continue;
+            };
+            if share > kept.0 {
                 kept = (share, fit.x.clone(), Some(fit));
             }
         }
@@ -281,7 +290,7 @@ impl<'a> YieldSearch<'a> {
             let own = (0..rows).filter(|row| of_rows[*row] == band);
             let variances: Vec<f64> = own.map(variance).collect();
             let mean = variances.iter().sum::<f64>() / variances.len().max(1) as f64;
-            mean.sqrt().max(f64::MIN_POSITIVE)
+            mean.sqrt().max(STILL)
         };
         Ok((0..self.bands.len()).map(sigma).collect())
     }

@@ -7,6 +7,7 @@
 //! to each tolerance source. Rates and values of the car add further terms. Module `car_second` computes the second order.
 
 use super::axle_expansion::{Moves as PointMoves, moves};
+use super::draw::middle;
 use super::histogram::Histogram;
 use super::monte_carlo::moments;
 use super::{Estimate, PERCENTILES, Problem, Spread, car_second, with_rounding};
@@ -155,8 +156,8 @@ impl<'a> CarProblem<'a> {
             let CarContributor::Figure { moves, law, .. } = contributor else {
                 continue;
             };
-            let fraction = uniform(number, stream, self.tolerance.figure_seed);
-            let deviation = law.quantile(fraction + 0.5_f64.powi(54));
+            let fraction = middle(uniform(number, stream, self.tolerance.figure_seed));
+            let deviation = law.quantile(fraction);
             let nominal = moves.value(&car).unwrap_or(0.0);
             moves.apply(nominal + deviation, &mut car);
         }

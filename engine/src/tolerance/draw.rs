@@ -1,5 +1,5 @@
-//! Random numbers of builds. They depend only on the seed, the number of the build, the wheel and the index of the tolerance
-//! source.
+//! Random numbers of builds. They depend only on the seed, the number of the build, the stream and the index of the tolerance
+//! source. The only wheel of a study, each wheel of an axle, and the parts that both wheels share have separate streams.
 
 use crate::evaluate::BLOCK;
 use crate::model::Side;
@@ -74,21 +74,28 @@ impl Tolerance {
         self.scatter.iter().flat_map(|c| &c.sources)
     }
 
-    /// Tolerance sources, each with its random stream and its index in the stream. Each wheel of an axle has a separate
-    /// stream, so contributors of one wheel do not change the random numbers of the other wheel.
-    fn streams(&self) -> impl Iterator<Item = (&Source, Option<Side>, usize)> {
+    /// Tolerance sources, each with its random stream and its index in the stream. Each wheel of an axle and the shared parts
+    /// have separate streams, so contributors of one stream do not change the random numbers of another stream. If only shared
+    /// parts scatter, they use the stream of a single wheel.
+    fn streams(&self) -> impl Iterator<Item = (&Source, Stream, usize)> {
         let mut counts = [0; 3];
+        let is_of_axle = self.each_source().any(|source| source.side.is_some());
         self.each_source().map(move |source| {
             let count = &mut counts[source.side.map_or(2, |side| side as usize)];
             *count += 1;
-            (source, source.side, *count - 1)
+            let stream = match source.side {
+                Some(side) => Stream::OfSide(side),
+                None if is_of_axle => Stream::Shared,
+                None => Stream::Only,
+            };
+            (source, stream, *count - 1)
         })
     }
 
     /// Writes the random numbers of a build, one for each tolerance source.
     pub fn draw(&self, build: u64, into: &mut [f64]) {
-        for (number, (source, side, k)) in into.iter_mut().zip(self.streams()) {
-            *number = source.law.quantile(self.fraction(build, side, k));
+        for (number, (source, stream, k)) in into.iter_mut().zip(self.streams()) {
+            *number = source.law.quantile(self.fraction(build, stream, k));
         }
     }
 
@@ -96,22 +103,43 @@ impl Tolerance {
     /// numbers of [`Tolerance::draw`]. Numbers of builds beyond the first `count` are 0.
     pub(super) fn draw_block(&self, first: u64, count: usize, into: &mut [f64]) {
         let rows = into.chunks_exact_mut(BLOCK);
-        for (row, (source, side, k)) in rows.zip(self.streams()) {
+        for (row, (source, stream, k)) in rows.zip(self.streams()) {
             let (row, rest) = row.split_at_mut(count);
             for (place, number) in row.iter_mut().enumerate() {
-                *number = self.fraction(first + place as u64, side, k);
+                *number = self.fraction(first + place as u64, stream, k);
             }
             source.law.quantiles(row);
             rest.fill(0.0);
         }
     }
 
-    /// Middle of one of 2^53 intervals, rounded. So the fraction is never 0. It is 1 only with a probability of 2^-53.
     #[inline]
-    fn fraction(&self, build: u64, side: Option<Side>, source: usize) -> f64 {
-        let wheel = side.map_or(build, |side| 2 * build + side as u64);
-        uniform(wheel, source, self.seed) + 0.5_f64.powi(54)
+    fn fraction(&self, build: u64, stream: Stream, source: usize) -> f64 {
+        let index = match stream {
+            Stream::Only => build,
+            Stream::OfSide(side) => 2 * build + side as u64,
+            // The wheels use the indices from 0 on.
+            Stream::Shared => u64::MAX - build,
+        };
+        middle(uniform(index, source, self.seed))
     }
+}
+
+/// Stream of random numbers.
+#[derive(Clone, Copy)]
+enum Stream {
+    /// Parts of a study without parts of a left or right wheel.
+    Only,
+    /// Parts of one wheel of an axle.
+    OfSide(Side),
+    /// Parts that both wheels of an axle share.
+    Shared,
+}
+
+/// Middle of one of 2^53 intervals of the fractions from 0 to 1, rounded. It is never 0 and never 1.
+#[inline]
+pub(super) fn middle(fraction: f64) -> f64 {
+    (fraction + 0.5_f64.powi(54)).min(1.0 - 0.5_f64.powi(53))
 }
 
 /// Standard normal quantile of a fraction in (0, 1), with a relative error of about 1e-15 (M. J. Wichura, Algorithm AS 241:
@@ -261,6 +289,64 @@ mod tests {
             }
         }
         assert!(block[100..BLOCK].iter().all(|z| *z == 0.0));
+    }
+
+    /// The parts that both wheels share have other random numbers than each wheel, in every build. Without parts of a wheel,
+    /// the numbers of a study are those of one wheel.
+    #[test]
+    fn shared_parts_have_a_separate_stream() {
+        let source = |side: Option<Side>| Source {
+            name: String::new(),
+            changes: Vec::new(),
+            rate: None,
+            law: Law::Uniform {
+                low: 0.0,
+                high: 1.0,
+            },
+            side,
+            seen_from_other: Vec::new(),
+        };
+        let draws = |sides: &[Option<Side>]| {
+            let tolerance = Tolerance {
+                builds: 50,
+                seed: 5,
+                aligned: false,
+                scatter: vec![Contributor {
+                    name: String::new(),
+                    sources: sides.iter().copied().map(source).collect(),
+                }],
+                bands: Vec::new(),
+            };
+            let mut numbers = vec![0.0; sides.len()];
+            let mut all = Vec::new();
+            for build in 0..50 {
+                tolerance.draw(build, &mut numbers);
+                all.extend(numbers.iter().map(|number| number.to_bits()));
+            }
+            all
+        };
+        let mut all = draws(&[None, Some(Side::Left), Some(Side::Right)]);
+        let of_wheels: Vec<u64> = all.chunks(3).flat_map(|own| own[1..].to_vec()).collect();
+        assert_eq!(of_wheels, draws(&[Some(Side::Left), Some(Side::Right)]));
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(all.len(), 150);
+        let alone = draws(&[None]);
+        assert_eq!(alone[7], middle(uniform(7, 0, 5)).to_bits());
+    }
+
+    /// The largest and the smallest random number have finite quantiles.
+    #[test]
+    fn every_random_number_has_a_quantile() {
+        let largest = 1.0 - 0.5_f64.powi(53);
+        for fraction in [0.0, 0.5, largest] {
+            assert!(
+                (Law::Normal { sigma: 1.0 })
+                    .quantile(middle(fraction))
+                    .is_finite()
+            );
+        }
+        assert_eq!(middle(largest), largest);
     }
 
     /// The integral of the normal density between two quantiles equals the difference of their fractions.

@@ -80,7 +80,8 @@ pub(super) fn problem<'a>(
         let TargetKind::Elastic(value) = band.of.kind else {
             return (Vec::new(), with_rounding(band.between));
         };
-        let output = reads.iter().position(|read| *read == value).unwrap_or(0);
+        let output = reads.iter().position(|read| *read == value);
+        let output = output.expect("the values of all bands are among the outputs");
         let is_figure = matches!(value, KcValue::Figure { .. });
         let places: Vec<usize> = match band.at {
             Some(at) => stations.at(at).into_iter().collect(),
@@ -189,12 +190,41 @@ pub(super) fn write_slopes<'m>(
         let by_wheels = by_points.chunks_exact(by_points.len() / wheels.len());
         let coordinates = wheels.iter().zip(by_wheels);
         let coordinates = coordinates.flat_map(|(own, by)| own.iter().zip(by.chunks_exact(3)));
+        // A point that does not move contributes nothing, even if the derivative with respect to it has no value.
+        let moving = coordinates.filter(|(way, _)| way.to_array() != [0.0; 3]);
         let along =
             |(way, by): (&Vector3<f64>, &[f64])| way.x * by[0] + way.y * by[1] + way.z * by[2];
-        *slope = coordinates.map(along).sum();
+        *slope = moving.map(along).sum();
         if let Some(rate) = &source.rate {
             let by = by_rates.next();
             *slope += by.map_or(0.0, |by| by * rate.scattered(0.0)[1]);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::Law;
+
+    /// A point at rest contributes nothing to a slope, even if the derivative with respect to it has no value.
+    #[test]
+    fn points_at_rest_have_no_part_in_a_slope() {
+        let source = Source {
+            name: String::new(),
+            changes: Vec::new(),
+            rate: None,
+            law: Law::Normal { sigma: 1.0 },
+            side: None,
+            seen_from_other: Vec::new(),
+        };
+        let moves: [Moves; 1] = [vec![
+            Vector3::new(0.0, 0.0, 0.0),
+            Vector3::new(1.0, 0.0, -2.0),
+        ]];
+        let by = [f64::NAN, f64::NAN, f64::NAN, 3.0, 7.0, 0.5];
+        let mut slopes = [f64::NAN];
+        write_slopes(&[&source], |_| &moves, &by, &mut slopes);
+        assert_eq!(slopes, [2.0]);
     }
 }

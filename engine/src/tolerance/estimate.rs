@@ -61,7 +61,8 @@ impl Estimate {
     }
 
     /// Returns true if the linear result of a value that scatters is valid. The second-order term and the builds must confirm
-    /// it. `None` if there are no builds, or if the builds do not refute it but the second-order term is unknown.
+    /// it. `None` if the builds or the linear result have no standard deviation, or if the builds do not refute it but the
+    /// second-order term is unknown.
     pub fn holds(&self, spread: &Spread) -> Option<bool> {
         // Without builds, the estimate cannot be confirmed.
         if spread.count == 0 {
@@ -70,6 +71,10 @@ impl Estimate {
         // The second-order term may be small although higher orders or rejected builds matter. Only the builds show such
         // effects.
         let apart = (spread.sigma - self.sigma()).abs();
+        // One build has no standard deviation, and a missing nominal value has no linear result.
+        if apart.is_nan() {
+            return None;
+        }
         if apart > HOLDS * self.sigma() + 4.0 * spread.sigma_error {
             return Some(false);
         }

@@ -94,7 +94,29 @@ impl MonteCarlo {
     }
 }
 
-/// Sums of deviations from the nominal values over a block.
+/// Values from which deviations are measured: the nominal values. If a nominal value is missing, the first value of the
+/// builds of the first block is used instead, or 0 if these builds have no value either.
+fn references(problem: &Problem, builder: &mut Builder, drawn: &[f64]) -> Vec<f64> {
+    let mut about = drawn.to_vec();
+    if !drawn.iter().any(|value| value.is_nan()) {
+        return about;
+    }
+    let count = problem.tolerance.builds.min(BLOCK as u64) as usize;
+    let is_solved = builder.solve(0, count).is_some();
+    for output in 0..problem.outputs().len() {
+        for station in 0..problem.stations().count() {
+            let own = &mut about[problem.cell(output, station)];
+            if own.is_nan() {
+                let mut values = builder.block.across(output, station).flatten();
+                let first = values.find(|value| is_solved && !value.is_nan());
+                *own = first.copied().unwrap_or(0.0);
+            }
+        }
+    }
+    about
+}
+
+/// Sums of deviations over a block, from the values of [`references`].
 struct Sums {
     /// Number of values, and sums of the first to fourth powers of the deviations, for each cell (an output at a
     /// station).
@@ -106,8 +128,8 @@ struct Sums {
 }
 
 impl Sums {
-    /// Sums over the builds of one block: powers of the deviations from the nominal values `drawn`.
-    fn of(problem: &Problem, drawn: &[f64], block: &Block, order: &Order) -> Self {
+    /// Sums over the builds of one block: powers of the deviations from the values `about`, one for each cell.
+    fn of(problem: &Problem, about: &[f64], block: &Block, order: &Order) -> Self {
         let bands = &problem.bands;
         let mut sums = Sums {
             powers: Vec::with_capacity(problem.cells()),
@@ -119,7 +141,7 @@ impl Sums {
         let mut has_values = [false; BLOCK];
         for output in 0..problem.outputs().len() {
             for station in 0..problem.stations().count() {
-                let about = drawn[problem.cell(output, station)];
+                let about = about[problem.cell(output, station)];
                 let (powers, range) = powers(block.across(output, station), about);
                 sums.powers.push(powers);
                 sums.ranges.push(range);
@@ -206,15 +228,15 @@ pub fn monte_carlo_in(
     let cells = problem.cells();
     let (order, mut gathered) = Order::of(cells);
     let blocks = tolerance.builds.div_ceil(BLOCK as u64);
-    // Makes one worker only to report an error if the design cannot be solved.
-    Builder::new(problem, width)?;
+    // This worker also reports an error if the design cannot be solved.
+    let about = references(problem, &mut Builder::new(problem, width)?, drawn);
     let worker = || Builder::new(problem, width).ok();
     let work = |worker: &mut Option<Builder>, block: u64| {
         let builder = worker.as_mut()?;
         let first = block * BLOCK as u64;
         let count = (tolerance.builds - first).min(BLOCK as u64);
         let outcome = builder.solve(first, count as usize)?;
-        let sums = Sums::of(problem, drawn, &builder.block, &order);
+        let sums = Sums::of(problem, &about, &builder.block, &order);
         Some((count, outcome, sums))
     };
     let mut powers = vec![[0.0; 5]; cells];
@@ -259,7 +281,7 @@ pub fn monte_carlo_in(
         let [mean, sigma, sigma_error] = moments(powers);
         total.spreads.push(Spread {
             count: powers[0] as u64,
-            mean: drawn[cell] + mean,
+            mean: about[cell] + mean,
             sigma,
             sigma_error,
             range,

@@ -1,9 +1,9 @@
 //! Yield, and effect of each tolerance on the yield.
 //!
-//! The gain from a tighter tolerance comes from the first-order result over a fixed random sample. The code stores the
-//! contribution of each contributor to each value with a band. So the effect of half or twice a tolerance needs no new random
-//! numbers and no derivatives, only sums. A predicted yield is the yield of the Monte Carlo analysis plus the change of the
-//! linear yield.
+//! The gain from a tighter tolerance comes from the first-order result over a fixed random sample. For each random draw, the
+//! code computes the contribution of each contributor to each value with a band. So the effect of half or twice a tolerance
+//! needs no new random numbers and no derivatives, only sums. A predicted yield is the yield of the Monte Carlo analysis plus
+//! the change of the linear yield.
 
 use super::{Expansion, MonteCarlo, Problem};
 use crate::sorting::sort_by;
@@ -51,86 +51,93 @@ pub struct Ranking {
     pub may_be_looser: bool,
 }
 
-/// Random sample that gives the yield of all bands when tolerances of contributors are multiplied by factors.
-struct Sample {
-    /// Rows of the sample: each row is one value with a band, a result at one station. `parts` holds the contribution of each
-    /// contributor to each value, `[draw][row][contributor]`.
-    parts: Vec<f64>,
-    /// Nominal value of each row.
-    drawn: Vec<f64>,
-    /// Index of the band of each row, and the limits of this band.
-    rows: Vec<(usize, [f64; 2])>,
-    contributors: usize,
-    bands: usize,
+/// Factors of a tolerance whose effects the ranking shows.
+const FACTORS: [f64; 2] = [0.5, 2.0];
+
+/// A value with a band: a result at one station.
+struct BandRow {
+    cell: usize,
+    band: usize,
+    limits: [f64; 2],
+    scatters: bool,
 }
 
-impl Sample {
+/// Shares of the random sample within the bands, by the first-order result.
+struct Shares {
+    /// Share in each band.
+    bands: Vec<f64>,
+    /// Share in all bands.
+    all: f64,
+    /// Share in all bands if the tolerance of one contributor is multiplied by each of the [`FACTORS`], `[contributor]`.
+    changed: Vec<[f64; 2]>,
+}
+
+impl Shares {
     fn of(problem: &Problem, expansion: &Expansion, drawn: &[f64]) -> Self {
         let tolerance = problem.tolerance;
         let mut rows = Vec::new();
-        let mut cells = Vec::new();
         let bands = problem.bands.iter().zip(problem.cells_of_bands());
-        for (number, ((_, limits), own)) in bands.enumerate() {
-            rows.extend(own.iter().map(|_| (number, *limits)));
-            cells.extend(own);
+        for (band, ((_, limits), cells)) in bands.enumerate() {
+            rows.extend(cells.into_iter().map(|cell| BandRow {
+                cell,
+                band,
+                limits: *limits,
+                scatters: expansion.scatters(cell, drawn[cell]),
+            }));
         }
         let contributors = tolerance.scatter.len();
         let draws = tolerance.builds.min(SAMPLE);
-        let mut parts = vec![0.0; draws as usize * rows.len() * contributors];
         let mut z = vec![0.0; tolerance.sources()];
-        let mut place = 0;
+        // The contributions and values of one draw: `[row][contributor]` and `[row]`.
+        let mut parts = vec![0.0; rows.len() * contributors];
+        let mut values = vec![0.0; rows.len()];
+        let mut is_in = vec![true; tolerance.bands.len()];
+        let mut in_bands = vec![0_u64; is_in.len()];
+        let mut in_all = 0_u64;
+        let mut changed = vec![[0_u64; FACTORS.len()]; contributors];
         for draw in 0..draws {
             tolerance.draw(draw, &mut z);
-            for cell in &cells {
-                if !expansion.scatters(*cell, drawn[*cell]) {
-                    place += contributors;
-                    continue;
-                }
-                let mut terms = expansion.gradient(*cell).iter().zip(&z);
-                for contributor in &tolerance.scatter {
-                    let own = terms.by_ref().take(contributor.sources.len());
-                    parts[place] = own.map(|(g, z)| g * z).sum();
-                    place += 1;
-                }
-            }
-        }
-        Sample {
-            parts,
-            drawn: cells.iter().map(|cell| drawn[*cell]).collect(),
-            rows,
-            contributors,
-            bands: tolerance.bands.len(),
-        }
-    }
-
-    /// Share of the sample in each band, and in all bands. `changed` gives a contributor and the factor for its tolerance;
-    /// `None` leaves all tolerances unchanged.
-    fn yields(&self, changed: Option<(usize, f64)>) -> (Vec<f64>, f64) {
-        let mut in_bands = vec![0_u64; self.bands];
-        let (mut in_all, mut draws) = (0_u64, 0_u64);
-        let mut is_in = vec![true; self.bands];
-        for draw in self.parts.chunks(self.rows.len() * self.contributors) {
             is_in.fill(true);
-            let rows = draw
-                .chunks(self.contributors)
-                .zip(&self.rows)
-                .zip(&self.drawn);
-            for ((parts, (band, [low, high])), drawn) in rows {
-                let mut value = drawn + parts.iter().sum::<f64>();
-                if let Some((contributor, factor)) = changed {
-                    value += (factor - 1.0) * parts[contributor];
+            for (k, row) in rows.iter().enumerate() {
+                let own = &mut parts[k * contributors..][..contributors];
+                if row.scatters {
+                    let mut terms = expansion.gradient(row.cell).iter().zip(&z);
+                    for (part, contributor) in own.iter_mut().zip(&tolerance.scatter) {
+                        let terms = terms.by_ref().take(contributor.sources.len());
+                        *part = terms.map(|(g, z)| g * z).sum();
+                    }
                 }
-                is_in[*band] &= value >= *low && value <= *high;
+                values[k] = drawn[row.cell] + own.iter().sum::<f64>();
+                is_in[row.band] &= is_within(values[k], row.limits);
             }
             for (count, is_in) in in_bands.iter_mut().zip(&is_in) {
                 *count += u64::from(*is_in);
             }
             in_all += u64::from(is_in.iter().all(|is_in| *is_in));
-            draws += 1;
+            for (contributor, counts) in changed.iter_mut().enumerate() {
+                for (count, factor) in counts.iter_mut().zip(FACTORS) {
+                    let mut of_rows = rows.iter().zip(&values).enumerate();
+                    *count += u64::from(of_rows.all(|(k, (row, value))| {
+                        let part = parts[k * contributors + contributor];
+                        is_within(value + (factor - 1.0) * part, row.limits)
+                    }));
+                }
+            }
         }
         let share = |count: u64| count as f64 / draws as f64;
-        (in_bands.into_iter().map(share).collect(), share(in_all))
+        Shares {
+            bands: in_bands.into_iter().map(share).collect(),
+            all: share(in_all),
+            changed: changed
+                .into_iter()
+                .map(|counts| counts.map(share))
+                .collect(),
+        }
     }
+}
+
+fn is_within(value: f64, [low, high]: [f64; 2]) -> bool {
+    value >= low && value <= high
 }
 
 /// First-order part of yields and ranking. The forecast does not need builds.
@@ -155,26 +162,24 @@ impl Forecast {
         if problem.tolerance.bands.is_empty() {
             return None;
         }
-        let sample = Sample::of(problem, expansion, drawn);
-        let (bands, all) = sample.yields(None);
-        let moved =
-            |contributor: usize, factor: f64| sample.yields(Some((contributor, factor))).1 - all;
-        let worth = |contributor: usize| {
+        let shares = Shares::of(problem, expansion, drawn);
+        let worth = |(contributor, changed): (usize, &[f64; 2])| {
             let cells = problem.cells_of_bands().flatten();
             let cells = cells.filter(|cell| expansion.scatters(*cell, drawn[*cell]));
             let share =
                 |cell: usize| expansion.part(problem, cell, contributor) / expansion.variance[cell];
+            let [halved, doubled] = changed.map(|all| all - shares.all);
             Worth {
                 share: cells.map(share).fold(0.0, f64::max),
-                halved: moved(contributor, 0.5),
-                doubled: moved(contributor, 2.0),
+                halved,
+                doubled,
             }
         };
-        let contributors = (0..problem.tolerance.scatter.len()).map(worth).collect();
+        let contributors = shares.changed.iter().enumerate().map(worth).collect();
         Some(Forecast {
-            bands,
-            all,
             contributors,
+            bands: shares.bands,
+            all: shares.all,
         })
     }
 

@@ -3,7 +3,7 @@
 use super::{assembler, parameter, plan, study};
 use hardpoint::assembly::{Rest, built_curves};
 use hardpoint::study::Study;
-use hardpoint::tolerance::{Expansion, MonteCarlo, Problem, monte_carlo, rank};
+use hardpoint::tolerance::{Estimate, Expansion, MonteCarlo, Problem, monte_carlo, rank};
 
 fn on_threads<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
@@ -385,4 +385,44 @@ fn tolerances_within_a_wide_band_can_be_relaxed() {
         .max_by(|a, b| a.share.total_cmp(&b.share))
         .unwrap();
     assert!(!largest.may_be_looser, "{narrow:?}");
+}
+
+/// The nominal design does not reach the last station, but some builds do. Their mean and standard deviation follow from
+/// their own values. They neither confirm nor refute the linear result, which does not exist.
+#[test]
+fn builds_have_a_spread_where_the_nominal_value_is_missing() {
+    let study = study(
+        "double_wishbone_tolerance",
+        &[
+            "motion.travel=[0.0,322.0]",
+            "tolerance.builds=300",
+            "tolerance.scatter=[{ hardpoints = [\"lower_ball_joint\", \"upper_ball_joint\"], sigma = 3.0 }]",
+            "tolerance.bands=[]",
+        ],
+    );
+    let problem = problem(&study);
+    let drawn = problem.drawn().unwrap();
+    let builds = monte_carlo(&problem, &drawn, on).unwrap();
+    let missing: Vec<usize> = (0..drawn.len())
+        .filter(|cell| drawn[*cell].is_nan())
+        .collect();
+    assert!(!missing.is_empty());
+    for cell in missing {
+        let spread = &builds.spreads[cell];
+        assert!(spread.count > 20 && spread.count < 300, "{spread:?}");
+        assert!(
+            (spread.range[0]..=spread.range[1]).contains(&spread.mean),
+            "{spread:?}"
+        );
+        let width = spread.range[1] - spread.range[0];
+        assert!(
+            spread.sigma > 0.02 * width && spread.sigma < width,
+            "{spread:?}"
+        );
+        let estimate = Estimate {
+            variance: f64::NAN,
+            second: [0.0; 2],
+        };
+        assert_eq!(estimate.holds(spread), None);
+    }
 }

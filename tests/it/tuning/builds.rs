@@ -2,7 +2,9 @@
 
 use super::edited;
 use hardpoint::number::Width;
-use hardpoint::optimise::{LeastSquares, Linearisation, Objective, TargetLayout};
+use hardpoint::optimise::{
+    Assessment, Constrained, LeastSquares, Linearisation, Objective, TargetLayout,
+};
 use hardpoint::study::{Optimise, Study};
 use nalgebra::DVector;
 
@@ -266,5 +268,46 @@ fn the_radius_has_no_effect_on_robust_builds() {
     for radius in ["wheel.radius=150.0", "wheel.radius=600.0"] {
         let off = (residuals(radius) - &usual).amax();
         assert!(off < 1e-9 * usual.amax(), "{radius}: {off}");
+    }
+}
+
+/// Constraints apply to the nominal design. Some builds lack a pose at the end of the motion, where only a constraint
+/// applies. This does not refuse the design, in SIMD lanes and one by one. A target at this place does refuse it.
+#[test]
+fn a_build_needs_no_pose_where_only_constraints_apply() {
+    let far = "motion.travel={ from = 0.0, to = 321.0, steps = 5 }";
+    let variables = "optimise.variables=[{ hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-20.0, 20.0] }]";
+    let constraint =
+        "optimise.constraints=[{ characteristic = \"camber\", between = [-170.0, 170.0] }]";
+    let scatter = "tolerance.scatter=[{ hardpoints = [\"lower_ball_joint\", \"upper_ball_joint\"], sigma = 3.0 }]";
+    let at_end = "{ characteristic = \"camber\", at = 321.0, value = 0.0, tolerance = 1.0 }";
+    let at_design = "{ characteristic = \"camber\", at = 0.0, value = 0.0, tolerance = 1.0 }";
+    let is_accepted = |targets: &str, width: Option<Width>| {
+        let targets = format!("optimise.targets=[{targets}]");
+        let study = edited(
+            "double_wishbone_tolerance.toml",
+            &[
+                far,
+                variables,
+                constraint,
+                scatter,
+                &targets,
+                "optimise.scatter=32",
+                "tolerance.bands=[]",
+            ],
+        );
+        let optimise = study.optimise.as_ref().unwrap();
+        let layout = TargetLayout::of(optimise, &study.vehicle);
+        let assembled = study.vehicle.assembled().unwrap();
+        let scatter = optimise.scatter.as_ref().unwrap();
+        let variables = &optimise.variables;
+        let problem = Objective::of_builds(&assembled, variables, &layout, scatter, width);
+        let mut problem = problem.unwrap();
+        let mut at = Assessment::new(&problem.shape());
+        problem.assess(&DVector::zeros(1), &mut at).is_ok()
+    };
+    for width in [None, Width::widest()] {
+        assert!(is_accepted(at_design, width));
+        assert!(!is_accepted(&format!("{at_design}, {at_end}"), width));
     }
 }

@@ -579,6 +579,13 @@ fn a_front_of_two_targets_is_traced() {
         assert!(pair[1].amounts[1] > pair[0].amounts[1]);
         assert!(pair[1].amounts[0] <= pair[0].amounts[0] * (1.0 + 1e-9));
     }
+    // The misfit of each entry is the misfit of its own design.
+    for choice in &list {
+        let x = nalgebra::DVector::from_column_slice(&choice.offsets);
+        problem.assess(&x, &mut at).unwrap();
+        let misfit = at.goal.misfit();
+        assert!((choice.amounts[0] - misfit).abs() < 1e-9 * misfit.max(1.0));
+    }
 }
 
 /// Two lengths contradict each other. The tuning names these two lengths, and nothing else.

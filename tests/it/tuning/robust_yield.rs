@@ -1,7 +1,7 @@
 //! Tests of tunings for yield. Builds that the tuning did not use check the result.
 
 use super::edited;
-use hardpoint::optimise::{Control, Tuning, tune};
+use hardpoint::optimise::{Control, Tuning, price_list, tune};
 use hardpoint::study::{Optimise, RobustAim, Study};
 use hardpoint::tolerance::{Problem, monte_carlo};
 use std::ops::ControlFlow;
@@ -174,4 +174,50 @@ fn a_value_held_at_a_limit_costs_no_yield() {
     let expected = tuning.expected_yield.unwrap().unwrap();
     assert_eq!(expected.judged, [1.0; 2]);
     assert!(expected.surrogate > 0.999, "{}", expected.surrogate);
+}
+
+/// The scatter of the tie rod does not change the caster in the design position, so all builds have the same bits. A band
+/// of such a value does not disturb the search, inside of the band and outside.
+#[test]
+fn a_value_without_scatter_does_not_stop_the_search() {
+    for [low, high] in [[2.0, 6.0], [-6.0, -2.0]] {
+        let bands = format!(
+            "tolerance.bands=[{{ characteristic = \"caster\", at = 0.0, between = [{low:?}, {high:?}] }}, \
+             {{ characteristic = \"toe\", at = 0.0, between = [-0.2, 0.2] }}]"
+        );
+        let overrides = [
+            &bands[..],
+            "tolerance.aligned=false",
+            "tolerance.scatter=[{ hardpoint = \"tie_rod_inner\", axis = \"y\", sigma = 0.3 }]",
+            "optimise.targets=[{ characteristic = \"bump_steer\", at = 0.0, value = -0.01, tolerance = 0.002 }]",
+            VARIABLES,
+            YIELD[0],
+            "optimise.scatter=16",
+        ];
+        let study = edited(WELDED, &overrides);
+        let (tuning, _) = best(&study, study.optimise.as_ref().unwrap());
+        let expected = tuning.expected_yield.unwrap().unwrap();
+        assert!(expected.surrogate.is_finite(), "{expected:?}");
+        assert_eq!(expected.judged[1] > 0.0, low > 0.0, "{expected:?}");
+    }
+}
+
+/// A violated constraint that no variable changes does not count against a design: neither after the search for the yield,
+/// nor in the price list.
+#[test]
+fn a_constant_row_does_not_make_the_yield_infeasible() {
+    let constraint =
+        "optimise.constraints=[{ length = \"upper_arm_front\", between = [1000.0, 1010.0] }]";
+    let more = [constraint, "optimise.scatter=64"].map(str::to_owned);
+    let study = studies()[3].with_overrides("constant.toml", &more).unwrap();
+    let optimise = study.optimise.as_ref().unwrap();
+    let (tuning, _) = best(&study, optimise);
+    assert_eq!(tuning.unmoved_constraints, [0]);
+    let expected = tuning.expected_yield.as_ref().unwrap().as_ref().unwrap();
+    assert!(!expected.keeps_plain, "{expected:?}");
+    assert!(tuning.starts.best_fit().unwrap().is_feasible());
+    let list = price_list(&study.vehicle, optimise, &tuning, Control::default()).unwrap();
+    let offsets = &tuning.best.as_ref().unwrap().offsets;
+    assert!(list.iter().any(|choice| choice.offsets == *offsets));
+    assert!(list[0].offsets.iter().all(|offset| *offset == 0.0));
 }

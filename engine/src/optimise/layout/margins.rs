@@ -9,7 +9,8 @@ pub const VIOLATED: f64 = 1e-6;
 /// Smallest margin of a constraint in one design.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margin {
-    /// Margin to the nearest limit, in the constraint's unit; negative if the limit is violated.
+    /// Margin to the nearest limit, in the constraint's unit; negative if the limit is violated. NaN if a value of the
+    /// constraint is missing.
     pub margin: f64,
     /// Drive value of the station with the smallest margin, or of the extreme near it. `None` if the constraint does not
     /// change along the motion, or applies at only one drive value.
@@ -33,6 +34,21 @@ pub(super) fn other_components(labels: &[RowLabel], parts: &[Part]) -> Vec<Optio
     labels.iter().map(other).collect()
 }
 
+/// Combines the values of two rows that are the components of a distance: returns the norm. `other` is the row of the other
+/// component, and `of` returns the value of a row. For any other row, returns the value itself. Returns `None` for the
+/// second component, because the first component already counts for both.
+pub(in crate::optimise) fn whole(
+    row: usize,
+    other: Option<usize>,
+    of: impl Fn(usize) -> f64,
+) -> Option<f64> {
+    match other {
+        None => Some(of(row)),
+        Some(other) if row < other => Some(of(row).hypot(of(other))),
+        Some(_) => None,
+    }
+}
+
 impl TargetLayout {
     /// Drive value of a constraint's row. `None` for a quantity of an axle, which has limits only in the design position.
     /// Also `None` if the leg has one station, or a part of a wheel with elastic parts has a limit at one station.
@@ -52,14 +68,9 @@ impl TargetLayout {
         self.others[row]
     }
 
-    /// Combines the values of two rows that are the components of a distance: returns the norm. For any other row, returns
-    /// the value itself. Returns `None` for the second component, because the first component already counts for both.
+    /// Value of a row or of the distance of which it is the first component, as in [`whole`].
     pub(in crate::optimise) fn whole(&self, row: usize, of: impl Fn(usize) -> f64) -> Option<f64> {
-        match self.others[row] {
-            None => Some(of(row)),
-            Some(other) if row < other => Some(of(row).hypot(of(other))),
-            Some(_) => None,
-        }
+        whole(row, self.others[row], of)
     }
 
     /// Smallest margin of each constraint, from the values of all rows, and from the drive values of the extremes that rows
@@ -81,7 +92,8 @@ impl TargetLayout {
                 continue;
             };
             let (margin, least) = (self.margin(row, value), &mut margins[label.constraint]);
-            if margin < least.margin {
+            // A missing value gives the constraint a margin without value, whatever its other rows are.
+            if margin < least.margin || margin.is_nan() {
                 let extreme = extremes.get(row).copied().flatten();
                 *least = Margin {
                     margin,
@@ -144,5 +156,42 @@ impl TargetLayout {
             limit.map_or(0.0, |limit| (limit / part.scale).abs())
         };
         self.labels.iter().map(limit).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::Study;
+    use std::path::Path;
+
+    /// If one value of a constraint is missing, its margin has no value, at whatever station. The margins of the other
+    /// constraints do not change.
+    #[test]
+    fn a_missing_value_leaves_no_margin() {
+        let text = include_str!("../../../templates/double_wishbone.toml");
+        let study = Study::from_text("study.toml", text, Path::new("")).unwrap();
+        let overrides = [
+            "motion.travel=[-10.0,0.0,10.0]",
+            "optimise.variables=[{ hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-5.0, 5.0] }]",
+            "optimise.targets=[{ characteristic = \"toe\", at = 0.0, value = 0.0, tolerance = 0.1 }]",
+            "optimise.constraints=[{ characteristic = \"camber\", between = [-5.0, 5.0] }, \
+             { characteristic = \"toe\", between = [-5.0, 5.0] }]",
+        ];
+        let overrides = overrides.map(str::to_owned);
+        let study = study.with_overrides("study.toml", &overrides).unwrap();
+        let layout = TargetLayout::of(study.optimise.as_ref().unwrap(), &study.vehicle);
+        let labels = layout.labels();
+        let values: Vec<f64> = (0..labels.len()).map(|row| -1.0 - row as f64).collect();
+        let all = layout.margins(&values, &[]);
+        assert!(all.len() == 2 && all.iter().all(|own| own.margin > 0.0));
+        for (row, label) in labels.iter().enumerate() {
+            let mut missing = values.clone();
+            missing[row] = f64::NAN;
+            let found = layout.margins(&missing, &[]);
+            assert!(found[label.constraint].margin.is_nan());
+            let other = 1 - label.constraint;
+            assert_eq!(found[other].margin, all[other].margin);
+        }
     }
 }

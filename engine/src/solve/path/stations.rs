@@ -27,6 +27,19 @@ impl StationOrder {
         }
     }
 
+    /// Returns the order that visits only these stations. Indices of stations do not change.
+    pub(crate) fn only(&self, is_visited: impl Fn(usize) -> bool) -> Self {
+        let mut order = self.clone();
+        order.up.retain(|station| is_visited(*station));
+        order.down.retain(|station| is_visited(*station));
+        order
+    }
+
+    /// Returns true if the order visits no station.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.up.is_empty() && self.down.is_empty()
+    }
+
     /// Stations of each side, in outward order.
     pub fn sides(&self) -> [&[usize]; 2] {
         [&self.up, &self.down]

@@ -505,8 +505,13 @@ fn curve_files() {
     let again = Study::from_text("study.toml", &study.text, Path::new("elsewhere"));
     let again = again.unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(study.inputs, [directory.path().join("curve.csv")]);
-    let inputs = Vec::new();
-    assert_eq!(again, Study { inputs, ..study });
+    let (inputs, place) = (Vec::new(), Path::new("elsewhere").to_owned());
+    let expected = Study {
+        inputs,
+        directory: place,
+        ..study
+    };
+    assert_eq!(again, expected);
 }
 
 /// Until version 0.1, this key meant wheel travel. The program refuses it now. The message proposes the key `travel`

@@ -106,6 +106,8 @@ pub struct Study {
     /// Text of the study, with the changes of `--set`, and with the target curves of other files written into it. A result
     /// that is a study is an edited copy of this text. So the result keeps the comments and needs no other file.
     pub text: String,
+    /// Directory of the files that the study names.
+    pub directory: std::path::PathBuf,
     /// Other files that the study names: target curves and designs.
     pub inputs: Vec<std::path::PathBuf>,
     /// Vehicle that the study describes, with its motion and outputs.

@@ -425,7 +425,7 @@ impl Tasks {
         let tolerance = match &file.tolerance {
             None => Some(None),
             Some(_) if !is_known => None,
-            Some(section) => tolerance::tolerance(section, adjusted, context, problems).map(Some),
+            Some(section) => tolerance::tolerance(section, context, problems).map(Some),
         };
         let scatter = match &file.optimise {
             None => Some(None),

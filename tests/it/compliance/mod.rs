@@ -10,6 +10,7 @@ mod mechanics;
 mod member_forces;
 mod random;
 mod reference;
+mod refused;
 mod robust;
 mod samples;
 mod schema;

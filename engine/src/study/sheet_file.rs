@@ -2,6 +2,7 @@
 //! target.
 
 mod columns;
+mod keys;
 mod of_axle;
 
 use super::curve_file::{self, at_record, delimiter};
@@ -12,12 +13,14 @@ use super::file::Target as Written;
 use super::names::nearest;
 use super::resolve::Context;
 use super::source::{LONGEST_TEXT, read_text};
+use super::targets::{not_tiny, tiny};
 use super::value::{Number, Text};
 use super::{AxleStudy, ComplianceStudy, ElasticFigure, Site, Target, TargetQuantity, Wanted};
 use crate::ask::six_digits;
 use crate::compliance::{HeldQuantity, KcTest, KcValue, TestLoad, figure_names, figures_by};
 use crate::model::Side;
 use columns::NEEDED;
+use keys::refuse_other_keys;
 use of_axle::AxlePlace;
 use std::sync::Arc;
 use toml::Spanned;
@@ -119,35 +122,7 @@ fn of_sheet(
     problems: &mut Problems,
 ) -> Option<Vec<(Target, SheetTarget)>> {
     let written = spanned.get_ref();
-    let others = [
-        ("points", written.points.as_ref().map(Spanned::span)),
-        ("column", written.column.as_ref().map(Spanned::span)),
-        ("at", written.at.as_ref().map(|n| n.span.clone())),
-        ("value", written.value.as_ref().map(|n| n.span.clone())),
-        ("rack", written.rack.as_ref().map(Spanned::span)),
-        ("motion", written.motion.as_ref().map(Spanned::span)),
-        ("point", written.point.as_ref().map(Spanned::span)),
-        ("length", written.length.as_ref().map(Spanned::span)),
-        ("load", written.load.as_ref().map(Spanned::span)),
-        ("over", written.over.as_ref().map(Text::span)),
-        ("heave", written.heave.as_ref().map(Spanned::span)),
-        (
-            "travel_left",
-            written.travel_left.as_ref().map(Spanned::span),
-        ),
-        (
-            "travel_right",
-            written.travel_right.as_ref().map(Spanned::span),
-        ),
-        ("side", written.side.as_ref().map(Text::span)),
-    ];
-    for (key, span) in others {
-        if let Some(span) = span {
-            let message =
-                format!("the sheet already gives travel, rack and values: remove the key {key}");
-            return problems.refuse(span, &message);
-        }
-    }
+    refuse_other_keys(written, problems)?;
     let named = written.figure.as_ref().or(written.characteristic.as_ref());
     if let Some(name) = named {
         match of {
@@ -161,7 +136,7 @@ fn of_sheet(
     let factor = super::suspension::above_zero(&written.tolerance, problems)?;
     let weight = match &written.weight {
         None => 1.0,
-        Some(weight) => super::suspension::above_zero(weight, problems)?,
+        Some(weight) => not_tiny(weight, problems)?,
     };
     let read = Reader {
         source,
@@ -423,6 +398,9 @@ impl Reader<'_> {
                 );
             }
         };
+        if let Some(message) = tiny(tolerance) {
+            return row.wrong(format!("tolerance: {message}"));
+        }
         let mut words = vec![("figure", figure.name)];
         let (site, drive, mut numbers) = match self.of {
             SheetOf::Wheel(_) => {

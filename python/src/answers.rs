@@ -268,7 +268,7 @@ pub(crate) fn build(py: Python<'_>, study: &Study, number: u64) -> PyResult<Stud
     })?;
     let text = text.map_err(failure)?;
     let file = study.file_name();
-    Study::of(py.detach(|| hardpoint::Study::elastic_from_text(&file, &text, "".as_ref())))
+    Study::of(py.detach(|| own.read_again(&file, &text)))
 }
 
 /// Study of one design of `[sweep]`, by its number from 0.
@@ -286,7 +286,7 @@ pub(crate) fn swept_design(py: Python<'_>, study: &Study, number: u64) -> PyResu
     }
     let text = own.with_points_of(&plan.moved(number));
     let file = study.file_name();
-    Study::of(py.detach(|| hardpoint::Study::elastic_from_text(&file, &text, "".as_ref())))
+    Study::of(py.detach(|| own.read_again(&file, &text)))
 }
 
 /// All positions in which the parts of the design can be assembled, as CSV, and the regions in which the search could

@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
-/// A study. It is immutable. Pickling stores its text.
+/// A study. It is immutable. Pickling stores its text, and the directory of the files that the text names.
 #[pyclass(frozen, module = "hardpoint._hardpoint")]
 pub(crate) struct Study {
     /// Data of the study. If its points were moved, its text is still the text of `moved_from`.
@@ -156,9 +156,13 @@ impl Study {
         )
     }
 
-    fn __reduce__(&self, py: Python<'_>) -> PyResult<(Py<PyAny>, (String, String))> {
+    fn __reduce__(&self, py: Python<'_>) -> PyResult<(Py<PyAny>, (String, String, PathBuf))> {
         let loads = py.get_type::<Study>().getattr("loads")?.unbind();
-        Ok((loads, (self.text().to_owned(), self.file_name())))
+        let text = self.text().to_owned();
+        Ok((
+            loads,
+            (text, self.file_name(), self.study.directory.clone()),
+        ))
     }
 }
 
@@ -189,7 +193,7 @@ impl Study {
             });
         }
         let text = root.get().study.with_points_of(&moved);
-        Self::loads(py, &text, &this.file_name(), None)
+        Study::of(py.detach(|| moved.read_again(&this.file_name(), &text)))
     }
 
     /// Study whose text contains its present points.

@@ -24,7 +24,6 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::exceptions::PyStopIteration;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::channel;
 
@@ -197,7 +196,7 @@ pub(crate) fn optimise<'py>(
             result.set_item("x", best.offsets.clone().into_pyarray(py))?;
             let text = own.with_points_of(&own.moved(&best.offsets));
             let file = study.file_name();
-            let read = hardpoint::study::Study::elastic_from_text(&file, &text, Path::new(""));
+            let read = own.read_again(&file, &text);
             match read {
                 Ok(read) => result.set_item("study", Bound::new(py, Study::of(Ok(read))?)?)?,
                 Err(errors) => {

@@ -94,6 +94,29 @@ def test_every_function_takes_an_elastic_axle():
     np.testing.assert_allclose(figures[1], -0.01, atol=0.001)
 
 
+RATES = """
+[outputs]
+characteristics = ["toe_by_lateral_force"]
+
+[sweep]
+method = "sobol"
+samples = 3
+variables = [
+  { bushing = "lower_arm_rear", stiffness = "y", range = [0.5, 2.0], relative = true },
+  { bushing = "upper_arm_front", stiffness = "tx", range = [3.0e4, 9.0e4] },
+]
+"""
+
+
+def test_given_rows_may_have_several_rates():
+    study = hp.loads(STUDY.read_text() + RATES)
+    swept = hp.sweep(study)
+    x = np.column_stack([swept[name] for name in swept.variables])
+    again = hp.sweep(study, x, variables=study.sweep_variables)
+    for name in swept:
+        np.testing.assert_array_equal(again[name], swept[name], err_msg=name)
+
+
 def test_names_of_other_programs_stand_beside_ours():
     table = hp.kc(STUDY, names="altair")["kc"]
     rows = table["other_name"] == "Aligning Torque Steer"

@@ -47,6 +47,15 @@ def test_a_study_is_replaced_pickled_compared(front):
     np.testing.assert_array_equal(hp.solve(shorter).drive, [-10.0, 0.0, 10.0])
 
 
+def test_changed_studies_find_the_files_of_their_directory(tmp_path):
+    text = (STUDIES / "macpherson_solve.toml").read_text() + '\n[sweep]\ndesigns = "rows.csv"\n'
+    (tmp_path / "study.toml").write_text(text)
+    (tmp_path / "rows.csv").write_text("tie_rod_inner_dz\n0\n1\n")
+    study = hp.load(tmp_path / "study.toml")
+    for changed in (study.replace({"motion.travel": [-10.0, 0.0, 10.0]}), study.swept(1), pickle.loads(pickle.dumps(study))):
+        assert hp.sweep(changed).rows == 2
+
+
 def test_sensitivities_are_derivatives_of_the_curves(front):
     study = front.replace({"outputs.sensitivities": ["tie_rod_outer"], "motion.travel": [0.0, 20.0]})
     curves = hp.solve(study)

@@ -418,6 +418,125 @@ fn optimisations_that_make_no_sense() {
     ]);
 }
 
+/// Two variables with the same move are refused, also beside rigid bodies. Variables with other moves of the same points are
+/// accepted.
+#[test]
+fn two_variables_with_the_same_move_are_refused() {
+    let body = |way: &str| format!("{{ rigid = [\"strut_top\", \"strut_lower\"], {way} }}");
+    let pair = |factors: &str| {
+        format!(
+            "{{ hardpoints = [\"strut_top\", \"strut_lower\"], factors = {factors}, axis = \"z\", range = [-5.0, 5.0] }}"
+        )
+    };
+    let of_point =
+        "{ hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-5.0, 5.0] }".to_owned();
+    let with = |variables: [String; 2]| {
+        edited(
+            "{ hardpoint = \"strut_top\", axis = \"y\", range = [0.0, 20.0] }",
+            &variables.join(", "),
+        )
+    };
+    for (variables, key, phrase) in [
+        (
+            [body("shift = 5.0"), body("shift = 3.0")],
+            "optimise.variables[2]",
+            "x of strut_top+strut_lower is already a variable",
+        ),
+        (
+            [body("turn = 2.0"), body("turn = 1.0")],
+            "optimise.variables[2]",
+            "turn about x of strut_top+strut_lower is already a variable",
+        ),
+        (
+            [body("shift = 5.0"), pair("[1.0, 1.0]")],
+            "optimise.variables[2]",
+            "z of strut_top+strut_lower is already a variable",
+        ),
+        (
+            [body("shift = 5.0"), of_point.clone()],
+            "optimise.variables[2].hardpoint",
+            "z of tie_rod_inner is already a variable",
+        ),
+    ] {
+        assert_mistake(&with(variables), "strut_top", key, &[phrase]);
+    }
+    for second in [body("turn = 2.0"), pair("[1.0, -1.0]")] {
+        read(&with([body("shift = 5.0"), second])).unwrap_or_else(|e| panic!("{e}"));
+    }
+}
+
+/// A key that would have no effect is refused.
+#[test]
+fn keys_without_effect_are_refused() {
+    let sample = |name: &str, from: &str, to: &str| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("studies")
+            .join(name);
+        let text = fs::read_to_string(path).unwrap();
+        assert_eq!(text.matches(from).count(), 1, "{name}: {from}");
+        text.replace(from, to)
+    };
+    let single = "single = [\"upper_link\"]";
+    let named = |topology: &str| format!("topology = \"{topology}\"\n{single}");
+    let strut = "topology = \"macpherson\"";
+    let beam = "topology = \"twist_beam\"";
+    let swept = |key: &str| format!("{GOOD}[sweep]\ndesigns = \"designs.csv\"\n{key} = 7\n");
+    let of_file = &["the designs come from a file", "the file"][..];
+    for (text, on, key, phrases) in [
+        (
+            edited(strut, &named("macpherson")),
+            "single",
+            "suspension.single",
+            &["topology = \"solid_axle\""][..],
+        ),
+        (
+            sample("twist_beam_solve.toml", beam, &named("twist_beam")),
+            "single",
+            "suspension.single",
+            &["topology = \"solid_axle\""],
+        ),
+        (
+            format!("{GOOD}[twist_beam]\ntorsional_rate = 5.0e5\n"),
+            "[twist_beam]",
+            "twist_beam",
+            &["needs topology = \"twist_beam\""],
+        ),
+        (
+            sample(
+                "double_wishbone_axle.toml",
+                "[motion]",
+                "[motion]\nangle_unit = \"rad\"\n#",
+            ),
+            "angle_unit",
+            "motion.angle_unit",
+            &["angles of an axle are in degrees"],
+        ),
+        (swept("samples"), "samples", "sweep.samples", of_file),
+        (swept("seed"), "seed", "sweep.seed", of_file),
+        (
+            edited("at = 0.0", "axis = \"z\", at = 0.0"),
+            "bump_steer",
+            "optimise.targets[1].axis",
+            &["the key \"axis\" needs \"point\""],
+        ),
+    ] {
+        assert_mistake(&text, on, key, phrases);
+    }
+}
+
+/// An error in `[setup]` is the only message, although `aligned = true` needs `[setup]`.
+#[test]
+fn a_mistake_in_the_setup_has_no_consequences() {
+    let text = format!(
+        "{GOOD}[setup]\nadjust = [{{ length = \"tie_rodd\" }}]\n\
+         [tolerance]\naligned = true\nscatter = [{{ hardpoint = \"tie_rod_inner\", sigma = 0.1 }}]\n"
+    );
+    let errors = read(&text).unwrap_err();
+    let rendered = errors.render(false);
+    assert_eq!(errors.all().len(), 1, "{rendered}");
+    assert!(rendered.contains("did you mean \"tie_rod\"?"), "{rendered}");
+}
+
 #[test]
 fn all_mistakes_are_told_at_once_in_the_order_of_the_file() {
     let text = GOOD
@@ -505,8 +624,13 @@ fn curve_files() {
     let again = Study::from_text("study.toml", &study.text, Path::new("elsewhere"));
     let again = again.unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(study.inputs, [directory.path().join("curve.csv")]);
-    let inputs = Vec::new();
-    assert_eq!(again, Study { inputs, ..study });
+    let (inputs, place) = (Vec::new(), Path::new("elsewhere").to_owned());
+    let expected = Study {
+        inputs,
+        directory: place,
+        ..study
+    };
+    assert_eq!(again, expected);
 }
 
 /// Until version 0.1, this key meant wheel travel. The program refuses it now. The message proposes the key `travel`

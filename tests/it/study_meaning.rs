@@ -336,6 +336,26 @@ variables = [
     assert_eq!(factors, [1.0, -1.0]);
 }
 
+/// The files of a study stay in its directory if its text is changed.
+#[test]
+fn a_changed_study_finds_its_files() {
+    let text = format!("{SOLVE}\n[sweep]\ndesigns = \"designs.csv\"\n");
+    let study = Study::from_text("study.toml", &text, Path::new("elsewhere")).unwrap();
+    let changed = study.with_overrides("study.toml", &["motion.rack=1.0".to_owned()]);
+    let again = study.read_again("study.toml", &study.text);
+    for other in [changed, again] {
+        let other = other.unwrap();
+        let designs = other.sweep.unwrap().designs;
+        assert_eq!(designs, Designs::File("elsewhere/designs.csv".into()));
+        assert_eq!(other.inputs, study.inputs);
+    }
+    // Values that replace the name of a file are names in the same directory.
+    let file = ["sweep.designs=\"other.csv\"".to_owned()];
+    let changed = study.with_overrides("study.toml", &file).unwrap();
+    let designs = changed.sweep.unwrap().designs;
+    assert_eq!(designs, Designs::File("elsewhere/other.csv".into()));
+}
+
 /// Only a sweep reads the file of designs. So a study whose file of designs is missing can still be solved.
 #[test]
 fn designs_from_a_file_do_not_stand_in_the_way() {

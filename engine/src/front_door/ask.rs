@@ -73,6 +73,7 @@ impl Study {
         Study {
             name: suspension.mechanism.topology.name.to_owned(),
             text: String::new(),
+            directory: std::path::PathBuf::new(),
             inputs: Vec::new(),
             vehicle: Vehicle::Wheel(Box::new(WheelStudy::of(suspension))),
             motions: Vec::new(),

@@ -235,6 +235,10 @@ fn refuse_wheel_keys(motion: &file::Motion, problems: &mut Problems) -> bool {
     add(values(&motion.arm_angle), &format!("arm_angle {one_wheel}"));
     add(values(&motion.theta), &format!("theta {one_wheel}"));
     add(
+        motion.angle_unit.as_ref().map(Text::span),
+        "angle_unit is the unit of arm_angle and theta; angles of an axle are in degrees, so remove the key \"angle_unit\"",
+    );
+    add(
         motion
             .drive
             .as_ref()

@@ -3,6 +3,7 @@
 mod asked;
 mod body;
 mod cases;
+mod rig;
 mod tuned;
 mod tuning;
 mod variables;

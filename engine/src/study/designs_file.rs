@@ -82,8 +82,7 @@ impl DesignTable {
         let is_read = |column: &str| column != "design" && !(is_of_sweep && is_result(column));
         for (place, column) in header.iter().enumerate().filter(|(_, c)| is_read(c)) {
             let variable = variable(column, suspension).map_err(|m| at(&header, m))?;
-            let same = |v: &SweepVariable| v.moves == variable.moves;
-            if let Some(other) = variables.iter().find(|v| same(v)) {
+            if let Some(other) = variables.iter().find(|own| own.changes_same(&variable)) {
                 let message = if other.name == variable.name {
                     format!("the column {column} occurs twice")
                 } else {
@@ -148,12 +147,16 @@ impl DesignTable {
         for (place, variable) in variables.iter().enumerate() {
             if let Some(other) = variables[..place]
                 .iter()
-                .find(|v| v.moves == variable.moves)
+                .find(|own| own.changes_same(variable))
             {
-                let names = (&variable.name, &other.name);
+                let what = match variable.rate {
+                    Some(_) => "rate",
+                    None => "coordinate",
+                };
+                let names = [&variable.name, &other.name];
                 return Err(format!(
-                    "{} and {} give the same coordinate",
-                    names.0, names.1
+                    "{} and {} give the same {what}",
+                    names[0], names[1]
                 ));
             }
         }
@@ -181,6 +184,9 @@ impl DesignTable {
         let mut hash = hmac_sha256::Hash::new();
         for variable in &variables {
             hash.update(format!("{:?} {:?}", variable.moves, variable.absolute));
+            if let Some(rate) = &variable.rate {
+                hash.update(format!(" {rate:?}"));
+            }
         }
         for value in &values {
             hash.update(value.to_le_bytes());

@@ -26,7 +26,7 @@ impl Study {
         if self.text.is_empty() {
             return self.clone();
         }
-        let read = Study::elastic_from_text(&self.name, &self.text, Path::new(""));
+        let read = self.read_again(&self.name, &self.text);
         read.unwrap_or_else(|errors| {
             panic!(
                 "the text of the study {} cannot be read again: {errors}",
@@ -319,24 +319,42 @@ fn set(table: &mut dyn TableLike, key: &str, number: f64) {
     }
 }
 
-/// Removes the sections in which rates are variables or scatter. Returns their names. Entries in the form `[[optimise.variables]]`
-/// are not recognised.
+/// Removes the sections in which rates are variables or scatter. Returns their names.
 fn leave_out_rates(root: &mut Table) -> Vec<String> {
+    let is_rate = |entry: &dyn TableLike| {
+        let names = ["bushing", "link", "rate"];
+        names.iter().any(|key| entry.contains_key(key))
+    };
     let moves_rates = |section: &Item| {
-        let entries = ["variables", "scatter"].into_iter();
-        let lists = entries.filter_map(|key| section.get(key)?.as_array());
-        let is_rate = |entry: &Value| {
-            let entry = entry.as_inline_table();
-            let names = ["bushing", "link", "rate"];
-            entry.is_some_and(|own| names.iter().any(|key| own.contains_key(key)))
-        };
-        lists.flatten().any(is_rate)
+        let keys = ["variables", "scatter"].into_iter();
+        let lists = keys.filter_map(|key| section.get(key));
+        lists.flat_map(tables).any(is_rate)
+    };
+    let has_rates = |name: &str| root.get(name).is_some_and(moves_rates);
+    // A robust tuning also scatters the rates of [tolerance].
+    let is_robust = root
+        .get("optimise")
+        .is_some_and(|own| own.get("scatter").is_some());
+    let is_left_out = |name: &&str| {
+        let is_of_builds = *name == "optimise" && is_robust;
+        has_rates(name) || is_of_builds && has_rates("tolerance")
     };
     let sections = ["sweep", "optimise", "tolerance"].into_iter();
-    let found = sections.filter(|name| root.get(name).is_some_and(moves_rates));
-    let found: Vec<&str> = found.collect();
+    let found: Vec<&str> = sections.filter(is_left_out).collect();
     let names = found.into_iter().filter(|name| root.remove(name).is_some());
     names.map(|name| format!("[{name}]")).collect()
+}
+
+/// Tables of a list: the inline tables of an array, or tables with separate sections.
+fn tables(list: &Item) -> Vec<&dyn TableLike> {
+    match list {
+        Item::ArrayOfTables(tables) => tables.iter().map(|own| own as &dyn TableLike).collect(),
+        Item::Value(Value::Array(array)) => {
+            let inline = array.iter().filter_map(Value::as_inline_table);
+            inline.map(|own| own as &dyn TableLike).collect()
+        }
+        _ => Vec::new(),
+    }
 }
 
 /// Writes stiffnesses, link preloads and the spring rate of the right wheel into `[axle.right]`: those that differ from the left

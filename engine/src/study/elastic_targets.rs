@@ -271,10 +271,10 @@ pub(super) struct RateKeys<'a> {
     pub others: &'a [Option<Span<usize>>],
 }
 
-/// Collects the keys of a rate from an entry at `place`. The last argument lists keys of the entry that a rate does not
-/// accept.
+/// Collects the keys of a rate from an entry at `place`. The last two arguments list keys of the entry that a rate does not
+/// accept; the values of the last ones are numbers.
 macro_rules! rate_keys {
-    ($written:expr, $place:expr, [$($other:ident),*]) => {
+    ($written:expr, $place:expr, [$($other:ident),*], [$($number:ident),*]) => {
         RateKeys {
             place: $place,
             bushing: &$written.bushing,
@@ -282,7 +282,10 @@ macro_rules! rate_keys {
             rate: &$written.rate,
             stiffness: &$written.stiffness,
             relative: &$written.relative,
-            others: &[$($written.$other.as_ref().map(Spanned::span)),*],
+            others: &[
+                $($written.$other.as_ref().map(Spanned::span),)*
+                $($written.$number.as_ref().map(|number| number.span.clone()),)*
+            ],
         }
     };
 }

@@ -134,9 +134,10 @@ fn all(
     problems: &mut Problems,
 ) -> Option<Vec<Load>> {
     let written = section.loads.as_ref().map_or(&[][..], |l| l.get_ref());
-    let loads = each(written, |load| {
-        resolved(load, suspension, holding, problems)
-    });
+    let loads: Vec<Option<Load>> = written
+        .iter()
+        .map(|load| resolved(load, suspension, holding, problems))
+        .collect();
     for (i, load) in written.iter().enumerate() {
         // A load on the left wheel and a load on the right wheel may share a name.
         let apart = |other: &file::Load| match (&other.side, &load.side) {
@@ -151,9 +152,12 @@ fn all(
         }
         // Two loads with the same name, one on each wheel, act in one equilibrium. So both loads must keep the same
         // quantity constant.
-        let differs =
-            |one: &&file::Load| one.name == load.name && apart(one) && one.hold != load.hold;
-        if let Some(first) = written[..i].iter().find(differs) {
+        let differs = |k: &usize| {
+            let held = [&loads[*k], &loads[i]].each(|own| own.as_ref().map(|own| own.held));
+            let has_both = written[*k].name == load.name && apart(&written[*k]);
+            has_both && matches!(held, [Some(one), Some(other)] if one != other)
+        };
+        if let Some(first) = (0..i).find(differs).map(|k| &written[k]) {
             let message = format!(
                 "the loads {:?} on both wheels act together: expected the same hold for both",
                 load.name.get_ref()
@@ -163,7 +167,7 @@ fn all(
             return None;
         }
     }
-    loads
+    loads.into_iter().collect()
 }
 
 fn resolved(

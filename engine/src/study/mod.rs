@@ -108,6 +108,8 @@ pub struct Study {
     /// result that is a study is an edited copy of this text. So the result keeps the comments. It needs no other file except
     /// a file of designs.
     pub text: String,
+    /// Directory of the files that the study names.
+    pub directory: std::path::PathBuf,
     /// Other files that the study names: targets, designs and bushings.
     pub inputs: Vec<std::path::PathBuf>,
     /// Vehicle that the study describes, with its motion and outputs.

@@ -228,44 +228,56 @@ fn variables(
 ) -> Option<Vec<Variable>> {
     let suspension = context.suspension;
     let written = some(&section.variables, "variable", problems)?;
-    let resolved: Vec<_> = written
-        .iter()
-        .flat_map(|v| match &v.get_ref().rigid {
-            Some(points) => rigid(v, points, suspension, problems),
-            None => vec![variable(v, context, problems)],
+    let entries = written.iter().enumerate();
+    let resolved: Vec<(usize, Option<Variable>)> = entries
+        .flat_map(|(entry, v)| {
+            let own = match &v.get_ref().rigid {
+                Some(points) => rigid(v, points, suspension, problems),
+                None => vec![variable(v, context, problems)],
+            };
+            own.into_iter().map(move |variable| (entry, variable))
         })
         .collect();
-    if written.iter().any(|v| v.get_ref().rigid.is_some()) {
-        // With rigid bodies, a point of a body may also have a variable of its own. So the same move may occur twice. Then no
-        // variables are compared, not even variables without a body.
-        return resolved.into_iter().collect();
-    }
-    let place = |i: usize| {
-        let variable = &written[i];
-        let points = &variable.get_ref().hardpoint;
-        points.as_ref().map_or(variable.span(), Spanned::span)
+    distinct(written, &resolved, problems);
+    resolved.into_iter().map(|(_, variable)| variable).collect()
+}
+
+/// Refuses two variables with the same move, the same rotation or the same rate. `resolved` has the variables, each with the
+/// index of its entry in `written`.
+fn distinct(
+    written: &[Spanned<file::Variable>],
+    resolved: &[(usize, Option<Variable>)],
+    problems: &mut Problems,
+) {
+    let place = |entry: usize| {
+        let points = &written[entry].get_ref().hardpoint;
+        points.as_ref().map_or(written[entry].span(), Spanned::span)
     };
-    for (i, variable) in resolved.iter().enumerate() {
-        let Some(variable) = variable else { continue };
-        let same = |other: &Option<Variable>| {
-            let other = other.as_ref();
-            other.is_some_and(|other| {
-                other.moves == variable.moves && other.rate == variable.rate
-                    // Two variables with different directions would have the same name.
-                    || variable.axis().is_none() && other.label() == variable.label()
-            })
+    let resolved = resolved.iter();
+    let resolved: Vec<_> = resolved
+        .filter_map(|(entry, variable)| Some((*entry, variable.as_ref()?)))
+        .collect();
+    let mut refused = None;
+    for (k, (entry, variable)) in resolved.iter().enumerate() {
+        // Two variables with different directions would have the same name.
+        let same = |(_, other): &&(usize, &Variable)| {
+            let is_named = other.label() == variable.label();
+            is_named && (variable.axis().is_none() || other.moves == variable.moves)
         };
-        if let Some(first) = resolved[..i].iter().position(same) {
+        // The variables of a rigid body have one entry, which is reported once.
+        if let Some((first, _)) = resolved[..k].iter().find(same)
+            && refused != Some(entry)
+        {
+            refused = Some(entry);
             let message = format!(
                 "{} of {} is already a variable",
                 variable.way(),
                 variable.name
             );
-            let error = problems.add(place(i), message);
-            error.related(place(first), "here");
+            let error = problems.add(place(*entry), message);
+            error.related(place(*first), "here");
         }
     }
-    resolved.into_iter().collect()
 }
 
 fn variable(
@@ -278,7 +290,8 @@ fn variable(
     let named = rate_keys!(
         written,
         variable.span(),
-        [hardpoint, hardpoints, rigid, axis, direction, factors]
+        [hardpoint, hardpoints, rigid, axis, direction, factors],
+        [shift, turn]
     );
     if named.is_given(problems)? {
         let cost = cost(written, problems);

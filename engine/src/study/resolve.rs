@@ -101,8 +101,8 @@ impl Study {
         resolve(path, format!("{name} (with --set)"), text, directory, parts)
     }
 
-    /// Returns the study with edits `path=value`, like those of `--set`. `name` is the file name in messages. The path of a
-    /// file of designs becomes relative to the working directory.
+    /// Returns the study with edits `path=value`, like those of `--set`. `name` is the file name in messages. Files that the
+    /// study names are in the same directory as before.
     pub fn with_overrides(&self, name: &str, overrides: &[String]) -> Result<Study, StudyErrors> {
         let text = overrides::apply(name, &self.text, overrides)?;
         let parts = if self.is_elastic() {
@@ -110,7 +110,19 @@ impl Study {
         } else {
             Parts::Rigid
         };
-        resolve(Path::new(name), name.to_owned(), text, Path::new(""), parts)
+        resolve(
+            Path::new(name),
+            name.to_owned(),
+            text,
+            &self.directory,
+            parts,
+        )
+    }
+
+    /// Reads another text of this study, which may have elastic parts. `name` is the file name in messages. Files that the
+    /// text names are in the directory of this study.
+    pub fn read_again(&self, name: &str, text: &str) -> Result<Study, StudyErrors> {
+        Study::elastic_from_text(name, text, &self.directory)
     }
 
     /// Reads a study from its text. `name` is the file name in messages. `directory` is the directory of the files that the
@@ -202,6 +214,7 @@ fn resolve(
         let motions = main.motions.clone();
         Some(Study {
             name: name.to_string_lossy().into_owned(),
+            directory: directory.to_owned(),
             text: edit::with_bushings_inside(text, &bushings),
             inputs: inputs.collect(),
             vehicle: main.vehicle(suspension)?,
@@ -412,7 +425,7 @@ impl Tasks {
         let tolerance = match &file.tolerance {
             None => Some(None),
             Some(_) if !is_known => None,
-            Some(section) => tolerance::tolerance(section, adjusted, context, problems).map(Some),
+            Some(section) => tolerance::tolerance(section, context, problems).map(Some),
         };
         let scatter = match &file.optimise {
             None => Some(None),

@@ -2,6 +2,7 @@
 //! target.
 
 mod columns;
+mod keys;
 mod of_axle;
 
 use super::curve_file::{self, at_record, delimiter};
@@ -21,6 +22,7 @@ use crate::ask::six_digits;
 use crate::compliance::{HeldQuantity, KcTest, KcValue, TestLoad, figure_names, figures_by};
 use crate::model::Side;
 use columns::NEEDED;
+use keys::refuse_other_keys;
 use of_axle::AxlePlace;
 use std::sync::Arc;
 use toml::Spanned;
@@ -122,35 +124,7 @@ fn of_sheet(
     problems: &mut Problems,
 ) -> Option<Vec<(Target, SheetTarget)>> {
     let written = spanned.get_ref();
-    let others = [
-        ("points", written.points.as_ref().map(Spanned::span)),
-        ("column", written.column.as_ref().map(Spanned::span)),
-        ("at", written.at.as_ref().map(|n| n.span.clone())),
-        ("value", written.value.as_ref().map(|n| n.span.clone())),
-        ("rack", written.rack.as_ref().map(Spanned::span)),
-        ("motion", written.motion.as_ref().map(Spanned::span)),
-        ("point", written.point.as_ref().map(Spanned::span)),
-        ("length", written.length.as_ref().map(Spanned::span)),
-        ("load", written.load.as_ref().map(Spanned::span)),
-        ("over", written.over.as_ref().map(Text::span)),
-        ("heave", written.heave.as_ref().map(Spanned::span)),
-        (
-            "travel_left",
-            written.travel_left.as_ref().map(Spanned::span),
-        ),
-        (
-            "travel_right",
-            written.travel_right.as_ref().map(Spanned::span),
-        ),
-        ("side", written.side.as_ref().map(Text::span)),
-    ];
-    for (key, span) in others {
-        if let Some(span) = span {
-            let message =
-                format!("the sheet already gives travel, rack and values: remove the key {key}");
-            return problems.refuse(span, &message);
-        }
-    }
+    refuse_other_keys(written, problems)?;
     let named = written.figure.as_ref().or(written.characteristic.as_ref());
     if let Some(name) = named {
         match of {

@@ -39,6 +39,15 @@ pub(super) fn formulation(
         return Some(Formulation::KnucklePose);
     };
     let formulation = choose(text, "formulation", &Formulation::ALL, problems)?;
+    if let (Formulation::PointCoordinates, Some(section)) = (formulation, &file.compliance) {
+        let message = "the equations in point coordinates are those of a rigid mechanism, without [compliance]";
+        let error = problems.add(text.span(), message);
+        error.related(section.span(), "the elastic parts");
+        error.help(
+            "formulation = \"knuckle_pose\" solves elastic parts; it is used without [solver]",
+        );
+        return None;
+    }
     let mechanism = &suspension.mechanism;
     let is_strut = matches!(mechanism.closed_form, Some(ClosedForm::Strut));
     if formulation == Formulation::PointCoordinates && !is_strut {

@@ -33,6 +33,7 @@ pub(super) fn suspension(file: &File, problems: &mut Problems) -> Option<Suspens
     let wheel_radius = positive(&file.wheel.radius, problems);
     let tyre_width = positive(&file.wheel.tyre_width, problems);
     let rim_diameter = positive(&file.wheel.rim_diameter, problems);
+    refuse_keys_of_others(file, topology?, problems);
     let given = hardpoints(section, topology?, problems)?;
     let (frame, length_unit) = (frame?, length_unit?);
 
@@ -73,6 +74,20 @@ pub(super) fn suspension(file: &File, problems: &mut Problems) -> Option<Suspens
     )?;
     suspension.design = design;
     Some(suspension)
+}
+
+/// Refuses keys that are only for another topology.
+fn refuse_keys_of_others(file: &File, topology: &Topology, problems: &mut Problems) {
+    let is_beam = topology.is_twist_beam();
+    if let (false, Some(section)) = (is_beam, &file.twist_beam) {
+        let message = "[twist_beam] needs topology = \"twist_beam\"";
+        problems.add(section.span(), message);
+    }
+    let is_solid = topology.carries_both_wheels() && !is_beam;
+    if let (false, Some(single)) = (is_solid, &file.suspension.single) {
+        let message = "the key \"single\" needs topology = \"solid_axle\": it names a link of a solid axle that exists once";
+        problems.add(single.span(), message);
+    }
 }
 
 /// Combines the unit of length with the unit of force.

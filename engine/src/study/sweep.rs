@@ -70,6 +70,12 @@ impl SweepVariable {
         }
     }
 
+    /// Returns true if both variables change the same coordinates by the same factors, or the same rate.
+    pub(super) fn changes_same(&self, other: &SweepVariable) -> bool {
+        let rate = |own: &SweepVariable| own.rate.map(|rate| rate.parameter);
+        self.moves == other.moves && rate(self) == rate(other)
+    }
+
     /// Value with the index `level` in a grid.
     pub fn level(&self, level: u64) -> f64 {
         let [low, high] = self.range;
@@ -102,12 +108,7 @@ pub(super) fn sweep(
     check_solver(file, section, formulation, context, problems);
     let designs = match (&written.designs, &written.variables) {
         (Some(path), None) => {
-            if let Some(method) = &written.method {
-                let message =
-                    "the designs come from a file, so the key \"method\" is not available";
-                let error = problems.add(method.span(), message);
-                error.related(path.span(), "the file");
-            }
+            refuse_sampling(written, path, problems);
             if path.get_ref().trim().is_empty() {
                 problems.add(path.span(), "expected the name of a file, found none");
             }
@@ -134,6 +135,23 @@ pub(super) fn sweep(
         format: format(&written.format, problems)?,
         constraints: written.constraints.unwrap_or(true),
     })
+}
+
+/// Refuses keys for the sampling of variables, because the designs come from a file.
+fn refuse_sampling(written: &file::Sweep, path: &Text, problems: &mut Problems) {
+    let keys = [
+        ("method", written.method.as_ref().map(Spanned::span)),
+        ("samples", written.samples.as_ref().map(Spanned::span)),
+        ("seed", written.seed.as_ref().map(Spanned::span)),
+    ];
+    for (key, place) in keys {
+        if let Some(place) = place {
+            let message =
+                format!("the designs come from a file, so the key \"{key}\" is not available");
+            let error = problems.add(place, message);
+            error.related(path.span(), "the file");
+        }
+    }
 }
 
 /// Checks that the sweep uses the formulation [`Formulation::KnucklePose`], and a drive with the same meaning for every
@@ -322,7 +340,8 @@ fn variable(
     let named = rate_keys!(
         written,
         place.span(),
-        [hardpoint, hardpoints, factors, axis, absolute]
+        [hardpoint, hardpoints, factors, axis, absolute],
+        []
     );
     if named.is_given(problems)? {
         return rate(written, &named, context, problems);
@@ -431,8 +450,8 @@ pub(super) fn plain(name: &Text, problems: &mut Problems) -> Option<String> {
     Some(text.clone())
 }
 
-/// Refuses two variables with the same name. Also refuses a coordinate that one variable sets and another variable moves.
-/// Offsets of several variables are added. Two variables with different names may set the same rate: the last one counts.
+/// Refuses two variables with the same name, or of the same rate. Also refuses a coordinate that one variable sets and another
+/// variable moves. Offsets of several variables are added.
 fn distinct(
     written: &[Spanned<file::SweepVariable>],
     variables: &[SweepVariable],
@@ -449,6 +468,14 @@ fn distinct(
         if let Some(first) = names.insert(&variable.name, i) {
             refuse(format!("{} is already a variable", variable.name), first);
             continue;
+        }
+        let of_rate = |own: &SweepVariable| own.rate.is_some() && own.changes_same(variable);
+        if let Some(first) = variables[..i].iter().position(of_rate) {
+            let message = format!(
+                "{} already varies this rate: remove one of them",
+                variables[first].name
+            );
+            refuse(message, first);
         }
         for m in &variable.moves {
             if let Some(first) = coordinates.insert((m.point, m.axis), i)

@@ -103,11 +103,12 @@ fn target(
     let written = spanned.get_ref();
     let (of, site, axle_motion) = quantity_and_site(spanned, context, problems);
     let tolerance = not_tiny(&written.tolerance, problems);
-    let weight = match &written.weight {
-        None => Some(1.0),
-        Some(weight) => not_tiny(weight, problems),
-    };
+    let weight = weight(&written.weight, problems);
     let interpolation = interpolation(written, problems);
+    if let (Some(axis), None) = (&written.axis, &written.point) {
+        let message = "the key \"axis\" needs \"point\": it names a coordinate of the point";
+        problems.add(axis.span(), message);
+    }
     if let (Some(column), None) = (&written.column, &written.file) {
         problems.add(
             column.span(),
@@ -198,6 +199,14 @@ pub(super) fn not_tiny(number: &Number, problems: &mut Problems) -> Option<f64> 
     match tiny(value) {
         None => Some(value),
         Some(message) => problems.refuse(number.span.clone(), message),
+    }
+}
+
+/// Weight of a target: 1 if the study gives none.
+pub(super) fn weight(written: &Option<Number>, problems: &mut Problems) -> Option<f64> {
+    match written {
+        None => Some(1.0),
+        Some(weight) => not_tiny(weight, problems),
     }
 }
 

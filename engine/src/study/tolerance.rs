@@ -13,7 +13,7 @@ use super::outputs::hardpoint;
 use super::resolve::{Context, each, some};
 use super::suspension::{ABOVE_ZERO, above_zero};
 use super::value::{MemberName, Text};
-use super::{AxleStudy, Contributor, Drive, Law, Setup, Source, Tolerance};
+use super::{AxleStudy, Contributor, Drive, Law, Source, Tolerance};
 use crate::ask::{Accepted, six_digits};
 use crate::assembly::BuildParameter;
 use crate::model::{Axis, PointId, Side, Suspension};
@@ -32,7 +32,6 @@ const MOST_BUILDS: i64 = 10_000_000_000;
 /// Reads the tolerances. `None` if they have an error.
 pub(super) fn tolerance(
     section: &Spanned<file::Tolerance>,
-    setup: Option<&Setup>,
     context: &Context,
     problems: &mut Problems,
 ) -> Option<Tolerance> {
@@ -41,7 +40,7 @@ pub(super) fn tolerance(
     let builds = whole(&section.builds, 10_000, 2..=MOST_BUILDS, problems);
     let seed = whole(&section.seed, 1, 0..=i64::from(u32::MAX), problems);
     let aligned = section.aligned.as_ref().is_some_and(|a| *a.get_ref());
-    if let (true, None, Some(written)) = (aligned, setup, &section.aligned) {
+    if let (true, None, Some(written)) = (aligned, &context.file.setup, &section.aligned) {
         let message = "aligned = true needs [setup] with adjust, to set toe and camber";
         problems.add(written.span(), message);
     }
@@ -83,6 +82,9 @@ pub(super) fn tolerance(
         }
         Some(axle) => contributors_of_axle(s, axle, context.suspension, Some(context), problems),
     });
+    if let Some(scatter) = &scatter {
+        distinct_rates(written, scatter, problems);
+    }
     let bands = section.bands.iter().flatten();
     let bands = each(bands, |b| band(b, context, problems));
     Some(Tolerance {
@@ -92,6 +94,31 @@ pub(super) fn tolerance(
         scatter: scatter?.into_iter().flatten().collect(),
         bands: bands?,
     })
+}
+
+/// Refuses two entries of `scatter` for the same rate, because a build has one value of each rate.
+fn distinct_rates(
+    written: &[Spanned<file::Scatter>],
+    scatter: &[Vec<Contributor>],
+    problems: &mut Problems,
+) {
+    let rates = |own: &[Contributor]| -> Vec<_> {
+        let sources = own.iter().flat_map(|one| &one.sources);
+        let rate = |source: &Source| Some((source.rate?.parameter, source.side));
+        sources.filter_map(rate).collect()
+    };
+    let rates: Vec<_> = scatter.iter().map(|own| rates(own)).collect();
+    for (k, own) in rates.iter().enumerate() {
+        let same = |other: &Vec<_>| other.iter().any(|rate| own.contains(rate));
+        if let Some(first) = rates[..k].iter().position(same) {
+            let message = format!(
+                "{} already scatters: give one entry for each rate",
+                scatter[k][0].name
+            );
+            let error = problems.add(written[k].span(), message);
+            error.related(written[first].span(), "here");
+        }
+    }
 }
 
 fn whole(
@@ -202,7 +229,8 @@ fn contributors(
     let named = rate_keys!(
         written,
         place.clone(),
-        [hardpoint, hardpoints, length, jig, axis]
+        [hardpoint, hardpoints, length, jig, axis],
+        [shift, turn]
     );
     if named.is_given(problems)? {
         let Some(context) = context else {

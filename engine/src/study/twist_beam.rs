@@ -14,7 +14,7 @@ use crate::number::Each;
 const OF_BOTH_LEVERS: f64 = 0.25;
 
 /// Rate of the anti-roll bar that represents the twist beam in formulas. `Some(None)` if there is no `[twist_beam]`, `None` if
-/// the study has an error. Refuses this section in other topologies.
+/// the study has an error.
 pub(super) fn bar_rate(
     file: &File,
     left: &Suspension,
@@ -27,13 +27,9 @@ pub(super) fn bar_rate(
         error.help("add the rate of a bar in the cross member to torsional_rate in [twist_beam]");
         return None;
     }
-    let Some(section) = &file.twist_beam else {
+    let Some(section) = file.twist_beam.as_ref().filter(|_| is_beam) else {
         return Some(None);
     };
-    if !is_beam {
-        let message = "[twist_beam] needs topology = \"twist_beam\"";
-        return problems.refuse(section.span(), message);
-    }
     let rate = above_zero(&section.get_ref().torsional_rate, problems)?;
     Some(Some(OF_BOTH_LEVERS * rate * left.length_unit.newtons()))
 }

@@ -275,6 +275,17 @@ fn mistakes_of_places_are_named() {
             "relative = 0.4",
             "has the key \"percent\" instead of \"relative\"",
         ),
+        // Division by the square of these numbers would overflow.
+        (
+            "value = 48.0, tolerance = 0.1",
+            "value = 48.0, tolerance = 1e-300",
+            "expected a number of at least 1e-12",
+        ),
+        (
+            "value = 48.0, tolerance = 0.1",
+            "value = 48.0, tolerance = 0.1, weight = 1e-300",
+            "expected a number of at least 1e-12",
+        ),
     ] {
         let path = car(directory.path(), &BUMP_STEER.replacen(from, to, 1));
         let errors = CarStudy::read(&path, &[]).unwrap_err();
@@ -289,4 +300,52 @@ fn mistakes_of_places_are_named() {
     let errors =
         hardpoint::study::Study::from_text("front.toml", &text, Path::new(".")).unwrap_err();
     assert!(format!("{errors}").contains("case needs [car]"), "{errors}");
+}
+
+/// The calculation of a single axle uses the rates of the axle's study. If a variable changes a rate of this axle, the
+/// program refuses targets and constraints that depend on rates: by their quantity, or by a motion at constant wheel load.
+#[test]
+fn goals_that_depend_on_a_variable_rate_are_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    for end in ["", "_front", "_rear"] {
+        let file = format!("off_road_car{end}.toml");
+        std::fs::copy(studies().join(&file), directory.path().join(&file)).unwrap();
+    }
+    let path = directory.path().join("off_road_car.toml");
+    let car = std::fs::read_to_string(&path).unwrap();
+    let point =
+        "{ axle = \"rear\", hardpoint = \"upper_link_axle\", axis = \"z\", range = [-10.0, 10.0] }";
+    let rate = "{ axle = \"rear\", rate = \"spring\", range = [20.0, 60.0] }";
+    let roll =
+        "{ case = \"turn\", characteristic = \"roll\", value = 3.0, tolerance = 0.1 }".to_owned();
+    let steer = format!(
+        "{roll}, {{ axle = \"rear\", characteristic = \"axle_steer\", over = \"roll\", points = [[-2.0, 0.1], [2.0, -0.1]], tolerance = 0.05 }}"
+    );
+    let limit =
+        "{ axle = \"rear\", characteristic = \"wheel_rate\", at = \"design\", at_least = 45.0 }";
+    let held = ["rear.motion.hold=\"wheel_load\"".to_owned()];
+    let (of_constraint, of_target) = (
+        "this constraint depends on rates of the rear axle",
+        "this target depends on rates of the rear axle",
+    );
+    for (has_rate, targets, constraint, changes, refused) in [
+        (true, &roll, limit, &[][..], Some(of_constraint)),
+        (false, &roll, limit, &[], None),
+        (true, &steer, "", &held, Some(of_target)),
+        (true, &steer, "", &[], None),
+        (false, &steer, "", &held, None),
+    ] {
+        let rate = if has_rate { rate } else { "" };
+        let optimise = format!(
+            "[optimise]\nvariables = [{point}, {rate}]\ntargets = [{targets}]\nconstraints = [{constraint}]\n"
+        );
+        let optimise = optimise.replace(", ]", "]");
+        std::fs::write(&path, format!("{car}\n{optimise}")).unwrap();
+        let said = CarStudy::read(&path, changes).map_err(|errors| errors.to_string());
+        match (said, refused) {
+            (Ok(_), None) => {}
+            (Err(said), Some(phrase)) => assert!(said.contains(phrase), "{optimise}: {said}"),
+            (said, _) => panic!("{optimise}: {:?}", said.err()),
+        }
+    }
 }

@@ -10,6 +10,7 @@ mod mechanics;
 mod member_forces;
 mod random;
 mod reference;
+mod refused;
 mod reports;
 mod robust;
 mod samples;

@@ -237,6 +237,58 @@ fn mistakes_in_a_sheet_are_named_with_their_line() {
     }
 }
 
+/// A sheet replaces most keys of its target. The program refuses these keys, and numbers whose square would overflow.
+#[test]
+fn keys_that_a_sheet_replaces_are_refused() {
+    let sheet = "load,trail_mm,quantity,value,unit,tolerance\nlateral,0.0,camber_by_lateral_force,0.02,deg_per_kN,0.001\n";
+    let key = |key: &str| format!("remove the key {key}");
+    let least = || "expected a number of at least 1e-12".to_owned();
+    for (target, column, phrase) in [
+        ("tolerance = 1.0, axis = \"z\"", "0.001", key("axis")),
+        (
+            "tolerance = 1.0, between = [0.0, 1.0]",
+            "0.001",
+            key("between"),
+        ),
+        ("tolerance = 1.0, at_least = 0.0", "0.001", key("at_least")),
+        ("tolerance = 1.0, at_most = 1.0", "0.001", key("at_most")),
+        ("tolerance = 1.0, roll = 1.0", "0.001", key("roll")),
+        (
+            "tolerance = 1.0, steering_wheel_angle = 1.0",
+            "0.001",
+            key("steering_wheel_angle"),
+        ),
+        (
+            "tolerance = 1.0, interpolation = \"linear\"",
+            "0.001",
+            key("interpolation"),
+        ),
+        (
+            "tolerance = 1.0, figure = \"camber_by_lateral_force\", characteristic = \"camber\"",
+            "0.001",
+            "found both".to_owned(),
+        ),
+        ("tolerance = 1e-300", "0.001", least()),
+        ("tolerance = 1.0, weight = 1e-300", "0.001", least()),
+        (
+            "tolerance = 1.0",
+            "1e-300",
+            format!("tolerance: {}", least()),
+        ),
+    ] {
+        let directory = tempfile::tempdir().unwrap();
+        let text = sheet.replace("0.001", column);
+        std::fs::write(directory.path().join("sheet.csv"), text).unwrap();
+        let asked = format!(
+            "\n[optimise]\nvariables = [{}]\ntargets = [{{ file = \"sheet.csv\", {target} }}]\n",
+            variables(&[("lower_arm_rear", "y")])
+        );
+        let read = Study::elastic_from_text("case.toml", &with(NAME, &asked), directory.path());
+        let said = read.map(|_| ()).unwrap_err().render(false);
+        assert!(said.contains(&phrase), "{target}: {said}");
+    }
+}
+
 fn bus(fy: &str) -> String {
     let mut text = "[MDI_HEADER]\nFILE_TYPE = 'bus'\n[UNITS]\nLENGTH = 'mm'\nANGLE = 'degrees'\nFORCE = 'newton'\n[DAMPING]\nFX_DAMPING = 1.0\n".to_owned();
     let degrees = 10.0_f64;

@@ -1,23 +1,16 @@
-//! `[optimise]` of a car: variables, and targets and constraints of load cases and of each axle alone.
+//! `[optimise]` of a car: variables, and targets and constraints of load cases.
 
-use super::super::constraints::{each_constraint, visible_change};
+use super::super::constraints::visible_change;
 use super::super::names::choose;
-use super::super::resolve::{Context, each, some};
-use super::super::suspension::{above_zero, positive};
-use super::super::targets::each_target;
-use super::super::{Motion, Move, Optimise, TargetKind, Variable, parse};
+use super::super::resolve::{each, some};
+use super::super::targets::{not_tiny, weight};
 use super::variables::Written;
 use super::{CarOptimise, ENDS, Resolver};
-use crate::ask::Need;
-use crate::axle::Quantity;
-use crate::car::{Car, CarConstraint, CarRun, CarTarget, CarVariable, Case, Moves, RigGoals};
+use crate::car::{Car, CarConstraint, CarRun, CarTarget, Case};
 use hardpoint_study_file::car_file;
-use hardpoint_study_file::error::Source;
 use hardpoint_study_file::file;
 use hardpoint_study_file::value::{LimitText, Number, OneOr, Text};
 use std::ops::Range as Span;
-use std::path::Path;
-use std::sync::Arc;
 use toml::Spanned;
 
 /// Largest number of starts.
@@ -199,8 +192,8 @@ impl Resolver<'_> {
         let name = self.characteristic(&written.characteristic, entry.span())?;
         let quantities = self.named(car, name)?;
         let case = self.case_of(&quantities, case, cases)?;
-        let tolerance = above_zero(&written.tolerance, self.problems)?;
-        let weight = positive(&written.weight, self.problems)?.unwrap_or(1.0);
+        let tolerance = not_tiny(&written.tolerance, self.problems)?;
+        let weight = weight(&written.weight, self.problems)?;
         let has_band =
             written.between.is_some() || written.at_least.is_some() || written.at_most.is_some();
         let wanted = match &written.value {
@@ -321,151 +314,4 @@ impl Resolver<'_> {
         };
         Some(quantities.into_iter().map(constraint).collect())
     }
-
-    /// Targets and constraints of a single axle, read like those in a study of this axle.
-    fn rig(
-        &mut self,
-        end: usize,
-        variables: &[CarVariable],
-        targets: &[&Spanned<file::Target>],
-        constraints: &[&Spanned<file::Constraint>],
-    ) -> Option<Option<RigGoals>> {
-        let places = targets.iter().map(|entry| entry.span());
-        let mut places = places.chain(constraints.iter().map(|entry| entry.span()));
-        let Some(first) = places.next() else {
-            return Some(None);
-        };
-        let (columns, own) = variables_of(end, variables);
-        if columns.is_empty() {
-            let message = format!("no variable moves a hardpoint of the {} axle", ENDS[end].0);
-            return self.problems.refuse(first, message);
-        }
-        let study = &self.axles[end];
-        let source = Arc::new(Source {
-            name: study.name.clone(),
-            text: study.text.clone(),
-        });
-        // The file was read before, so its errors are already reported.
-        let file = parse::parse(&source).ok()?;
-        let still = Motion::still();
-        let context = Context {
-            suspension: study.wheel(),
-            motion: Some(&still),
-            motions: &study.motions,
-            loads: &[],
-            axle: study.axle(),
-            elastic: None,
-            file: &file,
-            directory: Path::new(""),
-        };
-        let read = each_target(targets.iter().copied(), false, &context, self.problems);
-        let kept = each_constraint(constraints.iter().copied(), &context, self.problems);
-        let (read, _) = read?;
-        for (target, entry) in read.iter().zip(targets) {
-            if let TargetKind::Axle(quantities) = &target.of.kind {
-                self.refuse_moved_rates(end, variables, quantities, entry.span())?;
-            }
-        }
-        Some(Some(RigGoals {
-            columns,
-            optimise: Optimise {
-                targets: read,
-                constraints: kept?,
-                ..without_goals(own)
-            },
-        }))
-    }
-
-    /// Refuses a quantity of a single axle if it depends on a rate that is a variable. The calculation of a single axle
-    /// uses the rates of the axle's study, not the variable.
-    fn refuse_moved_rates(
-        &mut self,
-        end: usize,
-        variables: &[CarVariable],
-        quantities: &[Quantity],
-        place: Span<usize>,
-    ) -> Option<()> {
-        let rates = [
-            Need::SpringForce,
-            Need::Springs,
-            Need::HeaveSpring,
-            Need::TBar,
-            Need::HeaveBar,
-            Need::BarRate,
-            Need::TyreRate,
-        ];
-        let depends = |quantity: &&Quantity| {
-            let mut needs = quantity.info().needs.iter();
-            needs.any(|need| rates.contains(need))
-        };
-        let moves = |variable: &CarVariable| matches!(variable.moves, Moves::Rate { axle, .. } if axle == end);
-        match quantities.iter().find(depends) {
-            Some(_) if variables.iter().any(moves) => {
-                let message = format!(
-                    "this target depends on rates of the {} axle, which are variables here: use a \
-                     target with the key \"case\"",
-                    ENDS[end].0
-                );
-                self.problems.refuse(place, message)
-            }
-            _ => Some(()),
-        }
-    }
-}
-
-impl CarOptimise {
-    /// Returns the part of the tuning that could be in a study of one axle.
-    pub(crate) fn of_axle(&self, end: usize) -> Optimise {
-        Optimise {
-            side_effects: self.side_effects,
-            ..match &self.rigs[end] {
-                Some(goals) => goals.optimise.clone(),
-                None => without_goals(variables_of(end, &self.variables).1),
-            }
-        }
-    }
-}
-
-/// Tuning of a single axle, with these variables and without targets.
-fn without_goals(variables: Vec<Variable>) -> Optimise {
-    Optimise {
-        starts: 1,
-        seed: 1,
-        max_iterations: 1,
-        variables,
-        targets: Vec::new(),
-        constraints: Vec::new(),
-        good_enough: 0.0,
-        fit: false,
-        front: Vec::new(),
-        scatter: None,
-        side_effects: false,
-    }
-}
-
-/// Variables that move hardpoints of an axle, in the form of a study of the axle, with their indices.
-fn variables_of(end: usize, variables: &[CarVariable]) -> (Vec<usize>, Vec<Variable>) {
-    let own = variables
-        .iter()
-        .enumerate()
-        .filter_map(|(number, variable)| {
-            let moves = variable.moves.points().iter().filter(|at| at.axle == end);
-            let moves: Vec<Move> = moves
-                .map(|at| Move {
-                    point: at.point,
-                    axis: at.axis,
-                    factor: at.factor,
-                })
-                .collect();
-            let variable = Variable {
-                name: String::new(),
-                moves,
-                turn: None,
-                rate: None,
-                range: variable.range,
-                cost: 1.0,
-            };
-            (!variable.moves.is_empty()).then_some((number, variable))
-        });
-    own.unzip()
 }

@@ -95,7 +95,7 @@ impl Study {
         }
         // Reads the text again, so that the entries of the study have the same order as those of the text. The text
         // contains the target curves of other files.
-        let study = Study::elastic_from_text(name, &self.text, Path::new(""))?;
+        let study = self.read_again(name, &self.text)?;
         let conversion = Conversion::new(from, to, self.wheel().frame.meaning().1);
         let walk = Walk::new(Root::Suspension, Subject::Study(&study), [conversion; 2]);
         let text = walk.text(&source, |root| {
@@ -117,7 +117,7 @@ impl Study {
                 describe_axes(section, from.frame, to.frame);
             }
         })?;
-        Study::elastic_from_text(name, &text, Path::new(""))?;
+        self.read_again(name, &text)?;
         Ok(text)
     }
 }

@@ -535,6 +535,29 @@ fn builds_scatter_by_sides_and_shared_parts_once() {
     assert!((toe(&built, "left") - toe(&built, "right")).abs() > 1e-3);
 }
 
+/// A rate of a build differs between the wheels. The text of the build has no variables of rates, no tolerances, and no
+/// robust tuning, also if lists are written in separate sections.
+#[test]
+fn the_text_of_a_build_leaves_out_rates_in_separate_sections() {
+    let rate =
+        "bushing = \"upper_arm_front\"\nstiffness = \"y\"\nrange = [0.5, 2.0]\nrelative = true\n";
+    let point = "hardpoint = \"tie_rod_inner\"\naxis = \"z\"\nrange = [-5.0, 5.0]\n";
+    for (optimise, variable) in [("", rate), ("[optimise]\nscatter = 8\n", point)] {
+        let more = format!(
+            "\n{optimise}[[optimise.variables]]\n{variable}[[optimise.targets]]\ncharacteristic = \"toe\"\nover = \"heave\"\n\
+             at = 30.0\nvalue = 0.1\ntolerance = 0.02\nside = \"left\"\n\
+             [[tolerance.scatter]]\nbushing = \"lower_arm_rear\"\nstiffness = \"y\"\nsigma = 0.05\nrelative = true\n"
+        );
+        let study = elastic(&with(SUBFRAME, &more));
+        let problem = Problem::of(&study, study.tolerance.as_ref().unwrap()).unwrap();
+        let text = problem.built_text(0).unwrap();
+        let left_out = "# Without [optimise], [tolerance]: ";
+        assert!(text.starts_with(left_out), "{text}");
+        let built = elastic(&text);
+        assert!(built.optimise.is_none() && built.tolerance.is_none());
+    }
+}
+
 /// Derivatives with respect to the tolerance sources equal difference quotients between studies with the changed number.
 #[test]
 fn sensitivities_of_builds_agree_with_differences() {

@@ -136,7 +136,9 @@ fn a_wheel_without_adjustments_stays_as_built() {
         let problem = Problem::of(&study, study.tolerance.as_ref().unwrap()).unwrap();
         let built = elastic(&problem.built_text(1).unwrap());
         let axle = &built.axle().unwrap().axle;
-        [axle.left.design.clone(), axle.right.design.clone()]
+        axle.on_rig(None)
+            .suspensions
+            .map(|wheel| wheel.design.clone())
     };
     let (aligned, plain) = (build(true), build(false));
     let [left, right] = [0, 1].map(|side: usize| {

@@ -11,7 +11,7 @@ fn study(name: &str, changes: &[&str]) -> Study {
     Study::read(&studies.join(name), &changes).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Values of one design, as `values` and as `value_and_jacobian` return them, with the Jacobian. NaN is -1.
+/// Values of one design, as `values` and `value_and_jacobian` return them, with the status of both calls and the Jacobian.
 fn both_calls(f: &DesignFunction, x: &[f64]) -> ([Vec<f64>; 2], [DesignStatus; 2], Vec<f64>) {
     let mut values = [vec![0.0; f.len()], vec![0.0; f.len()]];
     let mut status = [[DesignStatus::Faulty]; 2];

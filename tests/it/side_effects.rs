@@ -673,3 +673,43 @@ fn a_target_of_the_motion_is_not_moved_to_a_named_motion() {
         "{toe:?} {changes:?}"
     );
 }
+
+/// A constraint of an axle in the design position allows a change there. The same change at other heights is no side effect.
+#[test]
+fn a_constraint_of_an_axle_counts_as_a_target() {
+    let overrides = |constraints: &'static str| {
+        [
+            "motion={ heave = [-40.0, 0.0, 40.0] }",
+            "outputs.characteristics=[\"camber\"]",
+            "optimise.targets=[{ characteristic = \"toe\", over = \"heave\", at = 0.0, value = 0.0, tolerance = 0.1 }]",
+            "optimise.variables=[{ hardpoint = \"spindle_inner\", axis = \"z\", range = [-20.0, 20.0] }]",
+            constraints,
+        ]
+    };
+    let effect = |constraints| {
+        let before = study("macpherson_axle_front", &overrides(constraints));
+        let after = before.moved(&[1.0]);
+        let [was, is] = [&before, &after].map(|study| axle_values(study, "left_camber_deg"));
+        let whole = (is[1].unwrap() - was[1].unwrap()).abs();
+        assert!(whole > 0.5, "{whole}");
+        (
+            whole,
+            named(&side_effects(&before, &after).unwrap(), "camber").clone(),
+        )
+    };
+    let (whole, free) = effect("optimise.constraints=[]");
+    assert!(
+        free.largest_change.unwrap().abs() > whole - 1e-9,
+        "{free:?}"
+    );
+    let (whole, limited) =
+        effect("optimise.constraints=[{ characteristic = \"camber\", at_most = 1.0 }]");
+    assert!(
+        limited.largest_change.unwrap().abs() < 0.1 * whole,
+        "{limited:?}"
+    );
+    assert!(
+        (limited.asked_change.abs() - whole).abs() < 0.1 * whole,
+        "{limited:?}"
+    );
+}

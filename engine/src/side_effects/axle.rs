@@ -6,10 +6,10 @@ use crate::ask::Unit;
 use crate::axle::{
     AxleColumn, AxlePlan, AxleQuantity, Coordinate, Of, Placement, Quantity, axle_curves,
 };
-use crate::characteristics::Characteristic;
+use crate::characteristics::{Characteristic, Measure, Quantity as WheelQuantity};
 use crate::mechanism::DesignFault;
-use crate::model::Side;
-use crate::study::{AxleSample, AxleStudy, Optimise, Study, Target, TargetKind};
+use crate::model::{Axis, Side};
+use crate::study::{AxleSample, AxleStudy, Limited, Optimise, Study, Target, TargetKind};
 
 /// Names of the quantities that are compared in addition to the study's outputs.
 const COMPARED: [&str; 10] = [
@@ -67,7 +67,8 @@ pub(super) fn observe(
             let own = samples.filter(|sample| is_own(sample.quantity));
             own.filter_map(station).collect::<Vec<usize>>()
         };
-        targets.flat_map(of_target).collect()
+        let limited = limited((study, both, name), &placements, is_own);
+        targets.flat_map(of_target).chain(limited).collect()
     };
     let columns = plan.columns(&both.axle);
     let values = |number: usize| found.stations.iter().map(move |s| s.value(number));
@@ -105,12 +106,71 @@ pub(super) fn observe(
     })
 }
 
-/// Gains of the wheels (derivatives with respect to travel) for which the study has targets. Each gain occurs once.
+/// Quantity of one wheel, or of the axle, that a part of a constraint limits. `None` if it limits no quantity of this wheel.
+/// Limits of an axle with equal wheels apply to both wheels.
+fn limited_quantity(of: &Measure, side: Side, both: &AxleStudy) -> Option<Quantity> {
+    let is_mirrored = both.axle.right.is_none() && both.axle.elastic.is_none();
+    match *of {
+        Measure::Quantity(WheelQuantity::Characteristic(of)) => {
+            (is_mirrored || side == Side::Left).then_some(Quantity::Corner(side, of))
+        }
+        Measure::OfAxle(Quantity::Corner(_, of)) if is_mirrored => Some(Quantity::Corner(side, of)),
+        Measure::OfAxle(Quantity::Wheel(_, of)) if is_mirrored => Some(Quantity::Wheel(side, of)),
+        Measure::OfAxle(of) => of.side().is_none_or(|own| own == side).then_some(of),
+        _ => None,
+    }
+}
+
+/// Stations of a motion at which constraints apply, for the quantities that `is_own` accepts. `name` is the name of the motion.
+fn limited(
+    (study, both, name): (&Study, &AxleStudy, Option<&str>),
+    placements: &[Placement],
+    is_own: &dyn Fn(Quantity) -> bool,
+) -> Vec<usize> {
+    let sign = both.axle.left.frame.sign(Axis::Y);
+    let mut found = Vec::new();
+    for (side, outwards) in [(Side::Left, sign), (Side::Right, -sign)] {
+        for constraint in study.optimise.iter().flat_map(|o| &o.constraints) {
+            let limits =
+                |part: &Limited| limited_quantity(&part.of, side, both).is_some_and(is_own);
+            let site = constraint.site.as_ref();
+            let motion = site.and_then(|site| site.motion.as_ref());
+            let is_here = motion.map(|(own, _)| own.as_str()) == name;
+            if !is_here || !constraint.parts.iter().any(limits) {
+                continue;
+            }
+            // Without a motion, a constraint applies to the design position. The rack is as for a left wheel.
+            let travels = motion.map_or(&[0.0][..], |(_, motion)| &motion.values);
+            let racks = site.map_or(&[][..], |site| &site.racks);
+            let applies = |place: &Placement| {
+                let is_level = place.along(Coordinate::Roll) == 0.0;
+                let level = || is_level.then(|| place.along(Coordinate::Heave));
+                let travel = place.travel(side).or_else(level);
+                let rack = outwards * place.rack() + 0.0;
+                travel.is_some_and(|travel| travels.contains(&travel))
+                    && (racks.contains(&rack) || racks.is_empty() && rack == 0.0)
+            };
+            let stations = (0..placements.len()).filter(|k| applies(&placements[*k]));
+            found.extend(stations);
+        }
+    }
+    found
+}
+
+/// Gains of the wheels (derivatives with respect to travel) for which the study has targets or constraints. Each gain occurs
+/// once.
 fn gains(study: &Study, both: &AxleStudy) -> Vec<Quantity> {
     let targets = study.optimise.iter().flat_map(|o| &o.targets);
     let samples = targets.flat_map(|target| target.axle_samples(&both.axle));
+    let constraints = study.optimise.iter().flat_map(|o| &o.constraints);
+    let parts = constraints.flat_map(|constraint| &constraint.parts);
+    let limited =
+        parts.flat_map(|part| Side::ALL.map(|side| limited_quantity(&part.of, side, both)));
     let mut gains = Vec::new();
-    for quantity in samples.map(|sample| sample.quantity) {
+    for quantity in samples
+        .map(|sample| sample.quantity)
+        .chain(limited.flatten())
+    {
         let is_gain =
             matches!(quantity, Quantity::Corner(_, of) if customary::integral_of(of).is_some());
         if is_gain && !gains.contains(&quantity) {

@@ -18,8 +18,7 @@
 //! station of `[motion]` with the nearest drive value.
 //!
 //! A target for a gain also counts for the quantity whose slope is the gain: bump steer for toe, motion ratio for spring
-//! length. For one wheel and for load cases of a car, limits of a constraint also count as a target, because the study allows
-//! any value between these limits.
+//! length. Limits of a constraint also count as a target, because the study allows any value between these limits.
 
 mod axle;
 mod car;

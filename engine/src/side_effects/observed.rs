@@ -55,8 +55,7 @@ pub(super) struct Series {
     pub straight_only: bool,
     /// Name of the wheel, for an axle or a car.
     pub wheel: Option<&'static str>,
-    /// Stations at which a target or a constraint applies to the output, or to a gain that is the slope of the output. For an
-    /// axle, only targets count.
+    /// Stations at which a target or a constraint applies to the output, or to a gain that is the slope of the output.
     pub wanted: Vec<usize>,
     /// Gains with targets or constraints that are slopes of the output.
     pub gains: Vec<Gain>,

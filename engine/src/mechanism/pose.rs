@@ -349,6 +349,15 @@ impl<'a, T: Real> Configuration<'a, T> {
         }
     }
 
+    /// Frame of unit vectors on an arm: its axis, the direction from the axis to the outer joint, and the normal of both.
+    #[inline(always)]
+    pub(crate) fn arm_frame(&self, arm: Arm) -> [Vector3<T>; 3] {
+        let front = self.designed(arm.front);
+        let axis = (self.designed(arm.rear) - front).normalised();
+        let lever = (self.carried(arm.outer) - front).across(axis).normalised();
+        [axis, lever, axis.cross(lever)]
+    }
+
     /// Present position of a point of an arm. This is a separate function, because it is rarely used and large.
     #[inline(always)]
     fn on_arm(&self, arm: Arm, id: PointId) -> Vector3<T> {

@@ -253,6 +253,22 @@ impl<T: Real> Configuration<'_, T> {
         ]
     }
 
+    /// Frame of unit vectors on the body of a rod's outer end, in the directions of the rocker's base.
+    #[inline(always)]
+    pub(crate) fn rod_frame(&self, rocker: Rocker) -> [Vector3<T>; 3] {
+        let frame = match self.mechanism.body(rocker.outer) {
+            Body::Knuckle | Body::StrutRod(_) => self.pose.rotation.columns,
+            Body::Arm(arm) => self.arm_frame(self.mechanism.arms[arm.0]),
+            Body::Rocker(id) => self.rocker_rotation(id).columns,
+            _ => Matrix3::identity(self.rack).columns,
+        };
+        if self.is_on_axle(rocker) {
+            frame.each(|direction| self.pose.rotation.apply_transposed(direction))
+        } else {
+            frame
+        }
+    }
+
     /// Present position of a point of a rocker. This code is large and rarely used, so it is not inlined.
     #[inline(always)]
     pub(crate) fn rocker_point(&self, id: RockerId, designed: Vector3<T>) -> Vector3<T> {

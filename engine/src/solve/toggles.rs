@@ -261,11 +261,13 @@ impl Toggles {
         for rocker in &self.watched {
             let mut turned_by = mechanism.rockers_moving(mechanism.rocker(*rocker).outer);
             let is_carried = turned_by.any(|id| stuck & 1 << id.0 != 0);
-            let ends = at.ends(mechanism.rocker(*rocker)).each(|end| end.map(&now));
+            let rod = mechanism.rocker(*rocker);
+            let ends = at.ends(rod).each(|end| end.map(&now));
             if is_carried || !is_effective(ends) {
                 stuck |= 1 << rocker.0;
             }
-            rods.push(RodReach::of(ends));
+            let frame = at.rod_frame(rod).each(|direction| direction.map(&now));
+            rods.push(RodReach::of(ends, frame));
         }
         (stuck, rods)
     }

@@ -257,27 +257,33 @@ impl<B: SimdReal> Configuration<'_, B> {
     pub fn moving_rod(&self, id: RockerId, motion: &Twist<B>) -> RodReach<B> {
         let rocker = self.mechanism.rocker(id);
         let now = self.moving_point(rocker.outer, motion).now;
-        RodReach::of(self.ends_with(rocker, now))
+        RodReach::of(self.ends_with(rocker, now), self.rod_frame(rocker))
     }
 
     /// Rod of a rocker in the design position, in the coordinates of the rocker's base.
     #[inline(always)]
     pub fn designed_rod(&self, id: RockerId) -> RodReach<B> {
         let rocker = self.mechanism.rocker(id);
-        RodReach::of(self.ends_in_base(rocker, self.designed(rocker.outer)))
+        let ends = self.ends_in_base(rocker, self.designed(rocker.outer));
+        RodReach::of(ends, self.at_rest().rod_frame(rocker))
     }
 
     /// Rod of a rocker while the knuckle is in its design position, in the coordinates of the rocker's base. A steering
     /// gear may have moved the rod.
     #[inline(always)]
     pub fn rod_at_rest(&self, id: RockerId) -> RodReach<B> {
+        let (at_rest, rocker) = (self.at_rest(), self.mechanism.rocker(id));
+        RodReach::of(at_rest.ends(rocker), at_rest.rod_frame(rocker))
+    }
+
+    /// The same mechanism with the knuckle in its design position.
+    #[inline(always)]
+    fn at_rest(&self) -> Self {
         let pose = Pose {
             origin: self.designed(self.mechanism.origin),
             rotation: Matrix3::identity(self.rack),
         };
-        let at_rest = Configuration { pose, ..*self };
-        let rocker = self.mechanism.rocker(id);
-        RodReach::of(at_rest.ends(rocker))
+        Configuration { pose, ..*self }
     }
 
     /// Position and velocity of a point in the base of a rocker.

@@ -50,9 +50,9 @@ const WIDTHS: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
 const WIDEST: f64 = 0.25;
 /// If a smaller share of the builds is within all bands, the search first lowers the distance of the builds from the bands.
 const FEW: f64 = 0.5;
-/// Standard deviation of a band whose value is the same in all builds: so small that it smooths nothing, and so large that
-/// the residuals and their powers stay finite.
-const STILL: f64 = 1e-30;
+/// Smallest standard deviation of a band, for values that are the same in all builds. It is far below the rounding error by
+/// which [`with_rounding`] moves the limits, so a value at a limit counts as within the band. All residuals stay finite.
+const STILL: f64 = 1e-15;
 /// Number of further builds with which the ends of the search are evaluated.
 const JUDGED: usize = 1 << 16;
 /// Number of further builds with which a design with elastic parts is evaluated. This number is smaller, because equilibria

@@ -1,4 +1,4 @@
-//! Tests that `check`, `solve` and `limits` report the same for one motion, with the same exit codes.
+//! Tests that `check`, `solve`, `limits` and `optimise` report the same for one motion, with the same exit codes.
 
 use hardpoint::study::Study;
 use std::path::Path;
@@ -12,7 +12,7 @@ fn run(command: &str, study: &str, set: &[&str]) -> Output {
     for value in set {
         arguments.extend(["--set".to_owned(), (*value).to_owned()]);
     }
-    if command == "solve" {
+    if ["solve", "optimise"].contains(&command) {
         arguments.extend(["--out".to_owned(), "-".to_owned()]);
     }
     let mut command = Command::new(env!("CARGO_BIN_EXE_hardpoint"));
@@ -67,6 +67,33 @@ fn a_named_motion_that_is_not_reached_is_said_by_all_three() {
             let told = said.contains(
                 "motion left_lock: not solved: travel -40 to 40 mm, rack 360 mm (9 stations): the rack moves no further than 1",
             );
+            assert_eq!(told, code == 1, "{command}: {said}");
+        }
+    }
+}
+
+/// A tuning states the stations of named motions that the tuned axle does not reach, like the other commands.
+#[test]
+fn a_named_motion_of_an_axle_that_is_not_reached_is_said_by_all() {
+    let sets = |rack: &str| {
+        [
+            "motion={ heave = [-10.0, 0.0, 10.0] }".to_owned(),
+            format!("motions.lock={{ heave = 0.0, rack = {rack} }}"),
+            "optimise.starts=1".to_owned(),
+            "outputs.characteristics=[\"camber_to_road\"]".to_owned(),
+            "optimise.targets=[{ characteristic = \"camber_to_road\", over = \"heave\", \
+             points = [[-10.0, -1.0], [10.0, -1.0]], tolerance = 100.0, side = \"left\" }]"
+                .to_owned(),
+        ]
+    };
+    for (rack, code) in [("20.0", 0), ("360.0", 1)] {
+        let sets = sets(rack);
+        let sets = sets.each_ref().map(String::as_str);
+        for command in ["check", "solve", "limits", "optimise"] {
+            let output = run(command, "macpherson_axle_front.toml", &sets);
+            let said = said(&output);
+            assert_eq!(output.status.code(), Some(code), "{command}: {said}");
+            let told = said.contains("motion lock: not solved: ");
             assert_eq!(told, code == 1, "{command}: {said}");
         }
     }

@@ -217,6 +217,22 @@ fn the_end_of_the_rack_has_its_sign() {
     assert!(said.contains("no further than 113.322620 mm"), "{said}");
 }
 
+/// `check` states the rack displacement of the study as it is written, in every frame.
+#[test]
+fn the_rack_of_a_study_has_its_sign() {
+    let directory = tempfile::tempdir().unwrap();
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_solve.toml");
+    for frame in ["iso8855", "sae_j670", "x_rear"] {
+        let study = directory.path().join(format!("{frame}.toml"));
+        let [own, study] = [&own, &study].map(|path| path.to_str().unwrap());
+        let mut convert = Command::new(env!("CARGO_BIN_EXE_hardpoint"));
+        convert.args(["convert", own, "--frame", frame, "--out", study]);
+        assert!(convert.output().unwrap().status.success());
+        let said = said(&run("check", study, &["motion.rack=5.0"]));
+        assert!(said.contains("rack at 5 mm"), "{frame}: {said}");
+    }
+}
+
 /// At a rack displacement that the rack cannot reach, `limits` states no range. It also states no common range of all
 /// rack displacements.
 #[test]

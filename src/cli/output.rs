@@ -28,8 +28,9 @@ const CURVE_FILES: [&str; 4] = [
 ];
 
 /// Files of `optimise`.
-const TUNING_FILES: [&str; 9] = [
+const TUNING_FILES: [&str; 10] = [
     "curves.csv",
+    "sensitivities.csv",
     "kc.csv",
     "curves_before.csv",
     "optimised.toml",

@@ -3,6 +3,7 @@
 use super::RunArguments;
 use super::exit::{Exit, Stop};
 use super::output::Output;
+use super::report::refuse_without_directory;
 use super::terminal;
 use crate::report::{SetUpSummary, ends_at, set_up_page};
 use crate::set_up::{Refusal, about, effects_table, set_up};
@@ -22,11 +23,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
              pictures: omit --plots",
         ));
     }
-    if arguments.report && arguments.out.as_deref() == Some(std::path::Path::new("-")) {
-        return Err(Stop::wrong_input(
-            "--report needs a directory and does not work with --out -",
-        ));
-    }
+    refuse_without_directory(arguments)?;
     let found = match set_up(&study, setup) {
         Ok(found) => found,
         Err(Refusal::Design(reason)) => return Err(Stop::in_file(path, reason)),

@@ -252,11 +252,9 @@ fn ranges<'l>(
         let degrees = 1.0_f64.to_degrees();
         rows.push((row("arm_angle_deg", straight, degrees), range));
     }
-    if study.motion().rack_moves {
-        let moved = by_rack.iter().filter(|(rack, _)| *rack != 0.0);
-        let at = |rack: f64| format!("rack {}", as_written(rack));
-        rows.extend(moved.map(|(rack, range)| (driven(study, at(*rack)), range)));
-    }
+    let moved = by_rack.iter().filter(|(rack, _)| *rack != 0.0);
+    let at = |rack: f64| format!("rack {}", as_written(rack));
+    rows.extend(moved.map(|(rack, range)| (driven(study, at(*rack)), range)));
     rows
 }
 

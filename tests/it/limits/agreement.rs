@@ -143,6 +143,22 @@ fn limits_are_given_at_every_rack_of_the_study() {
     assert_eq!(output.status.code(), Some(0), "{said}");
 }
 
+/// A single rack displacement has a row of its own, with the same limits as in a list of displacements.
+#[test]
+fn limits_are_given_at_a_single_rack() {
+    let row = |rack: &str| {
+        let set = format!("motion.rack={rack}");
+        let output = run("limits", "macpherson_solve.toml", &[&set]);
+        let text = String::from_utf8(output.stdout).unwrap();
+        let row = text.lines().find(|line| line.contains(" rack 20 "));
+        let row = row.unwrap_or_else(|| panic!("{text}"));
+        row.split_whitespace()
+            .map(str::to_owned)
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(row("20.0"), row("[0.0, 20.0]"));
+}
+
 #[test]
 fn exchanged_pivots_and_offsets_for_coordinates_are_doubted() {
     let front = "suspension.hardpoints.lower_arm_front=[-260.0, 350.0, 205.0]";

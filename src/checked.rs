@@ -131,12 +131,11 @@ impl NamedCurves {
         named.collect()
     }
 
-    /// Curves of each design over a named motion.
-    pub fn of(motion: &InMotion) -> impl Iterator<Item = Self> {
-        let curves = motion.curves.iter();
-        curves.map(|curves| NamedCurves {
+    /// Curves of the last design over a named motion: after a tuning, the tuned design.
+    pub fn of_last(motion: &InMotion) -> Option<Self> {
+        Some(NamedCurves {
             name: motion.record.name.clone(),
-            curves: curves.clone(),
+            curves: motion.curves.last()?.clone(),
         })
     }
 

@@ -72,7 +72,7 @@ impl<'s> Solved<'s> {
     }
 
     /// Copy of these curves with other values. `value` returns the value of a column at a station, in internal units (radians for
-    /// angles). For an axle, cells without a value stay empty.
+    /// angles); a cell whose value is not finite is empty. For an axle, cells without a value stay empty.
     pub fn with_values(&self, value: impl Fn(usize, usize) -> f64) -> Self {
         let mut curves = self.curves.clone();
         let keeps_empty = matches!(self.plan, Planned::Axle(..));
@@ -81,7 +81,7 @@ impl<'s> Solved<'s> {
                 let found = value(k, number) * curves.columns[k].factor();
                 *own = match *own {
                     Err(reason) if keeps_empty || !found.is_finite() => Err(reason),
-                    Ok(_) if !keeps_empty && !found.is_finite() => Err(NoValue::NotFinite),
+                    Ok(_) if !found.is_finite() => Err(NoValue::NotFinite),
                     _ => Ok(found),
                 };
             }

@@ -10,7 +10,7 @@ use crate::checked::{Checked, motion_alone};
 use crate::curves::curves;
 use crate::evaluate::NotInLanes;
 use crate::mechanism::DesignFault;
-use crate::model::{Axis, Suspension};
+use crate::model::Suspension;
 use crate::plan::Plan;
 use crate::report::{
     Cell, Column, SolveSummary, Summary, Table, as_written, counted, study_bands_missed,
@@ -140,7 +140,7 @@ fn motion(study: &Study, plan: &Plan) -> String {
         [] | [0.0] => ", rack at 0".to_owned(),
         [rack] => format!(
             ", rack at {} {}",
-            as_written(study.wheel().frame.sign(Axis::Y) * rack),
+            as_written(*rack),
             study.wheel().length_unit.symbol()
         ),
         racks => format!(", {} rack positions", racks.len()),

@@ -3,7 +3,7 @@
 use super::TableFormat;
 use super::exit::{Exit, Stop};
 use super::interrupt;
-use super::output::{kept_study, say_set_aside};
+use super::output::{is_set_up, kept_study, say_set_aside};
 use super::terminal::{eprint, is_quiet, note, print, width};
 use crate::compared::{FirstMotion, compared};
 use crate::report::{
@@ -11,6 +11,7 @@ use crate::report::{
     counted, printable,
 };
 use crate::results::{Claim, RunDirectory, digest_of_texts};
+use crate::set_up::set_up;
 use crate::study::{LONGEST_TABLE, Study, read_bytes};
 use clap::Args;
 use std::io::Write;
@@ -214,7 +215,7 @@ fn of_study(path: &Path, label: String, first: &mut Option<FirstMotion>) -> Resu
 }
 
 /// Returns the results of a finished run. If the run lacks stations of the first design, its kept study is solved again over the
-/// motion of the first design, if possible.
+/// motion of the first design, if possible. A run of `setup` has the adjusted design.
 fn of_run(
     path: &Path,
     label: String,
@@ -222,6 +223,10 @@ fn of_run(
     motion: &mut Option<FirstMotion>,
 ) -> Result<Compared, Stop> {
     let study = kept_study(path, &[])?;
+    let study = match study {
+        Some(study) if is_set_up(path) => Some(adjusted_study(path, &study)?),
+        study => study,
+    };
     let compared = curves_of_run(path, label.clone(), study.as_ref())?;
     let Some(first) = first else {
         *motion = study.as_ref().map(FirstMotion::of);
@@ -246,6 +251,17 @@ fn of_run(
         // some stations in common with the first design.
         Err(_) => Ok(compared),
     }
+}
+
+/// Study with the adjustments of a run of `setup`. The run keeps the study before the adjustments, so they are found again.
+fn adjusted_study(path: &Path, study: &Study) -> Result<Study, Stop> {
+    let Some(setup) = &study.setup else {
+        let reason = "study.toml has no section [setup], so the adjusted points of this set-up are not known; run \
+                      `hardpoint setup` again";
+        return Err(Stop::in_file(path, reason));
+    };
+    let found = set_up(study, setup).map_err(|refusal| Stop::in_file(path, refusal.reason()))?;
+    Ok(found.adjusted)
 }
 
 /// Reads the curves that a run wrote, and the points of the study that is kept with the run.

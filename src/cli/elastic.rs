@@ -7,8 +7,8 @@ use super::printer::Printer;
 use crate::compliance::{AxleKcRun, Compliance, ElasticWheel, KcWheelState, Relaxed};
 use crate::model::{LengthUnit, Suspension};
 use crate::report::{
-    Table, brief, elastic_parts, no_equilibrium, plausibility, study_bands_missed,
-    variable_plausibility, violated_constraints,
+    Table, brief, elastic_parts, no_equilibrium, study_bands_missed, study_doubts,
+    violated_constraints,
 };
 use crate::study::{AxleComplianceStudy, AxleStudy, ComplianceStudy, Study};
 
@@ -25,7 +25,7 @@ pub(super) fn check(
     study: &Study,
     elastic: &ComplianceStudy,
 ) -> Result<Exit, Stop> {
-    let mut out = say_doubts(arguments, study, &elastic.parts)?;
+    let mut out = say_doubts(arguments, study, std::slice::from_ref(&elastic.parts))?;
     let relaxed = relaxed_in_words(elastic.parts.relaxed);
     out.say(&format!("Elastic parts, {relaxed}:\n\n"))?;
     out.table("elastic_parts", elastic_parts(study))?;
@@ -44,7 +44,7 @@ pub(super) fn check_axle(
     axle: &AxleStudy,
     elastic: &AxleComplianceStudy,
 ) -> Result<Exit, Stop> {
-    let mut out = say_doubts(arguments, study, &elastic.parts.wheels[0])?;
+    let mut out = say_doubts(arguments, study, &elastic.parts.wheels)?;
     out.say(&format!(
         "Elastic parts of one side, {}:\n\n",
         relaxed_in_words(elastic.parts.relaxed())
@@ -61,22 +61,26 @@ pub(super) fn check_axle(
     Ok(Exit::of(complete))
 }
 
-/// Prints that a study is valid, then warnings about its points and about the elastic parts of a wheel.
+/// Prints that a study is valid, then warnings about its points and about the elastic parts of its wheels.
 fn say_doubts(
     arguments: &StudyArguments,
     study: &Study,
-    parts: &Compliance,
+    wheels: &[Compliance],
 ) -> Result<Printer, Stop> {
     let path = &arguments.study;
-    let fault = |fault| design_fault(study, path, &fault);
     let out = Printer::new(arguments.format);
     out.say(&format!("{}: valid\n\n", path.display()))?;
-    for line in plausibility(study.wheel()).map_err(fault)? {
-        out.remark(&format!("{line}\n\n"))?;
-    }
-    let doubts = doubts(study, parts);
-    let doubts = doubts.into_iter().chain(variable_plausibility(study));
-    let doubts = doubts.chain(violated_constraints(study).map_err(fault)?);
+    let found = study_doubts(study).map_err(|(side, fault)| match study.axle() {
+        Some(both) => Stop::in_file(path, both.axle.describe_fault((side, fault))),
+        None => design_fault(study, path, &fault),
+    })?;
+    let of_left = doubts(study, &wheels[0], "");
+    let right = wheels.get(1);
+    let right = right.filter(|right| doubts(study, right, "") != of_left);
+    let of_right = right.map(|right| doubts(study, right, "right wheel: "));
+    let limits = violated_constraints(study).map_err(|fault| design_fault(study, path, &fault))?;
+    let doubts = found.into_iter().chain(of_left);
+    let doubts = doubts.chain(of_right.into_iter().flatten()).chain(limits);
     for doubt in doubts.chain(study_bands_missed(study)) {
         out.remark(&format!("{doubt}\n\n"))?;
     }
@@ -183,8 +187,8 @@ fn say_design(out: &mut Printer, study: &Study, elastic: &ComplianceStudy) -> Re
     Ok(true)
 }
 
-/// Warnings about elastic parts, one per line.
-fn doubts(study: &Study, parts: &Compliance) -> Vec<String> {
+/// Warnings about the elastic parts of a wheel, one per line. Each warning names the wheel with the words `wheel`.
+fn doubts(study: &Study, parts: &Compliance, wheel: &str) -> Vec<String> {
     let mechanism = &study.wheel().mechanism;
     let mut doubts = Vec::new();
     for arm in &mechanism.arms {
@@ -195,7 +199,7 @@ fn doubts(study: &Study, parts: &Compliance) -> Vec<String> {
             _ => continue,
         };
         doubts.push(format!(
-            "{} has a bushing and {} has none: the latter is a rigid ball joint",
+            "{wheel}{} has a bushing and {} has none: the latter is a rigid ball joint",
             mechanism.name(one),
             mechanism.name(other)
         ));
@@ -209,7 +213,7 @@ fn doubts(study: &Study, parts: &Compliance) -> Vec<String> {
     let in_millimetres = study.wheel().length_unit == LengthUnit::Millimetre;
     if in_millimetres && least.is_finite() && least > DOUBTFUL_RATE {
         doubts.push(format!(
-            "please check: all rates of bushings are above 1e6 N/mm (the lowest is {} N/mm); are they \
+            "please check: {wheel}all rates of bushings are above 1e6 N/mm (the lowest is {} N/mm); are they \
              in N/m?",
             brief(least)
         ));

@@ -2,7 +2,7 @@
 
 use super::exit::Stop;
 use super::export::{ExportArguments, Target};
-use super::output::{STUDY_COPY, kept_study};
+use super::output::{STUDY_COPY, is_set_up, kept_study};
 use super::terminal::{note, width};
 use crate::checked::{Checked, motion_alone};
 use crate::exchange::{
@@ -127,7 +127,7 @@ impl Source {
         if let Some(step) = arguments.round {
             source.round(step, arguments.round_all, &before)?;
         }
-        source.set_other_curves_aside(&before, arguments.to == Target::Xlsx);
+        source.set_other_curves_aside(arguments.to == Target::Xlsx);
         Ok(source)
     }
 
@@ -145,6 +145,13 @@ impl Source {
         }
         self.inputs
             .extend([TUNED, STUDY_COPY].map(|name| self.path.join(name)));
+        if is_set_up(&self.path) {
+            return Err(Stop::in_file(
+                &self.path,
+                "this is a run of `hardpoint setup`: its study.toml has the points before the adjustments, so the adjusted \
+                 points cannot be exported; export the study itself, or use the tables of the run as they are",
+            ));
+        }
         self.study = kept_study(&self.path, &arguments.set)?;
         if self.tables.is_empty() && self.study.is_none() {
             return Err(Stop::in_file(
@@ -228,25 +235,23 @@ impl Source {
         Ok(())
     }
 
-    /// Renames the table `curves` of a run if its curves do not belong to the exported points. If the exported file has sheets,
-    /// a note states the new name.
-    fn set_other_curves_aside(&mut self, before: &[Vector3<f64>], has_sheets: bool) {
+    /// Renames the table `curves` of a run if its curves do not belong to the exported study, for example because `--set` has
+    /// changed its points, its motion or its wheel. If the exported file has sheets, a note states the new name.
+    fn set_other_curves_aside(&mut self, has_sheets: bool) {
         let Some(study) = &self.study else { return };
         let manifest = Manifest::read(&self.path).unwrap_or_default();
         let author = manifest
             .author("curves.csv")
             .map(|run| run.command.as_str());
-        let of_points = match (self.is_tuning(), author) {
-            (true, Some("optimise")) => {
-                // Curves of a tuning belong to the tuned points, unless these points were rounded or changed.
-                let kept = kept_study(&self.path, &[]).ok().flatten();
-                kept.is_some_and(|kept| kept.wheel().design == study.wheel().design)
-            }
-            (false, Some("solve" | "tolerance")) => *before == study.wheel().design,
-            _ => false,
+        // Curves of a tuning belong to the tuned study.
+        let is_of_kept = match self.is_tuning() {
+            true => author == Some("optimise"),
+            false => matches!(author, Some("solve" | "tolerance")),
         };
+        let kept = || kept_study(&self.path, &[]).ok().flatten();
+        let is_own = is_of_kept && kept().is_some_and(|kept| kept.vehicle == study.vehicle);
         let name = match author {
-            _ if of_points => return,
+            _ if is_own => return,
             Some(command) => format!("curves_of_{command}"),
             None => "curves_of_run".to_owned(),
         };

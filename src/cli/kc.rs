@@ -2,6 +2,7 @@
 
 use super::exit::{Exit, Stop};
 use super::output::Output;
+use super::report::refuse_without_directory;
 use super::terminal;
 use super::{KcArguments, Names};
 use crate::report::{OtherProgram, counted, kc_page};
@@ -19,6 +20,7 @@ pub(super) fn run(arguments: &KcArguments) -> Result<Exit, Stop> {
              solve --plots` makes pictures of the curves",
         ));
     }
+    refuse_without_directory(arguments)?;
     let tests = RigTests::of(&study, other).map_err(|why| Stop::in_file(path, why))?;
     let output = Output::open(arguments, &study, "kc")?;
     let files = write_files(&output, &study, &tests, arguments.report)?;

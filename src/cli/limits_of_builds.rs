@@ -62,9 +62,14 @@ pub(super) fn run(
         && study.motion().drive == Drive::Travel
     {
         let unit = study.wheel().length_unit.symbol();
+        // The travel is within its limits, so a build that does not reach the motion does not reach a rack displacement.
+        let where_reached = match nearest.short {
+            (0, _) => "",
+            _ => " at the rack positions that can be reached",
+        };
         let left = if margin >= 0.0 {
             format!(
-                "Nearest travel limit: at least {} {unit} away",
+                "Nearest travel limit{where_reached}: at least {} {unit} away",
                 brief(margin)
             )
         } else {

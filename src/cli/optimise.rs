@@ -6,6 +6,7 @@ use super::exit::{Exit, Stop};
 use super::output::{Output, design_fault, pool};
 use super::report::ReportOptions;
 use super::{interrupt, progress, terminal};
+use crate::checked::{AllMotions, NamedCurves, not_solved};
 use crate::in_motions::InMotion;
 use crate::optimise::{Control, Tuning, tune};
 use crate::report::{
@@ -281,15 +282,23 @@ impl Finished<'_> {
             output.say_failure(&format!("\n{words}\n"))?;
         }
         let after = self.tuned.map(|(_, after)| after);
-        let is_complete = after.is_some_and(Solved::is_complete);
+        let of_motions = self.in_motions.iter().filter_map(NamedCurves::of_last);
+        let of_motions: Vec<NamedCurves> = of_motions.collect();
+        let motions = after.map(|after| AllMotions {
+            own: after.curves(),
+            named: &of_motions,
+        });
+        let is_complete = motions.as_ref().is_some_and(AllMotions::are_complete);
         let plausibility = after.map(Solved::plausibility).transpose();
         let plausibility = plausibility.map_err(|why| Stop::unsolved(self.path, why))?;
         let plausibility = plausibility.into_iter().flatten();
         let plausibility = plausibility.chain(variable_plausibility(self.study));
-        let remarks = after.map(Solved::remarks).into_iter().flatten();
+        let wheel = self.study.wheel();
+        let remarks = motions.iter().flat_map(|motions| motions.remarks(wheel));
         output.say_plausibility(plausibility.chain(remarks), after.is_none() || is_complete)?;
-        for failure in after.into_iter().flat_map(Solved::failures) {
-            output.say_failure(&format!("\nnot solved: {failure}\n"))?;
+        let failures = after.map(|after| not_solved(after, &of_motions, wheel));
+        for failure in failures.into_iter().flatten() {
+            output.say_failure(&format!("\n{failure}\n"))?;
         }
         let is_whole = is_complete && has_front && !summary.falls_short() && refused.is_none();
         let is_whole = is_whole && !matches!(self.tuning.expected_yield, Some(Err(_)));

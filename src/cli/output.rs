@@ -8,7 +8,7 @@ use super::{RunArguments, TableFormat};
 use crate::in_motions::files_in_motions;
 use crate::mechanism::DesignFault;
 use crate::report::{Format, Table, Tables, counted};
-use crate::results::{Claim, RunDirectory, study_digest};
+use crate::results::{Claim, Manifest, RunDirectory, study_digest};
 use crate::study::Study;
 use std::cell::RefCell;
 use std::io::{self, Write};
@@ -28,8 +28,9 @@ const CURVE_FILES: [&str; 4] = [
 ];
 
 /// Files of `optimise`.
-const TUNING_FILES: [&str; 9] = [
+const TUNING_FILES: [&str; 10] = [
     "curves.csv",
+    "sensitivities.csv",
     "kc.csv",
     "curves_before.csv",
     "optimised.toml",
@@ -425,6 +426,15 @@ pub(super) fn kept_study(directory: &Path, overrides: &[String]) -> Result<Optio
     Ok(kept
         .map(|file| Study::read_elastic(file, overrides))
         .transpose()?)
+}
+
+/// True if the curves of a directory belong to a set-up. The study in the directory is the one before the adjustments.
+pub(super) fn is_set_up(directory: &Path) -> bool {
+    let manifest = Manifest::read(directory).unwrap_or_default();
+    let author = ["curves.csv", "setup.csv"]
+        .into_iter()
+        .find_map(|name| manifest.author(name));
+    author.is_some_and(|run| run.command == "setup")
 }
 
 /// Says where earlier results are now, if the run has moved them aside.

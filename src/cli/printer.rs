@@ -39,7 +39,7 @@ impl Printer {
     /// Prints a request that could not be met. This is an error, so it is also printed with `--quiet`.
     pub(super) fn failure(&self, text: &str) -> Result<(), Stop> {
         if terminal::is_quiet() {
-            terminal::eprint(text.trim_matches('\n'))
+            terminal::eprint(&format!("{}\n", text.trim_matches('\n')))
         } else {
             self.remark(text)?
         }

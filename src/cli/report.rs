@@ -56,6 +56,17 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<Exit, Stop> {
     Ok(Exit::Done)
 }
 
+/// Refuses a page and pictures if the results go to standard output.
+pub(super) fn refuse_without_directory(arguments: &RunArguments) -> Result<(), Stop> {
+    let to_stdout = arguments.out.as_deref() == Some(Path::new("-"));
+    if to_stdout && (arguments.report || arguments.plots.is_some()) {
+        return Err(Stop::wrong_input(
+            "--report and --plots need a directory and do not work with --out -",
+        ));
+    }
+    Ok(())
+}
+
 /// Options for pages and pictures of a run.
 pub(super) struct ReportOptions {
     page: bool,
@@ -71,13 +82,8 @@ impl ReportOptions {
         command: &str,
         record: impl FnOnce() -> Result<Record, String>,
     ) -> Result<Self, Stop> {
+        refuse_without_directory(arguments)?;
         let plots = arguments.plots.as_deref();
-        let to_stdout = arguments.out.as_deref() == Some(Path::new("-"));
-        if to_stdout && (arguments.report || plots.is_some()) {
-            return Err(Stop::wrong_input(
-                "--report and --plots need a directory and do not work with --out -",
-            ));
-        }
         let pictures = plots.map(|plots| {
             let of = (study.name.as_str(), study_digest(study));
             PictureDirectory::of(plots, command, of, arguments.force)

@@ -3,6 +3,7 @@
 use super::RunArguments;
 use super::exit::{Exit, Stop};
 use super::output::Output;
+use super::report::refuse_without_directory;
 use super::terminal;
 use crate::report::{SetUpSummary, ends_at, set_up_page};
 use crate::set_up::{Refusal, about, effects_table, set_up};
@@ -22,11 +23,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
              pictures: omit --plots",
         ));
     }
-    if arguments.report && arguments.out.as_deref() == Some(std::path::Path::new("-")) {
-        return Err(Stop::wrong_input(
-            "--report needs a directory and does not work with --out -",
-        ));
-    }
+    refuse_without_directory(arguments)?;
     let found = match set_up(&study, setup) {
         Ok(found) => found,
         Err(Refusal::Design(reason)) => return Err(Stop::in_file(path, reason)),
@@ -38,15 +35,16 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
 
     // Curves around the new static position, with every output of the study.
     let by_theta = found.adjusted.motion().drive == Drive::PaperTheta;
-    let mut complete = true;
+    let solved = (!by_theta).then(|| Solved::of(&found.adjusted));
+    let solved = solved.transpose();
+    let solved = solved.map_err(|why| Stop::unsolved(path, why))?;
     let mut files = vec!["setup.csv", "summary.json"];
-    if by_theta {
-        output.without("curves.csv")?;
-    } else {
-        let solved = Solved::of(&found.adjusted).map_err(|why| Stop::unsolved(path, why))?;
-        complete = solved.is_complete();
-        output.main_csv("curves.csv", &solved.csv())?;
-        files.insert(0, "curves.csv");
+    match &solved {
+        None => output.without("curves.csv")?,
+        Some(solved) => {
+            output.main_csv("curves.csv", &solved.csv())?;
+            files.insert(0, "curves.csv");
+        }
     }
     let steps = found.steps_table();
     output.file("setup.csv", steps.csv(None).as_bytes())?;
@@ -68,8 +66,21 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     for summary in &found.wheels {
         print(&output, summary)?;
     }
+    let incomplete = solved.filter(|solved| !solved.is_complete());
+    if let Some(solved) = &incomplete {
+        say_missing(&output, solved)?;
+    }
     output.print_files(&files)?;
-    Ok(Exit::of(complete && found.met()))
+    Ok(Exit::of(incomplete.is_none() && found.met()))
+}
+
+/// Prints the missing values and the unsolved stations around the new static position.
+fn say_missing(output: &Output, solved: &Solved) -> Result<(), Stop> {
+    output.say_plausibility(solved.remarks(), false)?;
+    for failure in solved.failures() {
+        output.say_failure(&format!("\nnot solved: {failure}\n"))?;
+    }
+    Ok(())
 }
 
 /// Prints the summary of a wheel as text, in narrow tables.

@@ -21,7 +21,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     // The summary and the next steps may refuse the study, so they run before any file is written.
     let summary = solved.summary().map_err(fault)?;
     let in_motions = InMotion::all(&[("design", &study)], false).map_err(fault)?;
-    let of_motions: Vec<NamedCurves> = in_motions.iter().flat_map(NamedCurves::of).collect();
+    let of_motions: Vec<NamedCurves> = in_motions.iter().filter_map(NamedCurves::of_last).collect();
     let plausibility = solved.plausibility().map_err(fault)?;
     let record = Solved::record("solve", &[("design", "curves.csv", &solved)]).map_err(fault)?;
     let record = Record {

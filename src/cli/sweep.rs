@@ -167,7 +167,8 @@ pub(super) fn carry_out(
     let own_are_whole = pool
         .install(|| sweep_parts(swept, text, &directory, parts.clone()))
         .map_err(unwritten)?;
-    let done = directory.done().map_err(not_this)?;
+    let done = directory.done();
+    let done = done.map_err(|error| not_this(error).after_its_input())?;
     let interrupted = !own_are_whole && interrupt::is_raised();
     if interrupted {
         claimed.mark_interrupted();

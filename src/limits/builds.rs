@@ -2,6 +2,7 @@
 
 use super::elastic::{in_equilibrium, rows_of_axle, rows_of_wheel};
 use super::{LimitEnd, LimitRow, WheelLimits, axle_rows, travel_left};
+use crate::analyse::Range;
 use crate::axle::{AxlePlan, axle_curves};
 use crate::mechanism::DesignFault;
 use crate::study::{AxleStudy, Drive, Study, Vehicle, WheelStudy};
@@ -13,11 +14,12 @@ pub struct VehicleLimits {
     /// A row for each quantity, with the limits of this quantity while the other quantities stay constant. All builds of a
     /// study have the same rows.
     pub rows: Vec<LimitRow>,
-    /// Distance from the study's motion to the nearest limit of its drive; negative if the motion goes beyond it. A length, or
-    /// radians for an arm angle. `None` with the drive of Attia's paper, and for an elastic wheel whose limit is not known. Also
-    /// `None` for axles, because their motion has several quantities.
+    /// Distance from the study's motion to the nearest limit of its drive, at the rack displacements that can be reached; negative
+    /// if the motion goes beyond it. A length, or radians for an arm angle. `None` with the drive of Attia's paper, without such a
+    /// displacement, and for an elastic wheel whose limit is not known. Also `None` for axles, because their motion has several
+    /// quantities.
     pub margin: Option<f64>,
-    /// True if the study's motion goes beyond the limits. Always false with the drive of Attia's paper.
+    /// True if the study's motion goes beyond the limits of the drive or of the rack. Always false with the drive of Attia's paper.
     pub is_short: bool,
 }
 
@@ -42,24 +44,26 @@ impl VehicleLimits {
     fn of_wheel(study: &Study, own: &WheelStudy) -> Result<Self, String> {
         let suspension = &own.suspension;
         let fault = |fault: DesignFault| fault.describe(&suspension.mechanism);
-        let (rows, margin) = match &own.compliance {
+        let (rows, margin, has_all_racks) = match &own.compliance {
             Some(elastic) => {
                 let (rows, margin) = rows_of_wheel(own, elastic).map_err(fault)?;
-                (in_equilibrium(rows)?, margin)
+                (in_equilibrium(rows)?, margin, true)
             }
             None => {
                 let found = WheelLimits::of(own).map_err(fault)?;
                 let rows = found.rows(study);
-                let by_rack = found.by_rack.iter().map(|(_, range)| range);
-                let margin = travel_left(by_rack, found.plan.station_order.values());
-                let is_travel = study.motion().drive != Drive::PaperTheta;
-                (rows, is_travel.then_some(margin))
+                let by_rack = || found.by_rack.iter().map(|(_, range)| range);
+                let margin = travel_left(by_rack(), found.plan.station_order.values());
+                let is_compared = study.motion().drive != Drive::PaperTheta;
+                let margin = (is_compared && margin.is_finite()).then_some(margin);
+                let has_all_racks = !is_compared || !by_rack().any(Range::is_empty);
+                (rows, margin, has_all_racks)
             }
         };
         Ok(VehicleLimits {
             rows,
             margin,
-            is_short: margin.is_some_and(|margin| margin < 0.0),
+            is_short: !has_all_racks || margin.is_some_and(|margin| margin < 0.0),
         })
     }
 

@@ -11,9 +11,10 @@ use crate::solve::Solver;
 use crate::study::Study;
 use std::ops::ControlFlow;
 
-/// Distance from the drive values to the nearest limit of all these ranges. Negative if a value is beyond the limit. Infinite
-/// without ranges.
+/// Distance from the drive values to the nearest limit of all ranges that are not empty. Negative if a value is beyond the limit.
+/// Infinite without such ranges.
 pub(super) fn travel_left<'r>(ranges: impl Iterator<Item = &'r Range>, values: &[f64]) -> f64 {
+    let ranges = ranges.filter(|range| !range.is_empty());
     let left = ranges.flat_map(|range| values.iter().map(move |value| range.margin(*value)));
     left.fold(f64::INFINITY, f64::min)
 }
@@ -72,13 +73,13 @@ pub(super) fn margin(
         as_written(plan.drive.printed(at))
     );
     if drive == model::Drive::Travel {
-        let reached = || ranges.by_rack.iter().filter(|(_, range)| !range.is_empty());
-        let where_reached = if reached().count() == ranges.by_rack.len() {
-            ""
-        } else {
+        let by_rack = || ranges.by_rack.iter().map(|(_, range)| range);
+        let where_reached = if by_rack().any(Range::is_empty) {
             " at the rack positions that can be reached"
+        } else {
+            ""
         };
-        let left = travel_left(reached().map(|(_, range)| range), values);
+        let left = travel_left(by_rack(), values);
         text += &if left >= 0.0 {
             format!(
                 " Nearest travel limit{where_reached}: {} {unit} away.",

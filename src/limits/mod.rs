@@ -27,7 +27,7 @@ pub(crate) struct LimitTable {
     rows: Vec<LimitRow>,
     /// Sentences below the table.
     pub(crate) notes: Vec<String>,
-    /// Stations of the study's own motion that are not solved, one range per line. For one wheel, also those of named motions.
+    /// Stations of the study's own motion and of its named motions that are not solved, one range per line.
     pub(crate) failures: Vec<String>,
 }
 
@@ -37,47 +37,38 @@ type Found = (Vec<LimitRow>, Vec<String>);
 impl LimitTable {
     /// Finds the limits of one wheel or of an axle. An error explains why the design has no position.
     pub(crate) fn of(study: &Study) -> Result<Self, String> {
-        match &study.vehicle {
+        let alone = motion_alone(study);
+        let ((rows, notes), solved) = match &study.vehicle {
             Vehicle::Axle(both) => {
                 let found = match &both.axle.elastic {
                     Some(elastic) => elastic::of_axle(study, both, elastic),
                     None => of_axle(study, both),
                 };
-                let (rows, notes) = found?;
-                let alone = motion_alone(study);
-                let failures = not_solved(&Solved::of(&alone)?, &[], &both.axle.left);
-                Ok(LimitTable {
-                    rows,
-                    notes,
-                    failures,
-                })
+                (found?, Solved::of(&alone)?)
             }
             Vehicle::Wheel(own) => {
-                let alone = motion_alone(study);
                 let fault = |fault: DesignFault| fault.describe(&own.suspension.mechanism);
-                let (rows, notes, solved) = match &own.compliance {
+                match &own.compliance {
                     Some(elastic) => {
-                        let found = elastic::of_wheel(study, own, elastic);
-                        let (rows, notes) = found.map_err(fault)?;
-                        (rows, notes, Solved::of(&alone)?)
+                        let found = elastic::of_wheel(study, own, elastic).map_err(fault)?;
+                        (found, Solved::of(&alone)?)
                     }
                     None => {
                         let mut limits = WheelLimits::of(own).map_err(fault)?;
                         let solved = Solved::of(&alone)?;
                         let note = limits.note(study, &solved.curves).map_err(fault)?;
-                        let notes = note.into_iter().collect();
-                        (limits.rows(study), notes, solved)
+                        ((limits.rows(study), note.into_iter().collect()), solved)
                     }
-                };
-                let of_motions = NamedCurves::all(&alone)?;
-                let failures = not_solved(&solved, &of_motions, &own.suspension);
-                Ok(LimitTable {
-                    rows,
-                    notes,
-                    failures,
-                })
+                }
             }
-        }
+        };
+        let of_motions = NamedCurves::all(&alone)?;
+        let failures = not_solved(&solved, &of_motions, study.wheel());
+        Ok(LimitTable {
+            rows,
+            notes,
+            failures,
+        })
     }
 
     /// Table with the causes of the limits.
@@ -261,11 +252,9 @@ fn ranges<'l>(
         let degrees = 1.0_f64.to_degrees();
         rows.push((row("arm_angle_deg", straight, degrees), range));
     }
-    if study.motion().rack_moves {
-        let moved = by_rack.iter().filter(|(rack, _)| *rack != 0.0);
-        let at = |rack: f64| format!("rack {}", as_written(rack));
-        rows.extend(moved.map(|(rack, range)| (driven(study, at(*rack)), range)));
-    }
+    let moved = by_rack.iter().filter(|(rack, _)| *rack != 0.0);
+    let at = |rack: f64| format!("rack {}", as_written(rack));
+    rows.extend(moved.map(|(rack, range)| (driven(study, at(*rack)), range)));
     rows
 }
 

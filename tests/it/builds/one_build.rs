@@ -192,3 +192,33 @@ fn a_build_of_a_moved_study_has_all_moved_points() {
         assert_eq!(printed.wheel().design[id.0], *place, "{}", point.name);
     }
 }
+
+/// A build whose rack cannot be displaced so far does not reach the motion. The travel limit is that at the rack displacements
+/// that can be reached.
+#[test]
+fn a_rack_out_of_reach_is_no_limit_of_the_travel() {
+    let directory = tempfile::tempdir().unwrap();
+    let study = sample("macpherson_tolerance");
+    let bands =
+        "tolerance.bands=[{ characteristic = \"caster\", at = 0.0, between = [3.3, 3.65] }]";
+    let limits = |rack: &str, travel: &str, format: &str| {
+        let arguments = ["limits", &study, "--builds", "2", "--set", bands];
+        let more = ["--set", rack, "--set", travel, "--format", format];
+        let output = hardpoint(directory.path(), &[&arguments[..], &more].concat());
+        assert_eq!(output.status.code(), Some(0));
+        let text = String::from_utf8(output.stdout).unwrap();
+        text.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let [alone, both] = ["motion.rack=0.0", "motion.rack=[0.0, -150.0]"];
+    for travel in ["motion.travel=[0.0]", "motion.travel=[0.0, 80.0]"] {
+        for (rack, short) in [(alone, 0), (both, 2)] {
+            let found: Value = serde_json::from_str(&limits(rack, travel, "json")).unwrap();
+            assert_eq!(found["builds"][1]["number"], short, "{rack} {travel}");
+        }
+        let [alone, both] = [alone, both].map(|rack| limits(rack, travel, "text"));
+        let (_, distance) = alone.split_once("Nearest travel limit: ").unwrap();
+        let expected =
+            format!("Nearest travel limit at the rack positions that can be reached: {distance}");
+        assert!(both.contains(&expected), "{both} {expected}");
+    }
+}

@@ -2,6 +2,7 @@
 
 use super::{assembler, parameter, plan, study};
 use hardpoint::assembly::{Rest, built_curves};
+use hardpoint::solved::Solved;
 use hardpoint::study::Study;
 use hardpoint::tolerance::{Estimate, Expansion, MonteCarlo, Problem, monte_carlo, rank};
 
@@ -424,5 +425,19 @@ fn builds_have_a_spread_where_the_nominal_value_is_missing() {
             second: [0.0; 2],
         };
         assert_eq!(estimate.holds(spread), None);
+    }
+}
+
+/// A percentile that does not exist is an empty cell, for a wheel and for an axle.
+#[test]
+fn percentiles_that_do_not_exist_are_empty_cells() {
+    for name in ["macpherson_tolerance", "double_wishbone_axle"] {
+        let study = study(name, &["outputs.characteristics=[\"camber\", \"toe\"]"]);
+        let drawn = Solved::of(&study).unwrap();
+        assert!(drawn.is_complete(), "{name}");
+        let without = drawn.with_values(|column, _| if column == 0 { f64::NAN } else { 0.1 });
+        assert!(!without.is_complete(), "{name}");
+        let curves = without.curves();
+        assert!(!curves.has_value(0) && curves.has_value(1), "{name}");
     }
 }

@@ -460,6 +460,18 @@ fn two_runs_of_kc_are_compared() {
     assert!(said.contains("runs of `hardpoint kc` only"), "{said}");
 }
 
+/// A page needs a directory, so `kc` refuses it with results on standard output.
+#[test]
+fn a_page_of_tests_needs_a_directory() {
+    let directory = tempfile::tempdir().unwrap();
+    let study = study("double_wishbone_compliance.toml");
+    let refused = hardpoint(&["kc", &study, "--out", "-", "--report"], directory.path());
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!(refused.status.code(), Some(2), "{said}");
+    assert!(refused.stdout.is_empty());
+    assert!(said.contains("need a directory"), "{said}");
+}
+
 /// Curves of a swept design contain its test results at every station, like the curves of `solve`.
 #[test]
 fn curves_of_a_sweep_have_figures_at_every_station() {

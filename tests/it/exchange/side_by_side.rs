@@ -180,6 +180,49 @@ fn conversions_of_units_move_no_point() {
     }
 }
 
+/// A run of `setup` is compared with its adjusted points, also at stations that the run does not have.
+#[test]
+fn a_set_up_is_compared_with_its_adjustments() {
+    let directory = tempfile::tempdir().unwrap();
+    let at = directory.path();
+    let study = |travel: &str| {
+        changed(
+            &sample("double_wishbone_tolerance.toml"),
+            &[("travel = ", travel)],
+        )
+    };
+    fs::write(at.join("few.toml"), study("travel = [-5.0, 0.0, 5.0]")).unwrap();
+    fs::write(at.join("own.toml"), study("travel = [-10.0, 0.0, 10.0]")).unwrap();
+    run(at, &["--quiet", "solve", "few.toml", "--out", "few"], 0);
+    let want = "setup.want={ camber = -1.5 }";
+    let set_up = ["--quiet", "setup", "own.toml", "--set", want];
+    run(at, &[&set_up[..], &["--out", "set_up"]].concat(), 0);
+
+    let compare = ["compare", "few", "set_up", "--out", "sides"];
+    let [tables, said] = run(at, &compare, 0);
+    assert!(said.contains("solved again"), "{said}");
+    assert!(tables.contains("moved"), "{tables}");
+    let at_static = |file: &str, name: &str| {
+        let csv = fs::read_to_string(at.join(file)).unwrap();
+        let mut lines = csv.lines().map(|line| line.split(',').collect::<Vec<_>>());
+        let header = lines.next().unwrap();
+        let column = header.iter().position(|own| *own == name);
+        let column = column.unwrap_or_else(|| panic!("{header:?}"));
+        let row = lines.find(|row| row[0] == "0.0").unwrap();
+        row[column].parse::<f64>().unwrap()
+    };
+    let of_run = at_static("set_up/curves.csv", "camber_deg");
+    let again = at_static("sides/comparison.csv", "camber_deg [set_up]");
+    // Before the adjustments, camber is -2 degrees.
+    assert!((of_run + 1.5).abs() <= 0.1, "{of_run}");
+    assert!((again - of_run).abs() <= 1e-9, "{again} {of_run}");
+
+    // `export` has no adjusted study, so it refuses the run.
+    let [_, said] = run(at, &["export", "set_up", "--to", "csv"], 2);
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(said.contains("the points before the adjustments"), "{said}");
+}
+
 /// Curves at a single rack displacement have no column for the rack. `compare` still uses the displacement.
 #[test]
 fn a_fixed_rack_is_part_of_the_station() {

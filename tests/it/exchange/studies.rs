@@ -1,4 +1,4 @@
-//! Tests of `hardpoint export --to toml`, and of standard input and output of `import` and `new`.
+//! Tests of `hardpoint export --to toml`, of exported runs with `--set`, and of standard input and output of `import` and `new`.
 
 use assert_cmd::Command;
 use hardpoint::study::Study;
@@ -100,4 +100,30 @@ fn a_car_is_not_written_to_standard_output() {
     assert_eq!((code, &*out), (2, ""), "{said}");
     assert!(said.contains("directory"), "{said}");
     assert_eq!(fs::read_dir(here).unwrap().count(), 0);
+}
+
+/// Exported curves of a run include every change of `--set`, also changes that move no hardpoint.
+#[test]
+fn exported_curves_of_a_run_include_every_override() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    let source = sample("double_wishbone_solve.toml");
+    let study = source.to_str().unwrap();
+    let few = "motion.travel=[-5.0, 5.0]";
+    let solve = ["-q", "solve", study, "--set", few, "--out", "run"];
+    assert_eq!(run(&solve, here, "").0, 0);
+    let curves = |source: &str, more: &[&str]| {
+        let export = ["export", source, "--to", "csv", "--curves"];
+        let (code, out, said) = run(&[&export[..], more].concat(), here, "");
+        assert_eq!(code, 0, "{said}");
+        out
+    };
+    let own = curves("run", &[]);
+    assert_eq!(own, curves("run", &["--set", few]));
+    for change in ["wheel.radius=250.0", "motion.travel=[0.0, 10.0]"] {
+        let of_run = curves("run", &["--set", change]);
+        assert_ne!(of_run, own, "{change}");
+        let of_study = curves(study, &["--set", few, "--set", change]);
+        assert_eq!(of_run, of_study, "{change}");
+    }
 }

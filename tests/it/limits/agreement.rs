@@ -1,4 +1,4 @@
-//! Tests that `check`, `solve` and `limits` report the same for one motion, with the same exit codes.
+//! Tests that `check`, `solve`, `limits` and `optimise` report the same for one motion, with the same exit codes.
 
 use hardpoint::study::Study;
 use std::path::Path;
@@ -12,7 +12,7 @@ fn run(command: &str, study: &str, set: &[&str]) -> Output {
     for value in set {
         arguments.extend(["--set".to_owned(), (*value).to_owned()]);
     }
-    if command == "solve" {
+    if ["solve", "optimise"].contains(&command) {
         arguments.extend(["--out".to_owned(), "-".to_owned()]);
     }
     let mut command = Command::new(env!("CARGO_BIN_EXE_hardpoint"));
@@ -72,6 +72,33 @@ fn a_named_motion_that_is_not_reached_is_said_by_all_three() {
     }
 }
 
+/// A tuning states the stations of named motions that the tuned axle does not reach, like the other commands.
+#[test]
+fn a_named_motion_of_an_axle_that_is_not_reached_is_said_by_all() {
+    let sets = |rack: &str| {
+        [
+            "motion={ heave = [-10.0, 0.0, 10.0] }".to_owned(),
+            format!("motions.lock={{ heave = 0.0, rack = {rack} }}"),
+            "optimise.starts=1".to_owned(),
+            "outputs.characteristics=[\"camber_to_road\"]".to_owned(),
+            "optimise.targets=[{ characteristic = \"camber_to_road\", over = \"heave\", \
+             points = [[-10.0, -1.0], [10.0, -1.0]], tolerance = 100.0, side = \"left\" }]"
+                .to_owned(),
+        ]
+    };
+    for (rack, code) in [("20.0", 0), ("360.0", 1)] {
+        let sets = sets(rack);
+        let sets = sets.each_ref().map(String::as_str);
+        for command in ["check", "solve", "limits", "optimise"] {
+            let output = run(command, "macpherson_axle_front.toml", &sets);
+            let said = said(&output);
+            assert_eq!(output.status.code(), Some(code), "{command}: {said}");
+            let told = said.contains("motion lock: not solved: ");
+            assert_eq!(told, code == 1, "{command}: {said}");
+        }
+    }
+}
+
 #[test]
 fn a_column_without_a_value_is_not_done() {
     // Two points that define the camber in the paper's formulation coincide, so this camber has no value.
@@ -114,6 +141,22 @@ fn limits_are_given_at_every_rack_of_the_study() {
         assert!(said.contains(row), "{said}");
     }
     assert_eq!(output.status.code(), Some(0), "{said}");
+}
+
+/// A single rack displacement has a row of its own, with the same limits as in a list of displacements.
+#[test]
+fn limits_are_given_at_a_single_rack() {
+    let row = |rack: &str| {
+        let set = format!("motion.rack={rack}");
+        let output = run("limits", "macpherson_solve.toml", &[&set]);
+        let text = String::from_utf8(output.stdout).unwrap();
+        let row = text.lines().find(|line| line.contains(" rack 20 "));
+        let row = row.unwrap_or_else(|| panic!("{text}"));
+        row.split_whitespace()
+            .map(str::to_owned)
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(row("20.0"), row("[0.0, 20.0]"));
 }
 
 #[test]
@@ -188,6 +231,22 @@ fn the_end_of_the_rack_has_its_sign() {
         &["motion.rack=200.0"],
     ));
     assert!(said.contains("no further than 113.322620 mm"), "{said}");
+}
+
+/// `check` states the rack displacement of the study as it is written, in every frame.
+#[test]
+fn the_rack_of_a_study_has_its_sign() {
+    let directory = tempfile::tempdir().unwrap();
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_solve.toml");
+    for frame in ["iso8855", "sae_j670", "x_rear"] {
+        let study = directory.path().join(format!("{frame}.toml"));
+        let [own, study] = [&own, &study].map(|path| path.to_str().unwrap());
+        let mut convert = Command::new(env!("CARGO_BIN_EXE_hardpoint"));
+        convert.args(["convert", own, "--frame", frame, "--out", study]);
+        assert!(convert.output().unwrap().status.success());
+        let said = said(&run("check", study, &["motion.rack=5.0"]));
+        assert!(said.contains("rack at 5 mm"), "{frame}: {said}");
+    }
 }
 
 /// At a rack displacement that the rack cannot reach, `limits` states no range. It also states no common range of all

@@ -81,3 +81,44 @@ fn quiet_says_what_could_not_be_had() {
         );
     }
 }
+
+/// `setup` states the unsolved stations around the new static position, also with `--quiet`.
+#[test]
+fn a_set_up_states_its_unsolved_stations() {
+    let far = [
+        "--set",
+        "setup.want={ camber = -1.5 }",
+        "--set",
+        "motion.travel=[-500.0, 0.0]",
+    ];
+    for quiet in [&[][..], &["-q"]] {
+        let called = Called::on(
+            "setup",
+            "double_wishbone_tolerance",
+            &[&far[..], quiet].concat(),
+        );
+        assert_eq!(called.code(), Some(1));
+        let told = if quiet.is_empty() {
+            called.said()
+        } else {
+            called.complained()
+        };
+        assert!(told.contains("not solved: travel -500"), "{told}");
+    }
+}
+
+/// Each failure of a command without files has its own line, also with `--quiet`.
+#[test]
+fn quiet_failures_have_their_own_lines() {
+    let far = "motion.travel=[-400.0, 0.0, 400.0]";
+    for command in ["check", "limits"] {
+        let called = Called::on(command, "macpherson_solve", &["-q", "--set", far]);
+        assert_eq!(called.code(), Some(1), "{command}");
+        let complained = called.complained();
+        let lines = complained
+            .lines()
+            .filter(|line| line.starts_with("not solved: travel"));
+        assert_eq!(lines.count(), 2, "{command}: {complained}");
+        assert!(complained.ends_with('\n'), "{command}");
+    }
+}

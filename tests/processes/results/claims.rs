@@ -105,6 +105,13 @@ fn foreign_files_are_never_touched() {
         bench.run(&[&call[..], &["--force"]].concat()).success();
         assert_ne!(fs::read(&path).unwrap(), b"mine");
     }
+    // A tuning also writes sensitivities, so it refuses a foreign file of that name before it starts.
+    let bench = Bench::new();
+    fs::create_dir(bench.path("out")).unwrap();
+    fs::write(bench.path("out/sensitivities.csv"), "mine").unwrap();
+    let tune = ["optimise", "study.toml", "--out", "out"];
+    bench.refused(&tune, &["sensitivities.csv", "--out", "--force"]);
+    assert_eq!(bench.read("out/sensitivities.csv"), "mine");
     // If no page is requested, the program keeps a page that it did not write. If a page is requested, the program
     // refuses to replace that page.
     let bench = Bench::new();

@@ -151,6 +151,25 @@ fn check_lists_mounts_and_commands_of_rigid_mechanisms_refuse() {
     assert_eq!(named.status.code(), Some(2));
 }
 
+/// `check` warns about the right wheel of an elastic axle, if this wheel has its own points.
+#[test]
+fn check_warns_about_the_right_wheel() {
+    let directory = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(study()).unwrap();
+    let own = "[axle.right.hardpoints]\nupper_arm_front = [-150.0, -430.0, 492.0]\n\
+               upper_arm_rear = [80.0, -440.0, 508.0]";
+    let exchanged = text.replace("right = \"mirrored\"", own);
+    assert_ne!(exchanged, text);
+    std::fs::write(directory.path().join("right.toml"), exchanged).unwrap();
+    let checked = hardpoint(&["check", "right.toml"], directory.path());
+    let said = String::from_utf8_lossy(&checked.stdout).into_owned();
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        said.contains("right wheel: upper_arm_front is behind upper_arm_rear"),
+        "{said}"
+    );
+}
+
 /// If all mounts of a subframe are on one line, only their torsional stiffness holds the subframe against rotation about
 /// this line. At the design load, this rotation carries no torque, so the program refuses such mounts.
 #[test]

@@ -244,9 +244,10 @@ impl Source {
             .author("curves.csv")
             .map(|run| run.command.as_str());
         // Curves of a tuning belong to the tuned study.
-        let is_of_kept = match self.is_tuning() {
-            true => author == Some("optimise"),
-            false => matches!(author, Some("solve" | "tolerance")),
+        let is_of_kept = if self.is_tuning() {
+            author == Some("optimise")
+        } else {
+            matches!(author, Some("solve" | "tolerance"))
         };
         let kept = || kept_study(&self.path, &[]).ok().flatten();
         let is_own = is_of_kept && kept().is_some_and(|kept| kept.vehicle == study.vehicle);

@@ -702,8 +702,9 @@ fn a_constraint_of_an_axle_counts_as_a_target() {
         free.largest_change.unwrap().abs() > whole - 1e-9,
         "{free:?}"
     );
-    let (whole, limited) =
-        effect("optimise.constraints=[{ characteristic = \"camber\", at_most = 1.0 }]");
+    let (whole, limited) = effect(
+        "optimise.constraints=[{ characteristic = \"camber\", at = \"design\", at_most = 1.0 }]",
+    );
     assert!(
         limited.largest_change.unwrap().abs() < 0.1 * whole,
         "{limited:?}"

@@ -86,7 +86,7 @@ fn rows_of_designs_have_rates() {
         panic!("a sweep with variables");
     };
     let table = |variables: &[&SweepVariable]| {
-        let variables = variables.iter().map(|own| SweepVariable::clone(own));
+        let variables = variables.iter().copied().cloned();
         DesignTable::of(variables.collect(), vec![1.0, 2.0])
     };
     let [rear, front] = [0, 1].map(|k| &sampled.variables[k]);

@@ -96,9 +96,10 @@ fn a_chart_states_where_a_target_applies() {
         let run = Run::of("solve", "held", &text, &sets);
         let data = run.data();
         let record = &data["record"]["targets"][0];
-        let expected = match held {
-            true => serde_json::json!([["heave_mm", 0.0]]),
-            false => Value::Null,
+        let expected = if held {
+            serde_json::json!([["heave_mm", 0.0]])
+        } else {
+            Value::Null
         };
         assert_eq!(record["held"], expected, "{motion}: {record}");
         assert_eq!(

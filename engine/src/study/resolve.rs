@@ -378,7 +378,9 @@ fn check_sweep_keeps_something(file: &file::File, outputs: &Outputs, problems: &
         return;
     };
     let has_targets = file.optimise.is_some();
-    if outputs.characteristics.is_empty() && outputs.points.is_empty() && !has_targets {
+    let has_figures = !outputs.figures.is_empty();
+    let has_curves = !outputs.characteristics.is_empty() || !outputs.points.is_empty();
+    if !has_curves && !has_figures && !has_targets {
         let message = "there is nothing to write for each design: expected characteristics or \
                        points in [outputs], or targets in [optimise]";
         problems.add(section.span(), message);

@@ -5,6 +5,7 @@ use super::exit::{Exit, Stop};
 use super::output::Output;
 use super::report::refuse_without_directory;
 use super::terminal;
+use crate::checked::not_solved;
 use crate::report::{SetUpSummary, ends_at, set_up_page};
 use crate::set_up::{Refusal, about, effects_table, set_up};
 use crate::solved::Solved;
@@ -68,17 +69,17 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     }
     let incomplete = solved.filter(|solved| !solved.is_complete());
     if let Some(solved) = &incomplete {
-        say_missing(&output, solved)?;
+        say_missing(&output, solved, &found.adjusted)?;
     }
     output.print_files(&files)?;
     Ok(Exit::of(incomplete.is_none() && found.met()))
 }
 
 /// Prints the missing values and the unsolved stations around the new static position.
-fn say_missing(output: &Output, solved: &Solved) -> Result<(), Stop> {
+fn say_missing(output: &Output, solved: &Solved, study: &Study) -> Result<(), Stop> {
     output.say_plausibility(solved.remarks(), false)?;
-    for failure in solved.failures() {
-        output.say_failure(&format!("\nnot solved: {failure}\n"))?;
+    for failure in not_solved(solved, &[], study.wheel()) {
+        output.say_failure(&format!("\n{failure}\n"))?;
     }
     Ok(())
 }

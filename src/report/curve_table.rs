@@ -68,7 +68,7 @@ impl CurveTable {
 
     /// Number of rows whose station is not solved, or lacks a defined value.
     pub fn incomplete_rows(&self) -> usize {
-        let whole = [Status::Ok, Status::IllConditioned].map(|status| status.word());
+        let whole = Status::WHOLE.map(|status| status.word());
         let incomplete = |word: &&String| !whole.contains(&word.as_str());
         self.status.iter().filter(incomplete).count()
     }

@@ -178,10 +178,7 @@ pub struct Worst(pub f64);
 
 impl Worst {
     pub fn note(&mut self, error: f64) {
-        // NaN must count as the largest error.
-        if error.is_nan() || error.abs() > self.0 {
-            self.0 = error.abs();
-        }
+        self.0 = larger(self.0, error.abs());
     }
 }
 

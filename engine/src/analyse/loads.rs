@@ -13,7 +13,7 @@
 //! spring on a rocker acts through the rod. The tension of this rod is computed from the moments about the rocker's
 //! axis.
 //!
-//! A rigid axle has two supports, one at each wheel. The mechanism is that of the near wheel; the far wheel is the
+//! A rigid axle has two supports, one at each wheel. The mechanism belongs to the near wheel; the far wheel is the
 //! opposite one. One of the axle's two travels is not the drive but held constant. Its row is no constraint of the
 //! mechanism, so the support of the far wheel takes this row.
 //!

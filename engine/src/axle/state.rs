@@ -116,7 +116,7 @@ pub struct AxleState<'a, T, W = Reading<T>> {
 }
 
 impl AxleState<'_, f64> {
-    /// Returns true if both wheels stand on one plane: by definition, or on pads of nearly the same height.
+    /// Returns true if both wheels stand on one plane. Pads of nearly the same height count as one plane.
     pub fn is_on_plane(&self) -> bool {
         self.hold != Hold::TravelsOnPads
             || self.mismatch().abs() <= Quantity::SAME_PLANE * self.track()

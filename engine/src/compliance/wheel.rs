@@ -374,8 +374,7 @@ impl ElasticWheel {
     /// such part.
     fn barely_held(&self) -> Option<String> {
         match self.built.clone().preload(self.bounds) {
-            Err(NoPreload::Singular(Singular::Limb(limb))) => Some(self.built.names[limb].clone()),
-            Err(NoPreload::Singular(Singular::Carrier)) => Some(CARRIER.to_owned()),
+            Err(NoPreload::Singular(singular)) => Some(name_of(&self.built.names, singular)),
             Err(NoPreload::OutOfReach { .. }) | Ok(_) => None,
         }
     }
@@ -442,11 +441,17 @@ pub(super) fn largest_axis(v: Vector3<f64>) -> Axis {
 /// Fault of parts whose forces at the design load cannot be computed. `names` are the names of the parts with their own degrees
 /// of freedom.
 pub(super) fn no_balance(names: &[String], singular: Singular) -> ElasticFault {
-    let part = match singular {
+    ElasticFault::NoBalance {
+        part: name_of(names, singular),
+    }
+}
+
+/// Name of a part that can move without resistance. `names` are the names of the parts with their own degrees of freedom.
+fn name_of(names: &[String], singular: Singular) -> String {
+    match singular {
         Singular::Limb(limb) => names[limb].clone(),
         Singular::Carrier => CARRIER.to_owned(),
-    };
-    ElasticFault::NoBalance { part }
+    }
 }
 
 /// Fault of parts that have no forces at the design load. `bushing` returns the name of a bushing.

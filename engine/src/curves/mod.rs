@@ -61,6 +61,9 @@ pub enum Status {
 }
 
 impl Status {
+    /// Status of a station that is solved, with every defined value.
+    pub const WHOLE: [Status; 2] = [Status::Ok, Status::IllConditioned];
+
     /// Word in the `status` column.
     pub fn word(&self) -> &'static str {
         match self {
@@ -96,7 +99,7 @@ impl Status {
 
     /// Returns true if the station is solved and every defined value is present.
     pub fn is_whole(&self) -> bool {
-        matches!(self, Status::Ok | Status::IllConditioned)
+        Self::WHOLE.contains(self)
     }
 }
 

@@ -69,18 +69,24 @@ pub(super) struct Leg {
     /// Displacement of the rack towards the kernel's +y.
     pub rack: f64,
     pub order: StationOrder,
+    /// Orders of the stations with constraints, of those with targets, and of all stations.
+    visits: [StationOrder; 3],
     pub targets: Vec<Vec<TargetSample>>,
     pub checks: Vec<Vec<Check>>,
     pub extremes: Vec<Extremes>,
 }
 
 impl Leg {
-    /// Order of the stations that an evaluation needs: of the targets, of the constraints, or of both.
-    pub(super) fn order_of(&self, with_targets: bool, with_constraints: bool) -> StationOrder {
-        self.order.only(|station| {
-            with_targets && !self.targets[station].is_empty()
-                || with_constraints && !self.checks[station].is_empty()
-        })
+    /// Order of the stations that an evaluation needs: of the targets, of the constraints, or of both. `None` if it needs no
+    /// station.
+    pub(super) fn order_of(
+        &self,
+        with_targets: bool,
+        with_constraints: bool,
+    ) -> Option<&StationOrder> {
+        let visit = 2 * usize::from(with_targets) + usize::from(with_constraints);
+        let order = &self.visits[visit.checked_sub(1)?];
+        (!order.is_empty()).then_some(order)
     }
 }
 

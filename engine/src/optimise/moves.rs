@@ -81,11 +81,12 @@ pub fn moved_design(
     moved: &mut [Vector3<f64>],
 ) {
     moved.copy_from_slice(design);
-    let turns: Vec<&Turn> = variables.iter().filter_map(|v| v.turn.as_ref()).collect();
-    for (number, turn) in turns.iter().enumerate() {
+    for (number, variable) in variables.iter().enumerate() {
+        let Some(turn) = &variable.turn else { continue };
         let w = rotation_vector(frame, variables, x, turn);
         // The first rotation of a body stands for all of its rotations.
-        let is_repeated = turns[..number].iter().any(|own| are_of_one_body(own, turn));
+        let mut earlier = variables[..number].iter().filter_map(|v| v.turn.as_ref());
+        let is_repeated = earlier.any(|own| are_of_one_body(own, turn));
         if is_repeated || w.norm_squared() == 0.0 {
             continue;
         }

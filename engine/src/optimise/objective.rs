@@ -329,14 +329,13 @@ impl<'a> Objective<'a> {
     ) -> Result<(), Infeasible> {
         self.prepare()?;
         for leg in &self.layout.legs {
-            let order = leg.order_of(into.is_some(), rows.is_some());
-            if order.is_empty() {
+            let Some(order) = leg.order_of(into.is_some(), rows.is_some()) else {
                 continue;
-            }
+            };
             self.begin(leg)?;
             self.reader.visit(Visit {
                 leg,
-                order: &order,
+                order,
                 layout: self.layout,
                 constants: self.constants,
                 point_rates: &self.wheel.point_rates,

@@ -79,6 +79,14 @@ impl AxleSite {
         motion + &self.words
     }
 
+    /// Motion over the values of this site's coordinate.
+    pub(super) fn motion(&self) -> Motion {
+        Motion {
+            values: self.values.clone(),
+            ..Motion::still()
+        }
+    }
+
     /// Returns true for the motion with this name, if the target gives no values of other coordinates. The target may still apply
     /// to a part of the motion only: see [`AxleSite::held_in`].
     pub fn is_whole_motion(&self, name: Option<&str>) -> bool {
@@ -272,10 +280,7 @@ pub(super) fn target(
     wanted.is_of_design = is_figure && !along.contains(&true);
     let site = site(&wanted, spanned.span(), study, context, problems);
     let (of, site) = (of?, site?);
-    let motion = Motion {
-        values: site.values.clone(),
-        ..Motion::still()
-    };
+    let motion = site.motion();
     let site = Site {
         axle: Some(site),
         ..Site::default()

@@ -5,6 +5,7 @@ mod columns;
 mod keys;
 mod of_axle;
 
+use super::axle_targets::AxleSite;
 use super::curve_file::{self, at_record, delimiter};
 use super::elastic_targets;
 use super::elastic_targets::ElasticQuantity;
@@ -13,11 +14,9 @@ use super::file::Target as Written;
 use super::names::nearest;
 use super::resolve::Context;
 use super::source::{LONGEST_TEXT, read_text};
-use super::targets::{not_tiny, refuse_measured, tiny};
+use super::targets::{refuse_measured, tiny, weight};
 use super::value::{Number, Text};
-use super::{
-    AxleStudy, ComplianceStudy, ElasticFigure, Motion, Site, Target, TargetQuantity, Wanted,
-};
+use super::{AxleStudy, ComplianceStudy, ElasticFigure, Site, Target, TargetQuantity, Wanted};
 use crate::ask::six_digits;
 use crate::compliance::{HeldQuantity, KcTest, KcValue, TestLoad, figure_names, figures_by};
 use crate::model::Side;
@@ -136,10 +135,7 @@ fn of_sheet(
     }
     let only = named.map(|name| name.get_ref().as_str());
     let factor = super::suspension::above_zero(&written.tolerance, problems)?;
-    let weight = match &written.weight {
-        None => 1.0,
-        Some(weight) => not_tiny(weight, problems)?,
-    };
+    let weight = weight(&written.weight, problems)?;
     let read = Reader {
         source,
         of,
@@ -448,10 +444,7 @@ impl Reader<'_> {
 
     /// Refuses a row outside of the motion. A tuning does not compare there.
     fn check_within(&self, at: f64, site: &Site, row: &Row<'_>) -> Result<(), StudyErrors> {
-        let of_axle = site.axle.as_ref().map(|site| Motion {
-            values: site.values.clone(),
-            ..Motion::still()
-        });
+        let of_axle = site.axle.as_ref().map(AxleSite::motion);
         // A motion with an error is already reported.
         let motion = of_axle.as_ref().or(self.context.motion);
         match motion.and_then(|motion| refuse_measured(at, motion, site, self.context)) {

@@ -1,7 +1,6 @@
 //! Directory of a sweep: its description in `sweep.json`, and its parts.
 
 use super::checksum::checksum;
-use super::merge::MergeError;
 use super::part::{FORM as PART_FORM, PartRecord};
 use super::summary::{SweepSummary, pareto_csv};
 use super::table_file::open_lines;
@@ -12,6 +11,17 @@ use crate::sweep::{FORM, Rows, SweepRecord, SweepStatistics};
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
+
+/// Reason why parts cannot be joined, or summed again.
+#[derive(Debug, thiserror::Error)]
+pub enum MergeError {
+    /// The directories do not contain all parts of one sweep.
+    #[error(transparent)]
+    Parts(#[from] NotARun),
+    /// The result cannot be written.
+    #[error(transparent)]
+    Unwritten(#[from] WriteError),
+}
 
 /// Directory of a sweep.
 #[derive(Clone, Debug)]

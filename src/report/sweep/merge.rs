@@ -1,10 +1,10 @@
 //! Joins the parts of a sweep to one file.
 
-use super::directory::SweepDirectory;
+use super::directory::{MergeError, SweepDirectory};
 use super::part::{self, Pending};
 use super::table_file::open_lines;
 use crate::report::finished::NotARun;
-use crate::results::{RunDirectory, WriteError};
+use crate::results::RunDirectory;
 use crate::sweep::{SweepRecord, SweepStatistics};
 use std::io::{self, BufRead};
 use std::path::{Path, PathBuf};
@@ -19,17 +19,6 @@ pub struct Parts {
     /// For each part, the index of its directory in `directories`.
     places: Vec<usize>,
     directories: Vec<SweepDirectory>,
-}
-
-/// Reason why parts cannot be joined, or summed again.
-#[derive(Debug, thiserror::Error)]
-pub enum MergeError {
-    /// The directories do not contain all parts of one sweep.
-    #[error(transparent)]
-    Parts(#[from] NotARun),
-    /// The result cannot be written.
-    #[error(transparent)]
-    Unwritten(#[from] WriteError),
 }
 
 impl Parts {

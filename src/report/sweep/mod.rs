@@ -30,9 +30,9 @@ mod summary;
 mod table_file;
 mod text;
 
-pub use directory::{Done, SweepDirectory};
+pub use directory::{Done, MergeError, SweepDirectory};
 pub use drawn::DrawnDesigns;
-pub use merge::{MergeError, Parts};
+pub use merge::Parts;
 pub use part::{PartOutcome, PartRecord, write_part};
 pub use run::SweepRun;
 pub use shown::{Choice, ShownDesigns};

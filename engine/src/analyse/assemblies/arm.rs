@@ -208,8 +208,8 @@ impl Branch {
         }
     }
 
-    /// Returns two radicands and the difference f - travel as series in the angle. The radicands are those of the
-    /// square roots for the positions of the steering axis's upper end and of the tie rod's outer end. A negative
+    /// Returns two radicands and the difference f - travel as series in the angle. The square roots of
+    /// the radicands give the positions of the steering axis's upper end and of the tie rod's outer end. A negative
     /// radicand means that there is no assembly.
     #[inline(never)]
     fn miss(&self, angle: Interval) -> ([Interval; 2], Value) {

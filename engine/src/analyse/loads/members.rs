@@ -83,8 +83,8 @@ pub struct Member {
     pub what: Carried,
 }
 
-/// Returns all members with a reaction: first those of the constraints, then joints of arms, rods on rockers, forces of
-/// a twist beam, and the supports.
+/// Returns all members with a reaction, in this order: members of the constraints, joints of arms, rods on rockers,
+/// forces of a twist beam, supports.
 pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
     let mut members = members_of_constraints(mechanism);
     members.extend(joints_of_arms_with_links(mechanism));

@@ -77,11 +77,17 @@ impl Draft {
             let of_part = |sign| Extremes::of(*part, sign, &by_drive, &checks);
             [-1.0, 1.0].into_iter().filter_map(of_part)
         });
+        let order = StationOrder::through(&self.values);
         Leg {
             drive: self.drive,
             rack: self.rack,
-            order: StationOrder::through(&self.values),
             extremes: extremes.collect(),
+            visits: [
+                order.only(|station| !checks[station].is_empty()),
+                order.only(|station| !targets[station].is_empty()),
+                order.clone(),
+            ],
+            order,
             targets,
             checks,
         }

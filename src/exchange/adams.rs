@@ -18,6 +18,7 @@
 
 use crate::model::LengthUnit;
 use crate::report::shortest;
+use std::ops::Range;
 
 /// Side of the car to which a row applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,45 +42,50 @@ impl Symmetry {
     ];
 
     fn named(name: &str) -> Option<Self> {
-        let found = Symmetry::NAMES.iter();
-        let mut found = found.filter(|(_, known)| name.eq_ignore_ascii_case(known));
-        found.next().map(|(symmetry, _)| *symmetry)
+        let mut names = Symmetry::NAMES.iter();
+        let found = names.find(|(_, known)| name.eq_ignore_ascii_case(known));
+        found.map(|(symmetry, _)| *symmetry)
     }
 }
 
-/// A hardpoint of a subsystem.
+/// A named row of a subsystem.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct SubsystemPoint {
+pub(super) struct Row<T> {
     /// Name without padding.
     pub name: String,
-    /// Side of the point.
+    /// Side to which the row applies.
     pub symmetry: Symmetry,
-    /// Position in the file's unit: x rearward, y right, z up.
-    pub position: [f64; 3],
+    /// Content after the name and the symmetry.
+    pub content: T,
     /// Line number, counted from 1.
     pub line: usize,
 }
 
-/// A numeric parameter of a subsystem.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct SubsystemParameter {
-    /// Name without padding.
-    pub name: String,
-    /// Side of the parameter.
-    pub symmetry: Symmetry,
-    /// Value in the file's unit.
-    pub value: f64,
-    /// Line number, counted from 1.
-    pub line: usize,
+/// A hardpoint. Its content is the position in the file's unit: x rearward, y right, z up.
+pub(super) type SubsystemPoint = Row<[f64; 3]>;
+
+/// A parameter of the type `real`. Its content is the value in the file's unit.
+pub(super) type SubsystemParameter = Row<f64>;
+
+impl<T> Row<T> {
+    /// The same row with another content.
+    fn with<C>(self, content: C) -> Row<C> {
+        Row {
+            name: self.name,
+            symmetry: self.symmetry,
+            content,
+            line: self.line,
+        }
+    }
 }
 
 impl SubsystemParameter {
-    /// Value of an angle in degrees. `in_degrees` is true if the file has angles in degrees.
+    /// Value of an angle in degrees. `in_degrees` is true if the file has angles in degrees, false if it has radians.
     pub(super) fn angle(&self, in_degrees: bool) -> f64 {
         if in_degrees {
-            self.value
+            self.content
         } else {
-            self.value.to_degrees()
+            self.content.to_degrees()
         }
     }
 }
@@ -89,13 +95,13 @@ impl SubsystemParameter {
 pub(super) struct Subsystem {
     /// Unit of length, if the file gives one.
     pub length: Option<LengthUnit>,
-    /// True if angles are in degrees.
+    /// True if angles are in degrees, or if the file gives no unit of angles.
     pub degrees: bool,
     /// Name of the subsystem's template, if the file gives one.
     pub template: Option<String>,
     /// Hardpoints of the file.
     pub points: Vec<SubsystemPoint>,
-    /// Numeric parameters of the file.
+    /// Parameters of the type `real`. Others are skipped, and also rows that cannot be read.
     pub parameters: Vec<SubsystemParameter>,
 }
 
@@ -105,25 +111,45 @@ pub(super) fn is_subsystem(text: &str) -> bool {
         .any(|line| block(line) == Some("HARDPOINT".to_owned()))
 }
 
-/// Converts bytes to text, one character per byte. The files do not state an encoding, and their structure does not need one.
+/// Converts bytes to text, one character per byte (ISO 8859-1). The files state no encoding.
 pub(super) fn text_of(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| char::from(*byte)).collect()
 }
 
-/// Converts a text from [`text_of`] back to bytes.
+/// Converts a text from [`text_of`] back to bytes. Other characters become `?`.
 pub(super) fn bytes_of(text: &str) -> Vec<u8> {
     text.chars()
         .map(|c| u8::try_from(c).unwrap_or(b'?'))
         .collect()
 }
 
-/// Name of the block that begins on this line, in capitals.
+/// Name of the block that begins on this line, in capitals. `None` if no block begins here.
 pub(super) fn block(line: &str) -> Option<String> {
     let name = line.trim().strip_prefix('[')?.split(']').next()?;
     Some(name.trim().to_ascii_uppercase())
 }
 
+/// Lines of a text with their line breaks, each after the name of its block. A heading and the lines of another part of the block
+/// have an empty name.
+pub(super) fn in_blocks(text: &str) -> impl Iterator<Item = (String, &str)> {
+    let mut within = String::new();
+    text.split_inclusive('\n').map(move |line| {
+        if let Some(name) = block(line) {
+            within = name;
+            return (String::new(), line);
+        }
+        // A line that starts with a parenthesis begins a part of the block with other columns.
+        if line.trim_start().starts_with('(') {
+            within.clear();
+        }
+        (within.clone(), line)
+    })
+}
+
 /// Reads a subsystem.
+///
+/// # Errors
+/// A unit is not known, or a row of a hardpoint is not a name, a symmetry and three numbers. The message has the line number.
 pub(super) fn read(text: &str) -> Result<Subsystem, String> {
     let mut subsystem = Subsystem {
         length: None,
@@ -132,16 +158,7 @@ pub(super) fn read(text: &str) -> Result<Subsystem, String> {
         points: Vec::new(),
         parameters: Vec::new(),
     };
-    let mut within = String::new();
-    for (line, number) in text.lines().zip(1..) {
-        if let Some(name) = block(line) {
-            within = name;
-            continue;
-        }
-        // A line that starts with a parenthesis begins a part of the block with other columns.
-        if line.trim_start().starts_with('(') {
-            within.clear();
-        }
+    for ((within, line), number) in in_blocks(text).zip(1..) {
         if line.trim_start().starts_with(['$', '!', '{', '#']) || line.trim().is_empty() {
             continue;
         }
@@ -149,16 +166,14 @@ pub(super) fn read(text: &str) -> Result<Subsystem, String> {
         match within.as_str() {
             "UNITS" => units(line, &mut subsystem).map_err(at)?,
             "SUBSYSTEM_HEADER" => {
-                if let Some((key, value)) = assignment(line)
-                    && key == "TEMPLATE_NAME"
-                {
-                    subsystem.template = Some(value);
-                }
+                let found = assignment(line).filter(|(key, _)| key == "TEMPLATE_NAME");
+                let found = found.map(|(_, template)| template);
+                subsystem.template = found.or(subsystem.template.take());
             }
             "HARDPOINT" => {
-                let row = row(line).map_err(at)?;
-                let [x, y, z] = row.fields.as_slice() else {
-                    let found = row.fields.len();
+                let row = row(line, number).map_err(at)?;
+                let [x, y, z] = row.content.as_slice() else {
+                    let found = row.content.len();
                     let reason = format!(
                         "expected name, symmetry and three coordinates, found {found} values \
                          after the symmetry"
@@ -166,29 +181,20 @@ pub(super) fn read(text: &str) -> Result<Subsystem, String> {
                     return Err(at(reason));
                 };
                 let coordinate = |field: &Field| field.number().map_err(at);
-                subsystem.points.push(SubsystemPoint {
-                    position: [coordinate(x)?, coordinate(y)?, coordinate(z)?],
-                    name: row.name,
-                    symmetry: row.symmetry,
-                    line: number,
-                });
+                let position = [coordinate(x)?, coordinate(y)?, coordinate(z)?];
+                subsystem.points.push(row.with(position));
                 if subsystem.points.len() > 10_000 {
                     return Err("more than 10000 hardpoints: this is not a suspension".to_owned());
                 }
             }
             "PARAMETER" => {
-                // Parameters that are texts or integers are not needed.
-                if let Ok(row) = row(line)
-                    && let [kind, value] = row.fields.as_slice()
+                // Camber and toe are real numbers, so other parameters are not needed.
+                if let Ok(row) = row(line, number)
+                    && let [kind, value] = row.content.as_slice()
                     && kind.text == "real"
                     && let Ok(value) = value.number()
                 {
-                    subsystem.parameters.push(SubsystemParameter {
-                        name: row.name,
-                        symmetry: row.symmetry,
-                        value,
-                        line: number,
-                    });
+                    subsystem.parameters.push(row.with(value));
                 }
             }
             _ => (),
@@ -197,7 +203,7 @@ pub(super) fn read(text: &str) -> Result<Subsystem, String> {
     Ok(subsystem)
 }
 
-/// Unit of length with this name.
+/// Unit of length with this name, in upper or lower case. `None` for any other unit.
 pub(super) fn length_unit(name: &str) -> Option<LengthUnit> {
     match name.to_ascii_lowercase().as_str() {
         "mm" | "millimeter" => Some(LengthUnit::Millimetre),
@@ -207,7 +213,7 @@ pub(super) fn length_unit(name: &str) -> Option<LengthUnit> {
     }
 }
 
-/// Splits `KEY = 'value'` into key and value.
+/// Splits `KEY = 'value'` into the key in capitals and the value without quotes.
 pub(super) fn assignment(line: &str) -> Option<(String, String)> {
     let (key, value) = line.split_once('=')?;
     let value = value.trim().trim_matches('\'').trim();
@@ -241,10 +247,11 @@ fn units(line: &str, subsystem: &mut Subsystem) -> Result<(), String> {
     Ok(())
 }
 
-/// A value of a row, and its position in the line.
+/// A value of a row, without quotes and padding.
 struct Field<'a> {
     text: &'a str,
-    start: usize,
+    /// Byte range in the line, with quotes.
+    place: Range<usize>,
 }
 
 impl Field<'_> {
@@ -256,15 +263,8 @@ impl Field<'_> {
     }
 }
 
-/// A row of the hardpoints or of the parameters.
-struct Row<'a> {
-    name: String,
-    symmetry: Symmetry,
-    /// Fields that follow the symmetry field.
-    fields: Vec<Field<'a>>,
-}
-
-fn row(line: &str) -> Result<Row<'_>, String> {
+/// Reads a row of the hardpoints or of the parameters. Its content is the list of the fields after the symmetry.
+fn row(line: &str, number: usize) -> Result<Row<Vec<Field<'_>>>, String> {
     let mut fields = fields(line).into_iter();
     let (Some(name), Some(symmetry)) = (fields.next(), fields.next()) else {
         return Err("expected name and symmetry in single quotes".to_owned());
@@ -278,11 +278,12 @@ fn row(line: &str) -> Result<Row<'_>, String> {
     Ok(Row {
         name: name.text.to_owned(),
         symmetry,
-        fields: fields.collect(),
+        content: fields.collect(),
+        line: number,
     })
 }
 
-/// Splits a line into its values: words, and quoted texts without padding.
+/// Splits a line into its values: words, and quoted texts without padding. It ends before a comment.
 fn fields(line: &str) -> Vec<Field<'_>> {
     let mut fields = Vec::new();
     let mut at = 0;
@@ -298,8 +299,9 @@ fn fields(line: &str) -> Vec<Field<'_>> {
         if rest.starts_with(['$', '!']) {
             break;
         }
-        fields.push(Field { text, start });
         at = start + length;
+        let place = start..start + rest[..length].trim_end().len();
+        fields.push(Field { text, place });
     }
     fields
 }
@@ -314,39 +316,28 @@ pub(super) struct Rewritten {
 }
 
 /// Replaces the coordinates of a subsystem. `position` returns the new coordinates for a name and a symmetry, in the
-/// file's unit and axes. Rows for which it returns `None` stay unchanged.
+/// file's unit and axes. If it returns `None`, the row stays unchanged.
 pub(super) fn rewritten(
     text: &str,
     position: impl Fn(&str, Symmetry) -> Option<[f64; 3]>,
 ) -> Rewritten {
     let mut written = String::with_capacity(text.len());
     let mut rows = 0;
-    let mut within = false;
-    for line in text.split_inclusive('\n') {
-        if let Some(name) = block(line) {
-            within = name == "HARDPOINT";
-        } else if line.trim_start().starts_with('(') {
-            within = false;
-        }
-        let is_row = within && line.trim_start().starts_with('\'');
-        let found = row(line).ok().filter(|_| is_row);
-        let new = found
-            .as_ref()
-            .and_then(|row| position(&row.name, row.symmetry));
-        let (Some(row), Some(new)) = (found, new) else {
-            written += line;
-            continue;
-        };
-        let [first, .., last] = row.fields.as_slice() else {
+    for (within, line) in in_blocks(text) {
+        let row = row(line, 0).ok().filter(|_| within == "HARDPOINT");
+        let known = row.as_ref();
+        let new = known.and_then(|row| position(&row.name, row.symmetry));
+        let fields = row.map_or(Vec::new(), |row| row.content);
+        let (Some(new), [first, .., last]) = (new, fields.as_slice()) else {
             written += line;
             continue;
         };
         rows += 1;
-        written += line[..first.start].trim_end();
+        written += line[..first.place.start].trim_end();
         for number in new {
             written += &format!("  {:>14}", shortest(number));
         }
-        written += &line[last.start + last.text.len()..];
+        written += &line[last.place.end..];
     }
     Rewritten {
         text: written,
@@ -354,7 +345,8 @@ pub(super) fn rewritten(
     }
 }
 
-/// Makes a new subsystem file with these hardpoints and parameters. It contains only the geometry.
+/// Makes a new subsystem file with these hardpoints (in `length`, x rearward, y right, z up) and parameters (angles in degrees).
+/// It contains only the geometry.
 pub(super) fn written(
     length: LengthUnit,
     points: &[(String, Symmetry, [f64; 3])],
@@ -419,18 +411,16 @@ $---------------------------------HARDPOINT
         let read = read(FILE).unwrap();
         assert_eq!(read.length, Some(LengthUnit::Inch));
         let point = |i: usize| {
-            (
-                read.points[i].name.as_str(),
-                read.points[i].symmetry,
-                read.points[i].position,
-            )
+            let row = &read.points[i];
+            (row.name.as_str(), row.symmetry, row.content)
         };
         assert_eq!(point(0), ("lca_front", Symmetry::Both, [1.5, -16.0, 7.25]));
         assert_eq!(point(1), ("lca_rear", Symmetry::Right, [11.0, 16.25, 7.5]));
         assert_eq!(point(2).1, Symmetry::Single);
         assert_eq!(read.parameters.len(), 1);
+        let camber = &read.parameters[0];
         assert_eq!(
-            (read.parameters[0].name.as_str(), read.parameters[0].value),
+            (camber.name.as_str(), camber.content),
             ("camber_angle", -0.5)
         );
         assert!(is_subsystem(FILE) && !is_subsystem("name,x,y,z\n"));
@@ -442,27 +432,23 @@ $---------------------------------HARDPOINT
             (
                 "-16.0",
                 "sixteen",
-                "line 8: expected a number, found \"sixteen\"",
+                "8: expected a number, found \"sixteen\"",
             ),
             (
                 "7.25",
                 "",
-                "line 8: expected name, symmetry and three coordinates",
+                "8: expected name, symmetry and three coordinates",
             ),
-            (
-                "'right'",
-                "'starboard'",
-                "line 9: the symmetry is \"starboard\"",
-            ),
+            ("'right'", "'starboard'", "9: the symmetry is \"starboard\""),
             (
                 "'inch'",
                 "'furlong'",
-                "line 3: the unit of length is \"furlong\"",
+                "3: the unit of length is \"furlong\"",
             ),
-            ("-16.0", "NaN", "line 8: expected a number"),
+            ("-16.0", "NaN", "8: expected a number"),
         ] {
             let error = read(&FILE.replacen(from, to, 1)).unwrap_err();
-            assert!(error.starts_with(expected), "{error}");
+            assert!(error.starts_with(&format!("line {expected}")), "{error}");
         }
     }
 
@@ -477,10 +463,23 @@ $---------------------------------HARDPOINT
         assert_eq!(changed.rows, 1);
         assert!(changed.text.contains("$ as measured\r\n"));
         let back = read(&changed.text).unwrap();
-        assert_eq!(back.points[1].position, [0.1, 1.0 / 3.0, -7e-9]);
+        assert_eq!(back.points[1].content, [0.1, 1.0 / 3.0, -7e-9]);
         let others =
             |subsystem: &Subsystem| (subsystem.points[0].clone(), subsystem.points[2].clone());
         assert_eq!(others(&back), others(&read(&text).unwrap()));
+    }
+
+    /// A name without quotes and coordinates in quotes are valid, so their rows are replaced, too.
+    #[test]
+    fn quotes_do_not_decide_on_a_row() {
+        let text = FILE
+            .replace("'lca_rear'  'right'", "lca_rear right")
+            .replace("7.5 ", "'7.5' ");
+        let place = [1.0, 2.0, 3.0];
+        let changed = rewritten(&text, |name, _| (name == "lca_rear").then_some(place));
+        assert_eq!(changed.rows, 1);
+        assert_eq!(read(&changed.text).unwrap().points[1].content, place);
+        assert!(changed.text.contains("  3.0   $ as measured\n"));
     }
 
     #[test]
@@ -494,8 +493,8 @@ $---------------------------------HARDPOINT
         for unit in [LengthUnit::Millimetre, LengthUnit::Metre, LengthUnit::Inch] {
             let back = read(&written(unit, &points, &parameters)).unwrap();
             assert_eq!(back.length, Some(unit));
-            assert_eq!(back.points[0].position, points[0].2);
-            assert_eq!(back.parameters[0].value, 0.1);
+            assert_eq!(back.points[0].content, points[0].2);
+            assert_eq!(back.parameters[0].content, 0.1);
         }
     }
 }

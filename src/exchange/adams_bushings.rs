@@ -24,10 +24,10 @@ use crate::study::{FileText, StudyErrors};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
-/// Points of a curve: deflection and force.
+/// Points of a curve: deflection and force, or angle and torque.
 type Points = Vec<[f64; 2]>;
 
-/// Law of a bushing along or about one axis, in N, rad and the subsystem's unit of length.
+/// Law of a bushing along or about one axis, in the units of [`Laws`].
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Law {
     /// Constant rate.
@@ -36,12 +36,35 @@ pub(super) enum Law {
     Curve(Points),
 }
 
-/// Laws of a bushing in the axes of a study: along x and along y, then about x and about y. The laws for z equal those
-/// for y.
+/// Laws of a bushing in the axes of a study. The laws for z equal the laws for y.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Laws {
+    /// Unit of length.
+    pub unit: LengthUnit,
+    /// Laws along x and along y: force in N by deflection in `unit`.
     pub along: [Law; 2],
+    /// Laws about x and about y: torque in N `unit` by angle in rad.
     pub about: [Law; 2],
+}
+
+impl Laws {
+    /// The same laws in another unit of length. Laws in the same unit do not change at all.
+    pub(super) fn in_unit(&self, unit: LengthUnit) -> Laws {
+        let length = |length: f64| unit.convert(length, self.unit);
+        let along = |law: &Law| match law {
+            Law::Rate(rate) => Law::Rate(rate / length(1.0)),
+            Law::Curve(points) => Law::Curve(points.iter().map(|[x, f]| [length(*x), *f]).collect()),
+        };
+        let about = |law: &Law| match law {
+            Law::Rate(rate) => Law::Rate(length(*rate)),
+            Law::Curve(points) => Law::Curve(points.iter().map(|[x, f]| [*x, length(*f)]).collect()),
+        };
+        Laws {
+            unit,
+            along: self.along.each_ref().map(along),
+            about: self.about.each_ref().map(about),
+        }
+    }
 }
 
 /// A bushing of a subsystem.
@@ -77,7 +100,7 @@ impl Block {
     }
 }
 
-/// Reads the bushings of the subsystem at a path, in the subsystem's unit of length.
+/// Reads the bushings of a subsystem. `path` is the subsystem's path, and `unit` the unit of length of the laws.
 pub(super) fn of_subsystem(path: &Path, text: &str, unit: LengthUnit) -> Vec<AdamsBushing> {
     let mut blocks: Vec<Block> = Vec::new();
     let mut is_within = false;
@@ -114,9 +137,10 @@ fn laws(path: &Path, block: &Block, unit: LengthUnit) -> Result<Laws, String> {
         name: found.display().to_string(),
         text: text_of(&bytes_of(&found)?),
     };
+    // A text that is not a number is refused like a preload.
     let preload = block.entries.iter().find(|(key, value)| {
-        (key.starts_with("T_PRELOAD") || key.starts_with("R_PRELOAD"))
-            && value.parse::<f64>().is_ok_and(|value| value != 0.0)
+        let is_preload = key.starts_with("T_PRELOAD") || key.starts_with("R_PRELOAD");
+        is_preload && value.parse::<f64>() != Ok(0.0)
     });
     if let Some((key, value)) = preload {
         return Err(format!(
@@ -151,12 +175,16 @@ fn laws(path: &Path, block: &Block, unit: LengthUnit) -> Result<Laws, String> {
         }
     }
     Ok(Laws {
+        unit,
         along: [law(fz), law(fx)],
         about: [law(tz), law(tx)],
     })
 }
 
-/// Path of the property file that a subsystem names.
+/// Path of the property file that a subsystem names. `path` is the path of the subsystem.
+///
+/// # Errors
+/// The name leads out of the folders, or no such file exists in the folder of the subsystem and in the folder above.
 fn property_file(path: &Path, named: &str) -> Result<PathBuf, String> {
     let plain = named.replace('\\', "/");
     let below = match plain.strip_prefix("mdids://") {
@@ -242,7 +270,7 @@ fn is_odd(axis: &str, curve: &Points) -> Result<(), String> {
     }
 }
 
-/// Returns a constant rate if all points are on one line, else the curve.
+/// Returns a constant rate if all points are on one line through zero, else the curve. The curve has at least two points.
 fn law(curve: Points) -> Law {
     let [deflection, force] = curve[curve.len() - 1];
     let rate = force / deflection;
@@ -283,6 +311,26 @@ mod tests {
         assert_eq!(law(none[0].clone()), Law::Rate(0.0));
         let falls = curves_of(source("-1 2\n1 -2"), LengthUnit::Millimetre).unwrap_err();
         assert!(falls.contains("FX must rise"), "{falls}");
+    }
+
+    /// 7 N/mm are 7000 N/m, and 7 N mm/rad are 0.007 N m/rad.
+    #[test]
+    fn laws_are_converted_to_other_units() {
+        let laws = Laws {
+            unit: LengthUnit::Millimetre,
+            along: [Law::Rate(7.0), Law::Curve(vec![[-2.0, -8.0], [2.0, 8.0]])],
+            about: [Law::Rate(7.0), Law::Curve(vec![[-2.0, -8.0], [2.0, 8.0]])],
+        };
+        assert_eq!(laws.in_unit(LengthUnit::Millimetre), laws);
+        let metres = laws.in_unit(LengthUnit::Metre);
+        assert_eq!(metres.along, [
+            Law::Rate(7000.0),
+            Law::Curve(vec![[-0.002, -8.0], [0.002, 8.0]])
+        ]);
+        assert_eq!(metres.about, [
+            Law::Rate(0.007),
+            Law::Curve(vec![[-2.0, -0.008], [2.0, 0.008]])
+        ]);
     }
 
     #[test]

@@ -20,7 +20,8 @@
 //! | `ML` | rejected with a message |
 //!
 //! `STATIC_CAMBER` is in degrees, negative with the top inward. `TOE_OUT` is not an angle but a length by which the steering rod
-//! moves. `SPRING_RATE` is the rate at the wheel in N/m; the file has no points of springs.
+//! moves. `SPRING_RATE` is the rate at the wheel in N/m; the file has no points of springs. All other values are lengths in metres
+//! and masses in kg.
 //!
 //! `BASEY` is the height of the wheel centre above the centre of gravity of the car. `CG_LOCATION` is the fraction of the weight
 //! on the front axle. The file `car.ini` in the same folder has the mass.
@@ -30,10 +31,10 @@ use super::axes::{Axes, Declared};
 use super::decimals::LARGEST;
 use super::source::{bytes_of, decoded};
 use super::table::{AxleFigures, CarFigures, Figure, Kind, Marks, Mass, NamedPoint, PointTable};
-use crate::model::{AxlePosition, FrameConvention, LengthUnit};
+use crate::model::{AxlePosition, FrameConvention, LengthUnit, Topology};
 use std::path::Path;
 
-/// Keys of points with their hardpoints. A topology uses the keys of its `TYPE`.
+/// Keys of points with their hardpoints. An axle uses only the keys of its `TYPE`; the import lists the others as left out.
 pub(super) const POINTS: &[(&str, &str)] = &[
     ("STRUT_CAR", "strut_top"),
     ("STRUT_TYRE", "strut_lower"),
@@ -65,10 +66,10 @@ const LEFT_OUT: &[(&str, &str)] = &[
     ),
 ];
 
-/// Largest number of links of a live axle that are read.
+/// Largest number of links of a live axle that are read: J0 to J15.
 const MOST_LINKS: usize = 16;
 
-/// True if a file is a `suspensions.ini`: the name shows it, or the file has sections, which JSON does not have.
+/// True if a file is a `suspensions.ini`: its name ends with `.ini`, or it has a section `[FRONT]` or `[REAR]` and the word `TRACK`.
 pub(super) fn is_ini(path: &Path, text: &str) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str());
     let is_named = extension.is_some_and(|extension| extension.eq_ignore_ascii_case("ini"));
@@ -78,11 +79,13 @@ pub(super) fn is_ini(path: &Path, text: &str) -> bool {
             .any(|line| matches!(section(line), Some("FRONT" | "REAR")) && text.contains("TRACK"))
 }
 
+/// Name of the section that begins on a line.
 fn section(line: &str) -> Option<&str> {
     let line = without_comment(line);
     line.strip_prefix('[')?.strip_suffix(']').map(str::trim)
 }
 
+/// Removes a comment, which begins with `;` or `//`.
 fn without_comment(line: &str) -> &str {
     let end = line.find(';').unwrap_or(line.len());
     let line = &line[..end];
@@ -121,10 +124,10 @@ fn assignments(text: &str) -> File<'_> {
     File { entries, of_links }
 }
 
-/// Reads the points of the file.
+/// Reads the points of the file, and the mass from `car.ini` in the same folder.
 ///
 /// # Errors
-/// The file has no axles, or a value is not a number.
+/// The file has no axles, a value is not a number, or the links of a live axle are not clear.
 pub(super) fn points_of(path: &Path, text: &str) -> Result<PointTable, String> {
     let file = assignments(text);
     file.check_links()?;
@@ -153,6 +156,7 @@ pub(super) fn points_of(path: &Path, text: &str) -> Result<PointTable, String> {
     Ok(table)
 }
 
+/// Assignments of a file.
 struct File<'a> {
     entries: Vec<Entry<'a>>,
     /// Line numbers of the headings `[AXLE]`, counted from 1.
@@ -160,12 +164,20 @@ struct File<'a> {
 }
 
 impl File<'_> {
+    /// First assignment of a key in a section. Upper and lower case of the key are equal.
     fn entry(&self, section: &str, key: &str) -> Option<&Entry<'_>> {
         // The game uses the first assignment of a key.
         let mut all = self.entries.iter();
         all.find(|entry| entry.section == section && entry.key.eq_ignore_ascii_case(key))
     }
 
+    /// `TYPE` of an axle in capitals. Empty if the file has none.
+    fn kind_of(&self, name: &str) -> String {
+        let entry = self.entry(name, "TYPE");
+        entry.map_or(String::new(), |entry| entry.value.to_ascii_uppercase())
+    }
+
+    /// Number under a key. `None` if the file has no such key.
     fn number(&self, section: &str, key: &str) -> Result<Option<f64>, String> {
         let Some(entry) = self.entry(section, key) else {
             return Ok(None);
@@ -175,11 +187,7 @@ impl File<'_> {
 
     /// Refuses a file in which the links of `[AXLE]` could belong to either of two axles.
     fn check_links(&self) -> Result<(), String> {
-        let is_live = |name| {
-            let kind = self.entry(name, "TYPE").map_or("", |entry| entry.value);
-            kind.eq_ignore_ascii_case("AXLE")
-        };
-        let is_live = ["FRONT", "REAR"].map(is_live);
+        let is_live = ["FRONT", "REAR"].map(|name| self.kind_of(name) == "AXLE");
         if let ([true, _] | [_, true], [first, second, ..]) = (is_live, &self.of_links[..]) {
             return Err(format!(
                 "line {second}: a second section [AXLE], after that of line {first}. The game reads only one, so it is not \
@@ -196,14 +204,21 @@ impl File<'_> {
         Ok(())
     }
 
-    /// Adds the links of `[AXLE]`, with their hardpoints if they can be identified.
+    /// Adds the ends of the links of `[AXLE]`, with their hardpoints if they can be identified. Returns the kind of the axle.
     fn live_axle(&self, axle: AxlePosition, table: &mut PointTable) -> Result<Kind, String> {
         let count = self.number("AXLE", "LINK_COUNT")?;
         let mut links = Vec::new();
         for number in 0..MOST_LINKS {
             let ends = ["CAR", "AXLE"].map(|end| self.entry("AXLE", &format!("J{number}_{end}")));
-            let [Some(car), Some(axle)] = ends else {
-                break;
+            let (car, axle) = match ends {
+                [Some(car), Some(axle)] => (car, axle),
+                [None, None] => continue,
+                [Some(entry), None] | [None, Some(entry)] => {
+                    return Err(format!(
+                        "line {}: [AXLE] has {}, but not the other end of this link",
+                        entry.line, entry.key
+                    ));
+                }
             };
             let end = |entry: &Entry| {
                 triple(entry).map(|place| End {
@@ -262,7 +277,7 @@ impl File<'_> {
         }
     }
 
-    /// Longitudinal position of an axle in the car.
+    /// Position of an axle along x, in metres: 0 for the front axle, -WHEELBASE for the rear axle. 0 if the file has no wheelbase.
     fn ahead(&self, axle: AxlePosition) -> Result<f64, String> {
         Ok(match axle {
             AxlePosition::Front => 0.0,
@@ -270,7 +285,7 @@ impl File<'_> {
         })
     }
 
-    /// Masses and dimensions of the car.
+    /// Masses, centre of gravity and position of the rear axle, as far as this file and `car.ini` have them.
     fn car(&self, path: &Path, notes: &mut Vec<String>) -> Result<CarFigures, String> {
         let below = ["FRONT", "REAR"].map(|name| self.number(name, "BASEY"));
         let [front, rear] = below;
@@ -293,9 +308,8 @@ impl File<'_> {
         };
         let mut axles = [AxleFigures::default(); 2];
         for (own, name) in axles.iter_mut().zip(["FRONT", "REAR"]) {
-            let is_live = self
-                .entry(name, "TYPE")
-                .is_some_and(|entry| entry.value == "AXLE");
+            // HUB_MASS of a live axle is not the mass of a wheel.
+            let is_live = self.kind_of(name) == "AXLE";
             let hub = self.number(name, "HUB_MASS")?.filter(|_| !is_live);
             own.unsprung_mass = hub.map(|hub| 2.0 * hub);
         }
@@ -311,8 +325,8 @@ impl File<'_> {
         let Some(rate) = self.number(name, "SPRING_RATE")? else {
             return Ok(());
         };
-        let ends = match self.entry(name, "TYPE").map(|entry| entry.value) {
-            Some("STRUT") => "the spring's force in the design position is not in the file",
+        let ends = match self.kind_of(name).as_str() {
+            "STRUT" => "the spring's force in the design position is not in the file",
             _ => "the spring's ends are not in the file: add spring_upper and spring_lower",
         };
         table.left_out.push(format!(
@@ -321,10 +335,9 @@ impl File<'_> {
         Ok(())
     }
 
-    /// Topology of an axle, from its type.
+    /// Topology of an axle, from its `TYPE`. Adds the links of a live axle to the table.
     fn kind(&self, name: &str, axle: AxlePosition, table: &mut PointTable) -> Result<Kind, String> {
-        let kind = self.entry(name, "TYPE").map_or("", |entry| entry.value);
-        Ok(match kind.to_ascii_uppercase().as_str() {
+        Ok(match self.kind_of(name).as_str() {
             "DWB" => Kind::Topology("double_wishbone"),
             "STRUT" => Kind::Topology("macpherson"),
             "AXLE" => self.live_axle(axle, table)?,
@@ -338,17 +351,17 @@ impl File<'_> {
         })
     }
 
+    /// Adds the points and values of an axle: section `name`.
     fn axle(&self, name: &str, axle: AxlePosition, table: &mut PointTable) -> Result<(), String> {
         let kind = self.kind(name, axle, table)?;
-        let is_ours = !matches!(kind, Kind::Other(_));
-        let is_live = matches!(
-            kind,
-            Kind::Topology("solid_axle") | Kind::Unclear("solid_axle", _)
-        );
+        let topology = match &kind {
+            Kind::Topology(topology) | Kind::Unclear(topology, _) => Topology::named(topology),
+            Kind::Other(_) => None,
+        };
         table.kinds.push((Some(axle), kind));
-        if !is_ours {
+        let Some(topology) = topology else {
             return Ok(());
-        }
+        };
         let version = self.number("HEADER", "VERSION")?.unwrap_or(1.0);
         let offset = self.number(name, "RIM_OFFSET")?.unwrap_or(0.0);
         let offset = if version >= 2.0 { offset } else { 0.0 };
@@ -371,19 +384,31 @@ impl File<'_> {
             body: None,
             place: format!("line {line}"),
         };
-        // The file of a live axle may also contain points of another suspension type. The game ignores these points.
-        let points = if is_live { &[] } else { POINTS };
-        for (key, hardpoint) in points {
+        // A section may also contain points of another suspension type. The game ignores these points.
+        let mut ignored = Vec::new();
+        for (key, hardpoint) in POINTS {
             let Some(entry) = self.entry(name, key) else {
                 continue;
             };
+            if topology.hardpoints.iter().all(|own| own.name != *hardpoint) {
+                ignored.push(*key);
+                continue;
+            }
             let [lateral, up, forward] = triple(entry)?;
             let position = [ahead + forward, half_track - lateral + offset, up];
             table
                 .points
                 .push(point(key, hardpoint, position, entry.line));
         }
-        let line = self.entry(name, "TRACK").map_or(0, |entry| entry.line);
+        if !ignored.is_empty() {
+            table.left_out.push(format!(
+                "[{name}] {}: points of another TYPE",
+                ignored.join(", ")
+            ));
+        }
+        // Without TRACK, the line is that of TYPE, which every axle of a known kind has.
+        let line = self.entry(name, "TRACK").or(self.entry(name, "TYPE"));
+        let line = line.map_or(0, |entry| entry.line);
         let centre = [ahead, half_track, 0.0];
         table
             .points
@@ -417,7 +442,7 @@ impl File<'_> {
     }
 }
 
-/// Mass in `car.ini` in the same folder, if that file exists.
+/// Mass of the car in `car.ini` in the same folder, in kg. `None` if that file does not exist, or has no mass above 0.
 fn total_mass(path: &Path, notes: &mut Vec<String>) -> Result<Option<f64>, String> {
     let beside = path.with_file_name("car.ini");
     if !beside.is_file() {
@@ -448,6 +473,7 @@ fn triple(entry: &Entry<'_>) -> Result<[f64; 3], String> {
     })
 }
 
+/// Parses a number with a decimal point. `line` is its line, for the message.
 fn number(text: &str, line: usize) -> Result<f64, String> {
     let number = text.parse::<f64>().ok();
     let number = number.filter(|n| n.abs() <= LARGEST);

@@ -11,12 +11,13 @@ use std::fmt::Write;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Bushing {
     hardpoint: &'static str,
+    /// Laws in the study's unit of length.
     laws: Laws,
     /// Name of the bushing and its location in the file.
     from: String,
 }
 
-/// Pivots of arms. The axis of a bushing there is the axis of the arm.
+/// Pivots of arms. The x axis of a bushing there is the axis of the arm.
 const PIVOTS: [&str; 6] = [
     "lower_arm_front",
     "lower_arm_rear",
@@ -29,7 +30,9 @@ const PIVOTS: [&str; 6] = [
 /// Imports the bushings that the study can use, and lists the other bushings of the file with the reasons.
 pub(super) fn take(table: &PointTable, options: &ImportOptions<'_>, imported: &mut Imported) {
     let of_wheel = |bushing: &&AdamsBushing| !bushing.is_right || imported.side == Side::Right;
-    let bushings: Vec<&AdamsBushing> = table.bushings.iter().filter(of_wheel).collect();
+    let mut bushings: Vec<&AdamsBushing> = table.bushings.iter().filter(of_wheel).collect();
+    // A bushing of the right wheel alone has priority over the mirror image of a left bushing.
+    bushings.sort_by_key(|bushing| !bushing.is_right);
     if bushings.is_empty() {
         return;
     }
@@ -65,6 +68,7 @@ pub(super) fn take(table: &PointTable, options: &ImportOptions<'_>, imported: &m
     }
 }
 
+/// Finds the hardpoint of a bushing. Returns its laws in the study's unit, or the reason why the study cannot use the bushing.
 fn at_hardpoint(
     bushing: &AdamsBushing,
     imported: &Imported,
@@ -94,11 +98,11 @@ fn at_hardpoint(
     {
         return Err(format!("{} already has a bushing", role.hardpoint));
     }
-    let laws = bushing.laws.clone()?;
-    Ok((role.hardpoint, laws))
+    let laws = bushing.laws.as_ref().map_err(String::clone)?;
+    Ok((role.hardpoint, laws.in_unit(imported.unit)))
 }
 
-/// Sections for the study. Empty if there are no bushings.
+/// Sections `[compliance]` and `[bushings]` of the study. `unit` is the study's unit of length. Empty if there are no bushings.
 pub(super) fn sections(bushings: &[Bushing], unit: LengthUnit) -> String {
     if bushings.is_empty() {
         return String::new();

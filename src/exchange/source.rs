@@ -189,7 +189,7 @@ fn of_subsystem(path: &Path, text: &str) -> Result<PointTable, String> {
             name: point.name,
             marks: Marks { side, axle: None },
             mirrored: point.symmetry == Symmetry::Both,
-            position: Ok(point.position),
+            position: Ok(point.content),
             has_number: true,
             body: None,
             place: format!("line {}", point.line),

@@ -53,11 +53,15 @@ impl Laws {
         let length = |length: f64| unit.convert(length, self.unit);
         let along = |law: &Law| match law {
             Law::Rate(rate) => Law::Rate(rate / length(1.0)),
-            Law::Curve(points) => Law::Curve(points.iter().map(|[x, f]| [length(*x), *f]).collect()),
+            Law::Curve(points) => {
+                Law::Curve(points.iter().map(|[x, f]| [length(*x), *f]).collect())
+            }
         };
         let about = |law: &Law| match law {
             Law::Rate(rate) => Law::Rate(length(*rate)),
-            Law::Curve(points) => Law::Curve(points.iter().map(|[x, f]| [*x, length(*f)]).collect()),
+            Law::Curve(points) => {
+                Law::Curve(points.iter().map(|[x, f]| [*x, length(*f)]).collect())
+            }
         };
         Laws {
             unit,
@@ -323,14 +327,20 @@ mod tests {
         };
         assert_eq!(laws.in_unit(LengthUnit::Millimetre), laws);
         let metres = laws.in_unit(LengthUnit::Metre);
-        assert_eq!(metres.along, [
-            Law::Rate(7000.0),
-            Law::Curve(vec![[-0.002, -8.0], [0.002, 8.0]])
-        ]);
-        assert_eq!(metres.about, [
-            Law::Rate(0.007),
-            Law::Curve(vec![[-2.0, -0.008], [2.0, 0.008]])
-        ]);
+        assert_eq!(
+            metres.along,
+            [
+                Law::Rate(7000.0),
+                Law::Curve(vec![[-0.002, -8.0], [0.002, 8.0]])
+            ]
+        );
+        assert_eq!(
+            metres.about,
+            [
+                Law::Rate(0.007),
+                Law::Curve(vec![[-2.0, -0.008], [2.0, 0.008]])
+            ]
+        );
     }
 
     #[test]

@@ -308,7 +308,7 @@ impl File<'_> {
         };
         let mut axles = [AxleFigures::default(); 2];
         for (own, name) in axles.iter_mut().zip(["FRONT", "REAR"]) {
-            // HUB_MASS of a live axle is not the mass of a wheel.
+            // HUB_MASS of a live axle is not used.
             let is_live = self.kind_of(name) == "AXLE";
             let hub = self.number(name, "HUB_MASS")?.filter(|_| !is_live);
             own.unsprung_mass = hub.map(|hub| 2.0 * hub);

@@ -1,5 +1,6 @@
 //! Imports a car from a file with two axles: two studies of axles, and a study of the car that names them.
 
+use super::axes::Axes;
 use super::compose::one_line;
 use super::import::{ImportOptions, Imported, for_axle};
 use super::refusal::Refusal;
@@ -21,7 +22,10 @@ pub struct ImportedCar {
     pub missing: Vec<String>,
 }
 
-/// Imports both axles from a file's points, each with its own options.
+/// Imports both axles from a file's points. `options` are those of the front and the rear axle; `origin` names the file in comments.
+///
+/// # Errors
+/// An axle cannot be imported or forms no valid suspension, or the axles have different units or axes.
 pub fn import_car(
     table: &PointTable,
     options: [&ImportOptions<'_>; 2],
@@ -77,7 +81,7 @@ pub fn import_car(
     })
 }
 
-/// Keys that are missing in the study of an axle, but that a car needs.
+/// Keys that a car needs, but that are missing in the study of this axle.
 fn needs_of(axle: &Imported) -> Vec<&'static str> {
     let mut needs = Vec::new();
     if axle.wheel_radius.is_none() {
@@ -99,7 +103,14 @@ fn needs_of(axle: &Imported) -> Vec<&'static str> {
     needs
 }
 
-/// Text of the study of the car.
+/// Forward coordinate of an axle's wheel centre, in the study's unit.
+fn ahead(axle: &Imported) -> f64 {
+    let mut hardpoints = axle.hardpoints.iter();
+    let centre = hardpoints.find(|h| h.name == "wheel_centre");
+    centre.map_or(0.0, |h| Axes::of(axle.frame).to_iso(h.position)[0])
+}
+
+/// Text of the study of the car. Adds the keys that are not known to `missing`, by file.
 fn car(
     table: &PointTable,
     front: &Imported,
@@ -129,12 +140,12 @@ fn car(
                  in the front study"
             );
         }
-        // All points of this file share one origin, so `rear_offset` is zero.
-        (None, false) => {
+        // If all points of this file share one origin, `rear_offset` is zero.
+        (None, false) if ahead(front) > ahead(rear) => {
             text +=
                 "rear_offset = [0.0, 0.0, 0.0]      # both studies have the origin of the file\n"
         }
-        (None, true) => {
+        _ => {
             missing.push(format!("{}: wheelbase or rear_offset", CAR_FILES[0]));
             let _ = writeln!(
                 text,

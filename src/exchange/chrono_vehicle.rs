@@ -8,21 +8,24 @@
 //! | value | source |
 //! |---|---|
 //! | sprung mass with its centre | the chassis: `Components`, or `Mass` and `COM` |
-//! | unsprung mass of an axle | twice the sum of `Spindle`, `Upright` or `Knuckle`, and wheel; the `Axle Tube` of a solid axle as well |
+//! | unsprung mass of an axle | twice the sum of `Spindle`, `Upright` or `Knuckle`, and wheel without tyre; also the `Axle Tube` of a solid axle |
 //! | spring rate | `Spring Coefficient` |
-//! | spring force | rate (`Free Length` - length in the file) + `Preload` |
+//! | spring force | rate * (`Free Length` - length in the file) + `Preload` |
 
+use super::axes::{Axes, Declared};
 use super::chrono::{entry, location, points_of, text};
 use super::map::{Node, of_json, position};
 use super::source::{bytes_of, decoded};
 use super::table::{AxleFigures, CarFigures, Kind, Mass, PointTable, SpringFigures};
-use crate::model::AxlePosition;
+use super::unit::FileUnit;
+use crate::model::{AxlePosition, FrameConvention, LengthUnit};
 use std::path::{Component, Path, PathBuf};
 
 /// An axle of the vehicle.
 struct Axle {
     table: PointTable,
     figures: AxleFigures,
+    /// `Suspension Location` in the vehicle, m.
     place: [f64; 3],
 }
 
@@ -62,6 +65,8 @@ pub(super) fn read(path: &Path, root: &Node) -> Result<Option<PointTable>, Strin
         car.mass = None;
     }
     let mut table = PointTable {
+        unit: Some(FileUnit::of(LengthUnit::Metre)),
+        declared: Declared::whole(Axes::of(FrameConvention::Iso8855)),
         car: Some(car),
         ..PointTable::default()
     };
@@ -75,7 +80,8 @@ pub(super) fn read(path: &Path, root: &Node) -> Result<Option<PointTable>, Strin
             .to_owned(),
     );
     table.notes.push(
-        "masses: the sprung mass is the chassis; arms, links and steering are omitted".to_owned(),
+        "masses: the sprung mass is the chassis; arms, links, steering and tyres are omitted"
+            .to_owned(),
     );
     Ok(Some(table))
 }
@@ -87,8 +93,6 @@ fn add(table: &mut PointTable, own: Axle, end: AxlePosition) {
         place,
         ..
     } = own;
-    table.unit = axle.unit;
-    table.declared = axle.declared;
     for point in &mut axle.points {
         point.marks.axle = Some(end);
         if let Ok(position) = &mut point.position {
@@ -111,6 +115,7 @@ fn add(table: &mut PointTable, own: Axle, end: AxlePosition) {
         .extend(left_out.map(|line| format!("{name} axle: {line}")));
 }
 
+/// Reads an axle and the files that it names. `number` counts the axles of the file from 1, for messages.
 fn axle(path: &Path, node: &Node, number: usize) -> Result<Axle, String> {
     let of = |reason: String| format!("axle {number}: {reason}");
     let Some(file) = text(node, "Suspension Input File") else {
@@ -149,7 +154,10 @@ fn axle(path: &Path, node: &Node, number: usize) -> Result<Axle, String> {
     })
 }
 
-/// Reads a file that the vehicle names.
+/// Reads a file that the vehicle names, from the nearest folder above the vehicle that contains it.
+///
+/// # Errors
+/// The path leads out of these folders, or the file does not exist or is not JSON.
 fn part(path: &Path, file: &str) -> Result<Node, String> {
     let relative = Path::new(file);
     let is_plain = |part: Component<'_>| matches!(part, Component::Normal(_));
@@ -173,6 +181,7 @@ fn part(path: &Path, file: &str) -> Result<Node, String> {
     of_json(&decoded(&bytes).map_err(shown)?).map_err(shown)
 }
 
+/// Number under these keys, from the outermost key to the innermost.
 fn number_of(root: &Node, keys: &[&str]) -> Option<f64> {
     let mut node = root;
     for key in keys {
@@ -184,7 +193,8 @@ fn number_of(root: &Node, keys: &[&str]) -> Option<f64> {
     }
 }
 
-/// Rate and force of a linear spring. `None` for a spring with a curve or without a free length, whose force is not known.
+/// Rate in N/m and force in N of a linear spring. `None` for a spring with a curve or without a free length, because its force is
+/// not known.
 pub(super) fn spring(root: &Node) -> Option<SpringFigures> {
     let rate = number_of(root, &["Spring", "Spring Coefficient"])?;
     let free = number_of(root, &["Spring", "Free Length"])?;
@@ -202,7 +212,8 @@ pub(super) fn spring(root: &Node) -> Option<SpringFigures> {
     })
 }
 
-/// Mass of the wheel carriers and wheels of an axle.
+/// Mass of the wheel carriers and wheels of an axle, in kg. `wheel` is the mass of one wheel. `None` if it or the spindle's mass is
+/// missing.
 fn unsprung_mass(root: &Node, wheel: Option<f64>) -> Option<f64> {
     let spindle = number_of(root, &["Spindle", "Mass"])?;
     let carrier = ["Upright", "Knuckle"].into_iter();
@@ -213,7 +224,7 @@ fn unsprung_mass(root: &Node, wheel: Option<f64>) -> Option<f64> {
     Some(2.0 * (spindle + carrier + wheel?) + tube)
 }
 
-/// Mass of the chassis. Components that are holes are subtracted.
+/// Mass of the chassis. Components that are holes (`Void`) are subtracted. `None` if a mass or its location is missing.
 fn chassis(path: &Path, root: &Node) -> Result<Option<Mass>, String> {
     let Some(inline) = entry(root, "Chassis") else {
         return Ok(None);

@@ -10,6 +10,9 @@ use crate::model::Topology;
 ///
 /// A rocker carries the lower end of the spring. If the rocker is incomplete, the spring is left out, too: on the lower arm it
 /// would have a different motion ratio. A spring that the file attaches to another body is kept.
+///
+/// # Errors
+/// A point that `--map` names would be left out.
 pub(super) fn drop_incomplete(
     options: &ImportOptions<'_>,
     hardpoints: &mut Vec<Hardpoint>,
@@ -55,14 +58,17 @@ pub(super) fn drop_incomplete(
     let lost = before.iter().find(|was| {
         options.names.contains_key(was.name) && !hardpoints.iter().any(|h| h.name == was.name)
     });
-    match lost {
-        Some(lost) => Err(format!(
-            "--map names {}, which cannot be used: {}",
-            lost.name,
-            left_out.last().map_or("", String::as_str)
-        )),
-        None => Ok(()),
-    }
+    let Some(lost) = lost else {
+        return Ok(());
+    };
+    let mut reasons = left_out.iter();
+    let reason = reasons.find(|reason| reason.contains(lost.name));
+    let reason = reason.or(left_out.last());
+    Err(format!(
+        "--map names {}, which cannot be used: {}",
+        lost.name,
+        reason.map_or("", String::as_str)
+    ))
 }
 
 /// Leaves out a spring and an anti-roll bar that act on an incomplete rocker.
@@ -106,7 +112,8 @@ fn drop_from_rocker(
     }
 }
 
-/// Names of points that the import does not use, each name once.
+/// Names of points that the import does not use, each name once. `meanings` has the hardpoint of each point of the table. A contact
+/// point counts as used, because it gives the radius. Rows without numbers and without a meaning are not points.
 pub(super) fn unused(
     table: &PointTable,
     meanings: &[Option<&'static str>],
@@ -125,7 +132,8 @@ pub(super) fn unused(
     names
 }
 
-/// Finds a better topology: one for which no hardpoint is missing and which uses more of the points.
+/// Finds a topology for which no hardpoint is missing, and which requires at least one of the unused points. Topologies with both
+/// wheels in one mechanism are not tried.
 pub(super) fn rather(
     topology: &Topology,
     unused: &[String],
@@ -152,7 +160,8 @@ pub(super) fn rather(
     found.copied()
 }
 
-/// Refuses a file with missing hardpoints. Hardpoints in `made` are not missing, because the import computes them later.
+/// Refuses a file with missing hardpoints. The message lists them, the points found and the unused points. Hardpoints in `made` are
+/// not missing, because the import computes them later.
 pub(super) fn missing(
     topology: &Topology,
     hardpoints: &[Hardpoint],

@@ -6,7 +6,8 @@ use crate::model::{FrameConvention, LengthUnit, Side};
 use crate::report::{ColumnConversion, split_unit};
 use crate::study::CarStudy;
 
-/// Converts curves from the unit and axes of the study to those of the file, and renames the columns accordingly.
+/// Converts curves from the unit and axes of the study to the unit and axes of the file, and renames the columns accordingly. Adds a
+/// column with the frame, and for the study of one wheel a column with its side.
 pub fn curves_in(outgoing: &Outgoing<'_>, mut page: Page) -> Page {
     let suspension = outgoing.study.wheel();
     let (own, side) = suspension.frame.meaning();
@@ -34,7 +35,7 @@ pub fn curves_in(outgoing: &Outgoing<'_>, mut page: Page) -> Page {
     page
 }
 
-/// Converts the results of a car's load cases to the unit and axes of the file.
+/// Converts the results of a car's load cases to the unit and axes of the file. Without a unit or a frame, each axle keeps its own.
 pub fn cases_in(
     study: &CarStudy,
     unit: Option<LengthUnit>,
@@ -68,7 +69,7 @@ fn with_forces_of(own: LengthUnit, asked: LengthUnit) -> LengthUnit {
     }
 }
 
-/// Converts and renames all columns of a page.
+/// Converts and renames all columns of a page. `conversion` gives the conversion of a column by its name.
 fn convert(page: &mut Page, conversion: impl Fn(&str) -> ColumnConversion) {
     let Some((header, rows)) = page.rows.split_first_mut() else {
         return;
@@ -94,26 +95,26 @@ pub enum Tool {
     Altair,
 }
 
-/// A characteristic in another tool: our name, its name, and -1 if its sign is opposite.
-type Named = (&'static str, &'static str, f64);
+/// A characteristic in another tool with the same definition and sign: our name and its name.
+type Named = (&'static str, &'static str);
 
 /// Characteristics of Adams whose published definitions equal ours. `docs/exchange.md` names the source of each
 /// definition.
 const ADAMS: &[Named] = &[
-    ("camber", "camber_angle", 1.0),
-    ("toe", "toe_angle", 1.0),
-    ("caster", "caster_angle", 1.0),
-    ("kingpin_inclination", "kingpin_incl_angle", 1.0),
-    ("scrub_radius", "scrub_radius", 1.0),
-    ("caster_trail", "caster_moment_arm", 1.0),
+    ("camber", "camber_angle"),
+    ("toe", "toe_angle"),
+    ("caster", "caster_angle"),
+    ("kingpin_inclination", "kingpin_incl_angle"),
+    ("scrub_radius", "scrub_radius"),
+    ("caster_trail", "caster_moment_arm"),
 ];
 
 /// Characteristics of Altair whose published definitions equal ours. Altair's camber, scrub radius and caster trail are
 /// missing, because they are projections along the axes of the car instead of the wheel.
 const ALTAIR: &[Named] = &[
-    ("toe", "Toe-in Angle", 1.0),
-    ("caster", "Caster Angle", 1.0),
-    ("kingpin_inclination", "Kingpin Inclination Angle", 1.0),
+    ("toe", "Toe-in Angle"),
+    ("caster", "Caster Angle"),
+    ("kingpin_inclination", "Kingpin Inclination Angle"),
 ];
 
 impl Tool {
@@ -124,7 +125,7 @@ impl Tool {
         }
     }
 
-    /// Name of a column in this tool, with wheel and unit.
+    /// Name of a column: the tool's `name` of the quantity, with wheel and unit.
     fn column(self, name: &str, side: Side, unit: &str) -> String {
         match (self, side) {
             (Tool::Adams, _) => format!("{name}.{} [{unit}]", side.name()),
@@ -134,12 +135,12 @@ impl Tool {
     }
 }
 
-/// Curves with another tool's names and signs: unchanged columns of the motion, then the columns with equal definitions. Also
+/// Curves with another tool's names, in the order of the page: columns of the motion and columns with equal definitions. Also
 /// returns the names of all other columns.
 pub fn under_names_of(tool: Tool, outgoing: &Outgoing<'_>, page: &Page) -> (Page, Vec<String>) {
     let header = page.rows.first().cloned().unwrap_or_default();
     let (_, own) = outgoing.study.wheel().frame.meaning();
-    let mut columns: Vec<(usize, String, f64)> = Vec::new();
+    let mut columns: Vec<(usize, String)> = Vec::new();
     let mut left_out = Vec::new();
     for (number, name) in header.iter().enumerate() {
         let Value::Text(name) = name else { continue };
@@ -154,23 +155,18 @@ pub fn under_names_of(tool: Tool, outgoing: &Outgoing<'_>, page: &Page) -> (Page
             None => (own, stem),
         };
         let mut known = tool.names().iter();
-        match known.find(|(ours, ..)| *ours == stem) {
-            Some((_, theirs, sign)) => {
-                columns.push((
-                    number,
-                    tool.column(theirs, side, &unit.replace('_', " ")),
-                    *sign,
-                ));
+        match known.find(|(ours, _)| *ours == stem) {
+            Some((_, theirs)) => {
+                columns.push((number, tool.column(theirs, side, &unit.replace('_', " "))));
             }
-            None if is_motion(stem) => columns.push((number, name.clone(), 1.0)),
+            None if is_motion(stem) => columns.push((number, name.clone())),
             None => left_out.push(name.clone()),
         }
     }
-    let cell = |row: &[Value], (number, _, sign): &(usize, String, f64)| match row.get(*number) {
-        Some(Value::Number(value)) => Value::Number(sign * value),
-        other => other.cloned().unwrap_or(Value::Empty),
+    let cell = |row: &[Value], (number, _): &(usize, String)| {
+        row.get(*number).cloned().unwrap_or(Value::Empty)
     };
-    let names = columns.iter().map(|(_, name, _)| Value::Text(name.clone()));
+    let names = columns.iter().map(|(_, name)| Value::Text(name.clone()));
     let mut rows = vec![names.collect()];
     let body = page.rows.iter().skip(1);
     rows.extend(body.map(|row| columns.iter().map(|column| cell(row, column)).collect()));

@@ -3,13 +3,21 @@
 use super::cell::{Cell, Places, Sheet};
 use super::decimals::plain_number;
 use std::borrow::Cow;
+use std::io::Read;
 
-/// Reads a table. The separator is the comma, semicolon or tab that splits the largest number of lines. Without one, spaces
-/// separate the numbers at the end of a line from the name before them. A comment without numbers, such as `# all dimensions in
-/// mm`, is read as a title.
+/// Line after the text of a file. It is missing in the table if a quotation mark of the file is not closed. No text contains this
+/// character.
+const END: &[u8] = b"\n\0\n";
+
+/// Reads a table. The separator is the semicolon or the tab if one of them splits half of the lines, else the comma. If most
+/// lines end with three numbers between spaces, spaces separate the numbers from the name before them. A comment without
+/// numbers, such as `# all dimensions in mm`, is read as a title.
+///
+/// # Errors
+/// The file is empty or has too many cells, a quotation mark is not closed, or the end of a name is not clear.
 pub(super) fn read(text: &str) -> Result<Sheet, String> {
     let text = text.trim_start_matches('\u{feff}');
-    let text = &*in_tabs(text);
+    let text = &*in_tabs(text)?;
     let separator = separator(text);
     let text = &*with_titles(text, separator);
     let mut sheet = Sheet::new("", Places::Lines);
@@ -19,15 +27,20 @@ pub(super) fn read(text: &str) -> Result<Sheet, String> {
         .delimiter(separator)
         .trim(csv::Trim::All)
         .comment(Some(b'#'))
-        .from_reader(text.as_bytes());
+        .from_reader(text.as_bytes().chain(END));
     let mut lines = Lines {
         text,
         at: 0,
         line: 0,
     };
     let mut next = 0;
+    let mut is_closed = false;
     for record in reader.into_records() {
         let record = record.map_err(|error| error.to_string())?;
+        if record.iter().eq(["\0"]) {
+            is_closed = true;
+            break;
+        }
         let start = record.position().map_or(0, |p| p.byte() as usize);
         // Rows may end with any kind of line break.
         let row = lines.of(start).max(next);
@@ -39,11 +52,15 @@ pub(super) fn read(text: &str) -> Result<Sheet, String> {
             }
         }
     }
-    if sheet.cells.is_empty() {
-        Err("the file is empty".to_owned())
-    } else {
-        Ok(sheet)
+    if !is_closed {
+        return Err(format!(
+            "line {next}: a quotation mark before a cell has no counterpart after it, so the rest of the file cannot be read"
+        ));
     }
+    if sheet.cells.is_empty() {
+        return Err("the file is empty".to_owned());
+    }
+    Ok(sheet)
 }
 
 /// Converts byte positions in a text to line numbers. The positions must increase from call to call.
@@ -54,7 +71,7 @@ struct Lines<'a> {
 }
 
 impl Lines<'_> {
-    /// Line number, from 0, of the first row at or after a byte position. It skips blank lines and comments.
+    /// Line number, from 0, of the first row at or after a byte position. Skips blank lines and comments.
     fn of(&mut self, start: usize) -> u32 {
         let bytes = self.text.as_bytes();
         let mut start = start.clamp(self.at, bytes.len());
@@ -75,15 +92,29 @@ impl Lines<'_> {
     }
 }
 
-/// If spaces separate the cells of most lines, replaces the spaces between a name and the numbers after it by tabs. The name may
-/// have several words.
-fn in_tabs(text: &str) -> Cow<'_, str> {
-    let lines = || lines_of(text);
-    let half = lines().count().div_ceil(2).max(1);
-    if text.contains(['\t', ';', '"'])
-        || lines().filter(|line| in_words(line).is_some()).count() < half
+/// If spaces separate the cells of at least half of the lines, replaces the spaces between a name and the numbers after it by tabs.
+/// The name may have several words.
+///
+/// # Errors
+/// Most lines have three numbers, and another line has more. Its first number may be the end of its name.
+fn in_tabs(text: &str) -> Result<Cow<'_, str>, String> {
+    let half = lines_of(text).count().div_ceil(2).max(1);
+    let rows: Vec<Vec<String>> = lines_of(text).filter_map(in_words).collect();
+    if text.contains(['\t', ';', '"']) || rows.len() < half {
+        return Ok(Cow::Borrowed(text));
+    }
+    let usual = rows.iter().filter(|cells| cells.len() == 4).count();
+    let is_open =
+        |cells: &&Vec<String>| cells.len() > 4 && cells[1].bytes().all(|b| b.is_ascii_digit());
+    if 2 * usual > rows.len()
+        && let Some(cells) = rows.iter().find(is_open)
     {
-        return Cow::Borrowed(text);
+        return Err(format!(
+            "the row {:?} has {} numbers, but most rows have 3. If the name ends with a number, write it without a blank, as in \
+             LCA_1",
+            cells.join(" "),
+            cells.len() - 1
+        ));
     }
     let mut tabs = String::with_capacity(text.len());
     for line in text.split_inclusive(['\n', '\r']) {
@@ -94,7 +125,7 @@ fn in_tabs(text: &str) -> Cow<'_, str> {
         }
         tabs += &line[content.len()..];
     }
-    Cow::Owned(tabs)
+    Ok(Cow::Owned(tabs))
 }
 
 /// Replaces the `#` before a title by spaces, so that every byte keeps its position. A comment with a number in a cell of its
@@ -125,7 +156,7 @@ fn with_titles(text: &str, separator: u8) -> Cow<'_, str> {
     Cow::Owned(titles)
 }
 
-/// Lines with cells.
+/// Lines with cells: no blank lines and no comments.
 fn lines_of(text: &str) -> impl Iterator<Item = &str> {
     let lines = text.lines();
     lines.filter(|line| !line.trim().is_empty() && !line.starts_with('#'))
@@ -135,7 +166,7 @@ fn lines_of(text: &str) -> impl Iterator<Item = &str> {
 const MOST_WORDS: usize = 4;
 
 /// Cells of a line with a name followed by at least three numbers, separated by spaces. Also the cells of a header that ends with
-/// x, y and z; each letter may be followed by words such as its unit. `None` for any other line.
+/// x, y and z. Words such as its unit may follow each letter. `None` for any other line.
 fn in_words(line: &str) -> Option<Vec<String>> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let is_number = |word: &&&str| !word.ends_with(',') && is_number(word);
@@ -173,7 +204,7 @@ fn in_words(line: &str) -> Option<Vec<String>> {
     is_short.then(|| cells.collect())
 }
 
-/// Returns true for a number with a decimal point or a decimal comma.
+/// True for a number with a decimal point or a decimal comma.
 fn is_number(word: &str) -> bool {
     word.replace(',', ".").parse::<f64>().is_ok()
 }
@@ -193,8 +224,8 @@ fn named_number(line: &str) -> Option<Vec<String>> {
     Some(cells)
 }
 
-/// Finds the separator. A table with decimal commas does not use commas as separators. So semicolon and tab have priority if they
-/// split any line.
+/// Finds the separator. A table with decimal commas does not use commas as separators. So the semicolon or the tab has priority if
+/// it splits at least half of the lines into three cells or more.
 fn separator(text: &str) -> u8 {
     let lines = || lines_of(text).take(1000);
     let parted = |separator: char| lines().filter(move |line| line.matches(separator).count() >= 2);
@@ -282,6 +313,40 @@ mod tests {
             texts("wheel centre, 0, 1, 2\n")[0],
             ["wheel centre", "0", "1", "2"]
         );
+    }
+
+    /// A name may end with a number. If the other rows have three numbers, such a row is refused.
+    #[test]
+    fn names_that_end_with_numbers_are_refused() {
+        let refused = |row: &str| read(&format!("a 1 2 3\nb 4 5 6\n{row}\nc 7 8 9\n")).err();
+        let found = refused("spring top 1 50.5 300 500").unwrap();
+        assert!(
+            found.contains("\"spring top 1 50.5 300 500\" has 4 numbers"),
+            "{found}"
+        );
+        for row in ["spring_top_1 50.5 300 500", "d 1.5 2 3 0.1"] {
+            assert_eq!(refused(row), None, "{row}");
+        }
+    }
+
+    /// Rows behind a quotation mark that is not closed would be lost.
+    #[test]
+    fn quotation_marks_without_a_counterpart_are_refused() {
+        for row in ["\"b,4,5,6", "\"b,4,5,6\nc,7,8,9\n", "b,4,5,\"6"] {
+            let refused = read(&format!("name,x,y,z\na,1,2,3\n{row}")).unwrap_err();
+            assert!(refused.starts_with("line 3: a quotation mark"), "{refused}");
+        }
+        for row in [
+            "\"b\",4,5,6",
+            "b,4\",5\",6\"",
+            "\"b\n2\",4,5,6\n# 2\" rim",
+            "",
+        ] {
+            assert!(
+                read(&format!("name,x,y,z\na,1,2,3\n{row}")).is_ok(),
+                "{row}"
+            );
+        }
     }
 
     #[test]

@@ -1,8 +1,9 @@
-//! Remarks about an angle, in its name or beside it: the positive direction ("top in positive"), and the number of wheels ("total").
+//! Remarks about an angle, in its name or beside it: the positive direction ("top in positive"), and the number of wheels
+//! ("total").
 
 use super::names::cut;
 
-/// Direction in which the top of the wheel leans (camber) or its front points (toe).
+/// Direction in which the top of the wheel leans (camber) or the front of the wheel points (toe).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Direction {
     Inward,
@@ -34,7 +35,7 @@ pub(super) enum Sign {
 }
 
 impl Sign {
-    /// Direction of a positive angle.
+    /// Direction that the text states for a positive angle. `None` if it states no direction or is unclear.
     pub(super) fn direction(self) -> Option<Direction> {
         match self {
             Sign::Positive(direction) | Sign::Alone(direction) => Some(direction),
@@ -65,9 +66,10 @@ const BEFORE_IN: &[&str] = &[
 /// Words that mark an angle as the sum of both wheels (`SUM`), or as the angle of each wheel (`EACH`).
 const SUM: &[&str] = &["total", "overall", "sum", "together", "combined"];
 const EACH: &[&str] = &["each", "per", "same", "equal"];
-/// Further words in remarks about the sign of an angle or about the number of wheels.
+/// Further words in remarks about the sign of an angle or about the number of wheels. [`without_remarks`] removes them.
 const BESIDE: &[&str] = &["both", "wheels", "side", "sides", "top"];
 
+/// True for a word that means positive, false for negative, `None` for any other word.
 fn sign_of_word(word: &str) -> Option<bool> {
     if POSITIVE.contains(&word) {
         Some(true)
@@ -76,7 +78,8 @@ fn sign_of_word(word: &str) -> Option<bool> {
     }
 }
 
-/// Direction that a word of a remark names.
+/// Direction that the word at position `at` of a remark names. "in" is a direction only beside certain words, and not before a
+/// unit.
 fn direction(words: &[String], at: usize) -> Option<Direction> {
     let is_sign = |word: &String| sign_of_word(word).is_some();
     match words[at].as_str() {
@@ -93,7 +96,8 @@ fn direction(words: &[String], at: usize) -> Option<Direction> {
     }
 }
 
-/// Writes the signs + and - of a text as words. A minus before a letter is a hyphen, except in "-ve". One between spaces is a dash.
+/// Writes the signs + and - of a text as words. A minus before a letter or a digit is a hyphen, except in "-ve". A minus between
+/// spaces is a dash, unless "=" or ":" follows.
 fn with_signs_as_words(text: &str) -> String {
     let text = text.replace("+/-", " ").replace('\u{b1}', " ");
     let chars: Vec<char> = text.chars().collect();
@@ -118,7 +122,8 @@ fn with_signs_as_words(text: &str) -> String {
     words
 }
 
-/// Statement of a text about the sign of an angle.
+/// Returns the statement of a text about the sign of an angle. The bottom of a wheel leans the other way, so a text with "bottom"
+/// is unclear.
 pub(super) fn sign(text: &str) -> Sign {
     let words = cut(&with_signs_as_words(text));
     let directions: Vec<Direction> = (0..words.len())
@@ -170,7 +175,7 @@ pub(super) fn sign(text: &str) -> Sign {
     }
 }
 
-/// Wheels to which an angle with this name and remark belongs.
+/// Returns the wheels to which an angle with this name and remark belongs.
 pub(super) fn wheels(name: &str, remark: &str) -> Wheels {
     let words: Vec<String> = cut(name).into_iter().chain(cut(remark)).collect();
     let has = |known: &[&str]| words.iter().any(|word| known.contains(&word.as_str()));

@@ -14,7 +14,7 @@ pub(super) enum AngleUnit {
 }
 
 impl AngleUnit {
-    /// Unit of angles that a word names.
+    /// Unit of angles that a word names, in upper or lower case. `None` if it names none.
     pub(super) fn named(word: &str) -> Option<Self> {
         match word.to_lowercase().as_str() {
             "deg" | "degs" | "degree" | "degrees" => Some(AngleUnit::Degree),
@@ -66,7 +66,8 @@ pub(super) fn of_angle(name: &str, remark: &str) -> Option<AngleUnit> {
     )
 }
 
-/// Unit of all angles, if a line above the values states it: "angles in radians", `Units: mm, rad`.
+/// Unit of all angles, if a line without values states it: "angles in radians", `Units: mm, rad`. [`AngleUnit::Other`] if the line
+/// states two different units.
 pub(super) fn of_line(texts: &[&str]) -> Option<AngleUnit> {
     let words: Vec<String> = texts.iter().flat_map(|text| cut(text)).collect();
     let has = |wanted: &str| {
@@ -89,8 +90,8 @@ fn one_of(mut units: impl Iterator<Item = AngleUnit>) -> Option<AngleUnit> {
     Some(if is_same { first } else { AngleUnit::Other })
 }
 
-/// True if a text has the sign of minutes, seconds or percent. An apostrophe within a word and quotes around a text are
-/// not such signs.
+/// True if a text has the sign of minutes, seconds or percent. A sign directly after a letter or a digit does not count (driver's,
+/// 10"), and quotes around the text do not count.
 fn has_mark(text: &str) -> bool {
     let text = text.trim();
     let quotes = |c: char| "'\"".contains(c);
@@ -106,7 +107,7 @@ fn has_mark(text: &str) -> bool {
     (0..chars.len()).any(is_mark)
 }
 
-/// True if a text is only a unit of lengths or angles: `mm`, `[rad]`, `'`.
+/// True if a text is only a unit of lengths or angles, also in brackets: `mm`, `[rad]`, `'`.
 pub(super) fn is_unit(text: &str) -> bool {
     let word = text.trim().trim_matches(['[', ']', '(', ')']).trim();
     let is_mark = word.chars().count() == 1 && has_mark(word);

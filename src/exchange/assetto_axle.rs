@@ -6,8 +6,8 @@
 //! | link | identified as |
 //! |---|---|
 //! | pair | two links that are mirror images; of two pairs the higher one is the upper one |
-//! | Panhard rod | the link that is longest across the car, without a mirror image |
-//! | single upper link | the other link without a mirror image |
+//! | Panhard rod | a link without a mirror image whose lateral extent exceeds its other extents |
+//! | single upper link | another link without a mirror image |
 //!
 //! With two pairs and a Panhard rod, the axle binds in roll. If the two upper links are parallel in plan view, the importer
 //! replaces them by one link in the middle. This link gives the same motion in heave, and the mean motion of both links in roll.
@@ -15,7 +15,7 @@
 /// One end of a link in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct End {
-    /// Lateral, up and forward coordinates.
+    /// Lateral (positive left), up and forward coordinates, in m.
     pub place: [f64; 3],
     /// Line number in the file.
     pub line: usize,
@@ -39,7 +39,7 @@ pub(super) struct Meaning {
     pub part: &'static str,
 }
 
-/// Largest difference between mirror images, m.
+/// Largest difference between coordinates that count as equal, in m: of mirror images, and of both ends of a parallel link.
 const SAME: f64 = 1e-9;
 
 impl Link {
@@ -52,20 +52,24 @@ impl Link {
         apart.all(|(a, b)| (a - b).abs() <= SAME)
     }
 
+    /// Vector from the body to the axle: lateral, up, forward.
     fn along(&self) -> [f64; 3] {
         let [car, axle] = &self.ends;
         std::array::from_fn(|k| axle.place[k] - car.place[k])
     }
 
+    /// True if the lateral extent of the link exceeds its other extents.
     fn is_across(&self) -> bool {
         let [lateral, up, forward] = self.along().map(f64::abs);
         lateral > up && lateral > forward
     }
 
+    /// Sum of the heights of both ends, for comparisons.
     fn height(&self) -> f64 {
         self.ends[0].place[1] + self.ends[1].place[1]
     }
 
+    /// Name in messages.
     fn name(&self) -> String {
         format!("J{}", self.number)
     }

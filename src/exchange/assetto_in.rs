@@ -69,7 +69,8 @@ const LEFT_OUT: &[(&str, &str)] = &[
 /// Largest number of links of a live axle that are read: J0 to J15.
 const MOST_LINKS: usize = 16;
 
-/// True if a file is a `suspensions.ini`: its name ends with `.ini`, or it has a section `[FRONT]` or `[REAR]` and the word `TRACK`.
+/// True if a file is a `suspensions.ini`: its name ends with `.ini`, or it has a section `[FRONT]` or `[REAR]` and the word
+/// `TRACK`.
 pub(super) fn is_ini(path: &Path, text: &str) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str());
     let is_named = extension.is_some_and(|extension| extension.eq_ignore_ascii_case("ini"));

@@ -37,7 +37,7 @@ impl Way {
         ["forward", "rearward", "left", "right", "up", "down"][self as usize]
     }
 
-    /// Direction that a word names.
+    /// Direction that a word names, in upper or lower case. `None` if it names none.
     pub(super) fn of(word: &str) -> Option<Way> {
         Some(match word.to_ascii_lowercase().as_str() {
             "forward" | "forwards" | "fwd" | "front" | "frontward" | "fore" | "ahead" => {
@@ -126,7 +126,7 @@ impl Axes {
         is_even == (sign > 0.0)
     }
 
-    /// Coordinate that runs across the car, and its sign towards the left.
+    /// Number of the coordinate that runs across the car, and 1 if it grows towards the left, else -1.
     pub(super) fn across(self) -> (usize, f64) {
         let column = self.0.iter().position(|way| way.axis() == 1);
         let column = column.expect("expected three different axes");
@@ -220,7 +220,7 @@ impl Declared {
         Axes::new([x?, y?, z?])
     }
 
-    /// True if these axes agree with the statement.
+    /// True if `axes` agree with this statement.
     pub(super) fn allows(self, axes: Axes) -> bool {
         let agrees = |(stated, way): (&Coordinate, Way)| match stated {
             Coordinate::Unknown => true,
@@ -235,7 +235,8 @@ impl Declared {
         self == Declared::default()
     }
 
-    /// Reads directions of axes from a line of text, such as "SAE axes" or "x forward, y left, z up".
+    /// Reads directions of axes from a line of text, such as "SAE axes" or "x forward, y left, z up". The result is empty unless
+    /// the text states all three axes.
     pub(super) fn in_text(text: &str) -> Declared {
         let words = super::names::cut(text);
         let has = |wanted: &str| words.iter().any(|word| word == wanted);
@@ -283,8 +284,8 @@ impl Declared {
     }
 }
 
-/// Converts a reading to directions of the axes, for a wheel of this side. A reading states which coordinates point
-/// forward, outboard and up.
+/// Converts a reading to directions of the axes, for a wheel of this side. A reading states which coordinates run along, across and
+/// upright, each with its sign towards forward, outboard or up.
 pub(super) fn of_reading(reading: &crate::report::Reading, side: Side) -> Axes {
     let mut ways = [Way::Forward; 3];
     let (along, forward) = reading.forward;
@@ -296,8 +297,7 @@ pub(super) fn of_reading(reading: &crate::report::Reading, side: Side) -> Axes {
     Axes(ways)
 }
 
-/// Converts directions of the axes to a reading, for a wheel of this side. A reading states which coordinates point
-/// forward, outboard and up.
+/// Converts directions of the axes to a reading, for a wheel of this side. It is the inverse of [`of_reading`].
 pub(super) fn reading_of(axes: Axes, side: Side) -> crate::report::Reading {
     let at = |axis: usize| {
         let column = axes.0.iter().position(|way| way.axis() == axis);

@@ -22,7 +22,8 @@ pub struct ImportedCar {
     pub missing: Vec<String>,
 }
 
-/// Imports both axles from a file's points. `options` are those of the front and the rear axle; `origin` names the file in comments.
+/// Imports both axles from a file's points. `options` are those of the front and the rear axle; `origin` names the file in
+/// comments.
 ///
 /// # Errors
 /// An axle cannot be imported or forms no valid suspension, or the axles have different units or axes.

@@ -5,7 +5,8 @@ use crate::model::{FrameConvention, LengthUnit};
 use crate::number::Vector3;
 use crate::study::{CarStudy, Study};
 
-/// Table of the points of each axle, at their positions in the car.
+/// Tables of the points of the front and the rear axle, at their positions in the car. Without a unit or a frame, each axle keeps
+/// its own.
 pub fn car_point_pages(
     study: &CarStudy,
     unit: Option<LengthUnit>,
@@ -36,7 +37,7 @@ pub fn car_points_csv(pages: [Page; 2]) -> Vec<u8> {
     csv(&rows)
 }
 
-/// Study of an axle, with its points at their positions in the car.
+/// Study of an axle (0 front, 1 rear), with its points at their positions in the car.
 fn placed(study: &CarStudy, axle: usize) -> Study {
     let mut own = study.axles[axle].clone();
     if axle == 0 {

@@ -49,7 +49,10 @@ impl Sheet {
         }
     }
 
-    /// Adds a cell, or returns an error if the table has too many cells.
+    /// Adds a cell. A text that is too long becomes [`Cell::Unusable`].
+    ///
+    /// # Errors
+    /// The table has too many cells.
     pub(super) fn put(&mut self, row: u32, column: u32, cell: Cell) -> Result<(), String> {
         if self.cells.len() >= Sheet::MOST_CELLS {
             return Err(format!(
@@ -85,7 +88,7 @@ impl Sheet {
         self.cells.get(&(row, column))
     }
 
-    /// Name of a cell in the naming scheme.
+    /// Name of a cell in the naming scheme: "line 3, column 2" or "B3".
     pub(super) fn place(&self, row: u32, column: u32) -> String {
         match self.places {
             Places::Lines => format!("line {}, column {}", row + 1, column + 1),
@@ -93,7 +96,7 @@ impl Sheet {
         }
     }
 
-    /// Name of a row in the naming scheme.
+    /// Name of a row in the naming scheme: "line 3" or "row 3".
     pub(super) fn row_place(&self, row: u32) -> String {
         match self.places {
             Places::Lines => format!("line {}", row + 1),

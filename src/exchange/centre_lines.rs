@@ -2,7 +2,7 @@
 //!
 //! The file is a list of pairs. Each pair has a number for the kind of value, and the value, each on its own line
 //! (Autodesk, DXF Reference). The centre lines (`LINE`) of each body have a separate layer. The points (`POINT`) are on
-//! the layer `POINTS`, and their names (`TEXT`) on the layer `NAMES`.
+//! the layer `POINTS`, and their names (`TEXT`) on the layer `NAMES`. A text on the layer `UNIT_AND_FRAME` states unit and axes.
 
 use super::outgoing::Outgoing;
 use crate::model::{LengthUnit, PointId, RigidAxle, Side};
@@ -10,7 +10,7 @@ use crate::number::Vector3;
 use crate::report::Scene;
 use std::fmt::Write;
 
-/// Bytes of a drawing of all wheels of a study.
+/// Bytes of a drawing of all wheels of a study, in the design position.
 pub fn drawing(outgoing: &Outgoing<'_>) -> Vec<u8> {
     let mut drawing = Drawing::default();
     let wheels = outgoing.wheels();
@@ -24,12 +24,12 @@ pub fn drawing(outgoing: &Outgoing<'_>) -> Vec<u8> {
     drawing.file(outgoing).into_bytes()
 }
 
-/// Height of the letters in the file's unit, equal to 6 mm.
+/// Height of the letters: 6 mm in the file's unit.
 fn text_height(outgoing: &Outgoing<'_>) -> f64 {
     outgoing.unit.convert(6.0, LengthUnit::Millimetre)
 }
 
-/// Returns the prefix for the layer of a line between these points of a solid axle. `None` if the line is drawn with the
+/// Returns the prefix for the layer of these points of a solid axle, or of a line between them. `None` if they are drawn with the
 /// other wheel. The mechanism of each wheel contains both halves, so each half is drawn with the wheel of this half.
 /// Parts that exist only once are drawn with the left wheel.
 fn prefix_on_solid_axle<'p>(
@@ -56,6 +56,7 @@ struct Drawing {
 }
 
 impl Drawing {
+    /// Draws a wheel: its bodies, its spin axis and its points.
     fn wheel(&mut self, outgoing: &Outgoing<'_>, side: Side, prefix: &str) {
         let height = text_height(outgoing);
         let suspension = outgoing.suspension(side);
@@ -100,6 +101,7 @@ impl Drawing {
         }
     }
 
+    /// Adds a text. Characters that are not ASCII become `?`.
     fn text(&mut self, layer: &str, text: &str, at: [f64; 3], height: f64) {
         self.entity("TEXT", layer, &[(10, at)]);
         let plain: String = text
@@ -115,6 +117,7 @@ impl Drawing {
         let _ = write!(self.entities, "40\n{height}\n1\n{plain}\n");
     }
 
+    /// Adds an entity on a layer. Each place has the code of its x coordinate; y and z have this code plus 10 and 20.
     fn entity(&mut self, kind: &str, layer: &str, places: &[(usize, [f64; 3])]) {
         let layer = layer.to_uppercase().replace(' ', "_");
         let _ = write!(self.entities, "0\n{kind}\n8\n{layer}\n");
@@ -128,6 +131,7 @@ impl Drawing {
         }
     }
 
+    /// Text of the whole file.
     fn file(mut self, outgoing: &Outgoing<'_>) -> String {
         let (unit, convention) = (outgoing.unit.symbol(), outgoing.convention);
         let (name, axes) = (convention.name(), convention.directions());

@@ -12,7 +12,7 @@
 //! | `SolidThreeLinkAxle`, `SolidBellcrankThreeLinkAxle` | `solid_axle`: the triangular link is two upper links that share their joint at the axle |
 //!
 //! Chrono has two elements for spring and damper (`Spring`, `Shock`); a study has one. The importer uses the ends of the
-//! spring, or the ends of the damper if there is no spring. The axis of a MacPherson strut is the axis of the spring. As
+//! spring, or the ends of the damper if there is no spring. In Chrono, the axis of a MacPherson strut is the axis of the spring. As
 //! in studies, `Camber Angle (deg)` is positive with the top outward, and `Toe Angle (deg)` with the front inward.
 
 use super::axes::{Axes, Declared};
@@ -255,7 +255,8 @@ fn refusal(template: &str) -> String {
     )
 }
 
-/// Takes the ends of the spring, or of the damper if there is no spring.
+/// Adds the ends of the spring, or of the damper if there is no spring. In a MacPherson suspension they are the ends of the strut.
+/// A spring whose lower end is on a body that the topology does not allow is listed as left out.
 fn spring(root: &Node, topology: &str, table: &mut PointTable) {
     let ends = |part: &'static str| {
         let upper = location(root, (part, "Location Chassis"))?;
@@ -344,7 +345,7 @@ fn on_link(root: &Node, part: &str, topology: &str, upper: [f64; 3], lower: [f64
     )
 }
 
-/// Reads the static angles, such as `Camber Angle (deg)`.
+/// Adds the static angles, such as `Camber Angle (deg)`.
 fn angles(root: &Node, table: &mut PointTable) {
     let Node::Table(entries) = root else {
         return;
@@ -366,6 +367,7 @@ fn angles(root: &Node, table: &mut PointTable) {
     }
 }
 
+/// Point of the left wheel that also applies, mirrored, to the right wheel. `part` and `key` are its keys in the file.
 fn point(
     hardpoint: &'static str,
     (part, key): (&str, &str),
@@ -384,7 +386,7 @@ fn point(
     }
 }
 
-/// Value under a key. Upper and lower case are equal.
+/// First value under a key. Upper and lower case are equal.
 pub(super) fn entry<'n>(node: &'n Node, key: &str) -> Option<&'n Node> {
     let Node::Table(entries) = node else {
         return None;
@@ -395,6 +397,7 @@ pub(super) fn entry<'n>(node: &'n Node, key: &str) -> Option<&'n Node> {
     found.map(|(_, node)| node)
 }
 
+/// Text under a key. `None` if the key is missing or has another type.
 pub(super) fn text<'n>(node: &'n Node, key: &str) -> Option<&'n str> {
     match entry(node, key)? {
         Node::Text(text) => Some(text),
@@ -402,6 +405,7 @@ pub(super) fn text<'n>(node: &'n Node, key: &str) -> Option<&'n str> {
     }
 }
 
+/// Three numbers under the key of a part. `None` if they are missing.
 pub(super) fn location(root: &Node, (part, key): (&str, &str)) -> Option<[f64; 3]> {
     position(entry(entry(root, part)?, key)?)
 }

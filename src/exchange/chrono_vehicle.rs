@@ -8,7 +8,7 @@
 //! | value | source |
 //! |---|---|
 //! | sprung mass with its centre | the chassis: `Components`, or `Mass` and `COM` |
-//! | unsprung mass of an axle | twice the sum of `Spindle`, `Upright` or `Knuckle`, and wheel without tyre; also the `Axle Tube` of a solid axle |
+//! | unsprung mass of an axle | twice `Spindle`, `Upright` or `Knuckle`, and wheel without tyre; of a solid axle also `Axle Tube` |
 //! | spring rate | `Spring Coefficient` |
 //! | spring force | rate * (`Free Length` - length in the file) + `Preload` |
 

@@ -95,7 +95,8 @@ impl Imported {
         Ok((text, notes))
     }
 
-    /// Text of a study of both wheels, and notes as in [`Imported::study_and_notes`]. `right` is the right wheel from the same file.
+    /// Text of a study of both wheels without elastic parts, and notes as in [`Imported::study_and_notes`]. `right` is the right
+    /// wheel from the same file; without it, the right wheel is the mirror image.
     pub(super) fn axle_study(
         &self,
         right: Option<&Imported>,
@@ -109,7 +110,7 @@ impl Imported {
         self.running(name, origin, Part::Axle(&differences))
     }
 
-    /// Lines of `[axle.right]` for a right wheel that is not the mirror image of the left one.
+    /// Sections `[axle.right]` for a right wheel that is not the mirror image of the left one. Empty if it is the mirror image.
     fn differences(&self, right: &Imported) -> String {
         let own = |name: &str| self.hardpoints.iter().find(|h| h.name == name);
         let moved = right.hardpoints.iter().filter(|other| {
@@ -132,8 +133,12 @@ impl Imported {
         text
     }
 
-    /// Returns the text of the study with the largest range of motion in which the suspension runs. Also returns warnings about
-    /// its points, and the reason if this range is shorter than usual.
+    /// Returns the text of the study with the largest travel of [`TRAVELS`] in which the suspension runs. Also returns warnings
+    /// about its points, and the reason if this travel is shorter than usual.
+    ///
+    /// # Errors
+    ///
+    /// The faults of the suspension in words, or that it cannot move even the smallest travel.
     fn running(
         &self,
         name: &str,
@@ -223,6 +228,7 @@ impl Imported {
         Some(in_words(point, &slip, "the suspension moves"))
     }
 
+    /// Text of the study without elastic parts. `travel_mm` is the travel up and down in millimetres.
     fn text(&self, origin: &str, part: Part<'_>, travel_mm: f64, outputs: &[&str]) -> String {
         let unit = self.unit.symbol();
         let mut text = format!("# {}, from {}\n\n", self.topology.summary, one_line(origin));
@@ -278,6 +284,7 @@ impl Imported {
         text
     }
 
+    /// Writes `[wheel]`. A radius that is not known becomes a comment.
     fn wheel(&self, text: &mut String) {
         *text += "\n[wheel]\n";
         let _ = match self.wheel_radius {
@@ -320,7 +327,7 @@ impl Imported {
         }
     }
 
-    /// Writes masses and dimensions of the car, if the file has any.
+    /// Writes `[vehicle]`: dimensions of the car, and for an axle its position and unsprung mass, as far as the file has them.
     fn vehicle(&self, text: &mut String, part: Part<'_>) {
         let unsprung = self.figures.unsprung_mass;
         let unsprung = unsprung.filter(|_| !matches!(part, Part::Wheel));
@@ -352,6 +359,7 @@ impl Imported {
         }
     }
 
+    /// Writes `[motion]`: travel of one wheel; roll and heave of an axle, or heave alone if the wheel radius is not known.
     fn motion(&self, text: &mut String, part: Part<'_>, travel_mm: f64) {
         let travel = self.travel(travel_mm);
         let _ = match part {
@@ -378,7 +386,7 @@ impl Imported {
         };
     }
 
-    /// Converts a travel from millimetres to the file's unit. In inches it is rounded down to a tenth.
+    /// Converts a travel from millimetres to the study's unit. In inches it is rounded down to a tenth.
     fn travel(&self, millimetres: f64) -> f64 {
         match self.unit {
             LengthUnit::Millimetre => millimetres,
@@ -388,7 +396,7 @@ impl Imported {
     }
 }
 
-/// Section with the points of a right wheel or a right half. Empty without points.
+/// Section `[axle.right.hardpoints]` with the points of a right wheel or a right half. Empty without points.
 fn right_hardpoints<'p>(points: impl Iterator<Item = &'p Hardpoint>) -> String {
     let line = |point: &Hardpoint| {
         let [x, y, z] = point.position;
@@ -402,7 +410,7 @@ fn right_hardpoints<'p>(points: impl Iterator<Item = &'p Hardpoint>) -> String {
     format!("\n[axle.right.hardpoints]         # with their actual y\n{lines}")
 }
 
-/// Removes line breaks from a text, so that it fits into a comment.
+/// Replaces line breaks and other control characters by blanks, so that a text fits into a comment.
 pub(super) fn one_line(text: &str) -> String {
     text.chars()
         .map(|c| if c.is_control() { ' ' } else { c })

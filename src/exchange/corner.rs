@@ -36,6 +36,7 @@ pub(super) struct Picked {
     pub origin: Option<Side>,
 }
 
+/// Name of an axle: "front" or "rear".
 pub(super) fn name_of(axle: AxlePosition) -> &'static str {
     match axle {
         AxlePosition::Front => "front",
@@ -43,7 +44,11 @@ pub(super) fn name_of(axle: AxlePosition) -> &'static str {
     }
 }
 
-/// Chooses the axle and the wheel.
+/// Chooses the axle and the wheel. Without `--side`, the left wheel is chosen if the file has points of it, else the right one. If the file
+/// states no side, the side stays open.
+///
+/// # Errors
+/// The file has two axles and none is chosen, it lacks the chosen one, or it states another topology.
 pub(super) fn choose(
     table: &PointTable,
     named: &[Named<'_>],
@@ -66,6 +71,7 @@ pub(super) fn choose(
     Ok(Corner { axle, side })
 }
 
+/// Chooses the axle: the one of `--axle`, the only one in the file, or the only one with points that `--map` names.
 fn axle(
     table: &PointTable,
     named: &[Named<'_>],
@@ -152,7 +158,11 @@ fn kind(
     }
 }
 
-/// Point of one hardpoint for the chosen wheel.
+/// Point of one hardpoint for the chosen wheel. `None` if the file has no such point. A point of the other wheel is not mirrored
+/// yet; see [`Picked::origin`].
+///
+/// # Errors
+/// Two points fit equally well and differ, or the coordinates cannot be read.
 pub(super) fn pick(
     hardpoint: &'static str,
     named: &[Named<'_>],
@@ -216,7 +226,8 @@ pub(super) fn pick(
     }))
 }
 
-/// Point of one hardpoint that the file gives for the other wheel.
+/// Coordinates of a hardpoint that the file gives for the other wheel. `None` if the side of the wheel is not known, or the file
+/// has no such point.
 pub(super) fn of_other_wheel(
     hardpoint: &'static str,
     named: &[Named<'_>],

@@ -6,8 +6,8 @@ use crate::model::{FrameConvention, LengthUnit, Side};
 use crate::report::{ColumnConversion, split_unit};
 use crate::study::CarStudy;
 
-/// Converts curves from the unit and axes of the study to the unit and axes of the file, and renames the columns accordingly. Adds a
-/// column with the frame, and for the study of one wheel a column with its side.
+/// Converts curves from the unit and axes of the study to the unit and axes of the file, and renames the columns accordingly. Adds
+/// a column with the frame, and for the study of one wheel a column with its side.
 pub fn curves_in(outgoing: &Outgoing<'_>, mut page: Page) -> Page {
     let suspension = outgoing.study.wheel();
     let (own, side) = suspension.frame.meaning();

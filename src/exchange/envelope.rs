@@ -55,8 +55,8 @@ impl Span {
 pub struct Envelope {
     /// One solid per pose and wheel, as triangles. Seen from outside, the corners are counter-clockwise.
     pub solids: Vec<Vec<[[f32; 3]; 3]>>,
-    /// Largest distance that a corner of a solid moves in one step of each motion. First: travel. Second: travel of the
-    /// left wheel, if the travel of one wheel also moves the other wheel (solid axle, twist beam). Third: rack.
+    /// Largest distance that a corner of a solid moves in one step of each motion, in the file's unit. First: travel (solid axle
+    /// and twist beam: of the right wheel). Second: travel of the left wheel of a solid axle or a twist beam, else 0. Third: rack.
     pub widest_steps: [f64; 3],
     title: String,
 }
@@ -66,7 +66,7 @@ impl Envelope {
     ///
     /// # Errors
     ///
-    /// In words: a pose that the wheel cannot reach, a rack that steers nothing, or a solid axle with elastic parts.
+    /// In words: a pose that the wheel cannot reach, a rack that steers nothing, or a solid axle or twist beam with elastic parts.
     pub fn of(
         outgoing: &Outgoing<'_>,
         tyre: Tyre,
@@ -115,8 +115,8 @@ impl Envelope {
         Ok(envelope)
     }
 
-    /// Largest distance by which a tyre point between two poses can be outside of all solids: half of a step along every
-    /// motion.
+    /// Estimate of the largest distance by which a tyre point between two poses can be outside of all solids, in the file's unit:
+    /// half of the widest step along every motion.
     pub fn gap(&self) -> f64 {
         0.5 * self.widest_steps.iter().sum::<f64>()
     }
@@ -126,7 +126,7 @@ impl Envelope {
         self.solids.iter().map(Vec::len).sum()
     }
 
-    /// Bytes of the binary STL file.
+    /// Bytes of the binary STL file, with little-endian numbers.
     pub fn stl(&self) -> Vec<u8> {
         let mut bytes = self.title.clone().into_bytes();
         bytes.resize(80, b' ');
@@ -146,7 +146,7 @@ impl Envelope {
 /// Wheel centre and spin axis (unit vector, outboard) in the axes and the unit of the file.
 type WheelPose = [Vector3<f64>; 2];
 
-/// Poses of a wheel. Travel varies fastest.
+/// Poses of a wheel. Travel varies fastest. Travels and racks are in the file's unit; racks are along the file's y axis.
 fn poses(
     outgoing: &Outgoing<'_>,
     side: Side,
@@ -245,7 +245,7 @@ fn poses_of_axle(
     Ok(of_wheels)
 }
 
-/// Values of a station, or the reason why it has none.
+/// Values of a station, or the reason why it has none. `unit` and `frame` are those of the study, for the reason.
 fn values_of(station: &Station, unit: LengthUnit, frame: Frame) -> Result<Vec<f64>, String> {
     if let Status::Failed(failure) = station.status {
         return Err(failure.describe(unit, frame));
@@ -254,7 +254,8 @@ fn values_of(station: &Station, unit: LengthUnit, frame: Frame) -> Result<Vec<f6
     values.map_err(|_| "the wheel has no angles".to_owned())
 }
 
-/// Pose of a wheel from its camber, its toe and the position of its centre, as printed by the study.
+/// Pose of a wheel from its camber and toe in degrees and the position of its centre in the unit and the axes of the study
+/// (`frame`).
 fn pose(outgoing: &Outgoing<'_>, side: Side, frame: Frame, values: &[f64]) -> WheelPose {
     let [camber, toe, x, y, z] = values[..] else {
         unreachable!("two angles and a point were requested")
@@ -270,6 +271,7 @@ fn pose(outgoing: &Outgoing<'_>, side: Side, frame: Frame, values: &[f64]) -> Wh
 /// Corners of the inboard and the outboard ring of a cylinder. The last vector of each ring is the centre of the ring.
 type Rings = [Vec<Vector3<f64>>; 2];
 
+/// Rings of the cylinder of a tyre in this pose.
 fn corners([centre, axis]: WheelPose, tyre: Tyre) -> Rings {
     // up, across and axis are right-handed, so the corners are counter-clockwise seen from outboard.
     let up = if axis.z.abs() < 0.9 {

@@ -5,8 +5,8 @@ use super::workbook::{Page, Value};
 use crate::model::{PointId, Side, SpinAxis};
 
 /// Points of a study as a table. Each point has a row with its wheel and axes. The row also has the body that carries the
-/// point, if another body is possible. Rows for the wheel's radius follow, and for static camber and toe if no point defines
-/// them. The header names the unit.
+/// point, if another body is possible. Rows for static camber and toe follow, if no point defines them, and a row for the wheel's
+/// radius. The header names the unit.
 pub fn point_rows(outgoing: &Outgoing<'_>) -> Vec<Vec<Value>> {
     let unit = outgoing.unit.symbol();
     let text = |text: &str| Value::Text(text.to_owned());
@@ -40,7 +40,7 @@ pub fn point_rows(outgoing: &Outgoing<'_>) -> Vec<Vec<Value>> {
     rows
 }
 
-/// Half of a solid axle to which a point belongs.
+/// Half of a solid axle or a twist beam to which a point belongs.
 enum Half<'a> {
     /// Left half. Every point of an independent wheel counts as left.
     Left,
@@ -50,6 +50,7 @@ enum Half<'a> {
     Right(PointId, &'a str),
 }
 
+/// Finds the half to which a point belongs.
 fn right_half<'a>(outgoing: &'a Outgoing<'_>, id: PointId) -> Half<'a> {
     let mechanism = &outgoing.study.wheel().mechanism;
     let pairs = mechanism.rigid_axle.iter().flat_map(|axle| &axle.pairs);
@@ -75,7 +76,7 @@ fn right_half<'a>(outgoing: &'a Outgoing<'_>, id: PointId) -> Half<'a> {
     }
 }
 
-/// Wheel radius, and static angles that no point defines.
+/// Static angles in degrees that no point defines, and the wheel radius in the file's unit, with their names.
 fn figures(outgoing: &Outgoing<'_>) -> Vec<(String, f64)> {
     let mut figures = Vec::new();
     let wheels = outgoing.different_wheels();
@@ -100,7 +101,7 @@ fn figures(outgoing: &Outgoing<'_>) -> Vec<(String, f64)> {
     figures
 }
 
-/// Rows as comma-separated text.
+/// Rows as comma-separated text. Short rows get empty cells up to the longest row.
 pub fn csv(rows: &[Vec<Value>]) -> Vec<u8> {
     let mut writer = csv::WriterBuilder::new()
         .flexible(true)
@@ -122,7 +123,10 @@ pub fn csv(rows: &[Vec<Value>]) -> Vec<u8> {
         .expect("writing to memory does not fail")
 }
 
-/// Converts a CSV file of results to a sheet, with numeric cells as numbers.
+/// Converts a CSV file of results to a sheet, with cells of finite numbers as numbers.
+///
+/// # Errors
+/// The file is not valid CSV with rows of equal length, or has more rows than a sheet.
 pub fn page_of_csv(name: &str, text: &[u8]) -> Result<Page, String> {
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)

@@ -43,6 +43,7 @@ impl FigureKind {
     }
 }
 
+/// Values with the words of their names, as in the table of hardpoints: words after `?` are optional. "Track" is spelt "tie".
 const FIGURES: &[(FigureKind, &str)] = &[
     (FigureKind::StaticCamber, "camber ?static ?angle ?wheel"),
     (FigureKind::StaticToe, "toe ?static ?angle ?wheel"),
@@ -64,7 +65,8 @@ const FIGURES: &[(FigureKind, &str)] = &[
     (FigureKind::Offset(2), "vertical offset"),
 ];
 
-/// Finds a value by its name: its kind, its wheel, and the unit of length after the name.
+/// Finds a value by its name: its kind, its wheel and axle, and the unit of length at the end of the name. `None` for an unknown
+/// name.
 pub(super) fn figure(name: &str) -> Option<(FigureKind, Marks, Option<FileUnit>)> {
     let mut cut = cut(name);
     without_remarks(&mut cut);
@@ -124,7 +126,7 @@ pub(super) fn figure(name: &str) -> Option<(FigureKind, Marks, Option<FileUnit>)
     kind_of(&rest).map(|kind| (kind, marks, unit))
 }
 
-/// Splits off the name of the axle if it is the first or the last word.
+/// Splits off "front" or "rear" if it is the first or the last word.
 fn without_axle_word(words: &[String]) -> (Option<AxlePosition>, &[String]) {
     match words {
         [first, rest @ ..] if end_of(first).is_some() => (end_of(first), rest),

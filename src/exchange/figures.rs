@@ -1,4 +1,5 @@
-//! Values of a wheel: static camber and toe with the tool's sign, loaded radius, half track, track and wheelbase.
+//! Values of a wheel from a file: static camber and toe, radius, track and other lengths, in the units and with the signs of
+//! studies.
 
 use super::ImportOptions;
 use super::angle_remark::{Direction, Sign, Wheels, sign, wheels};
@@ -22,7 +23,7 @@ pub(super) struct Figures {
     pub tyre_width: Option<f64>,
     pub rim_diameter: Option<f64>,
     pub cg_height: Option<f64>,
-    /// Offsets of the contact point: forward, outboard and up.
+    /// Offsets of the contact point: forward, outboard and up. 0 if the file has none.
     pub offset: [f64; 3],
     /// Names of values that the import does not use.
     pub unused: Vec<String>,
@@ -34,12 +35,12 @@ impl Figures {
         self.radius.or(self.tyre_diameter.map(|d| d / 2.0))
     }
 
-    /// Distance of the wheel from the centre plane.
+    /// Distance of the wheel from the centre plane, or half of the track.
     pub(super) fn half_track(&self) -> Option<f64> {
         self.half_track.or(self.track.map(|track| track / 2.0))
     }
 
-    /// Stores a value. Angles are in degrees and have the signs of studies. A toe-out angle is therefore already converted to toe.
+    /// Stores a value. Angles are in degrees and have the signs of studies.
     fn set(&mut self, kind: FigureKind, value: f64) {
         let place = match kind {
             FigureKind::StaticCamber => &mut self.camber,
@@ -62,7 +63,11 @@ impl Figures {
     }
 }
 
-/// Reads the values of a wheel. `toe_out` is true if the tool counts toe-out as positive.
+/// Reads the values of a wheel. Options of the user replace values of the file. A value for this wheel has priority over a value
+/// for both wheels. `unit` is the study's unit; `toe_out` is true if the tool counts toe-out as positive.
+///
+/// # Errors
+/// A value occurs twice with different numbers, or the unit, the wheels or the sign of an angle are not clear.
 pub(super) fn read(
     table: &PointTable,
     corner: Corner,
@@ -139,8 +144,8 @@ fn length(value: f64, own: FileUnit, unit: LengthUnit) -> f64 {
     }
 }
 
-/// Angle of one wheel in degrees with the sign of studies. `unit` applies to an angle without its own unit. `toe_out` is true if
-/// the tool counts toe-out as positive.
+/// Angle of one wheel in degrees with the sign of studies. `unit` applies to an angle without its own unit; without both, the angle
+/// is in degrees. `toe_out` is true if the tool counts toe-out as positive.
 fn angle(
     kind: FigureKind,
     row: &Figure,
@@ -194,7 +199,7 @@ impl Angle<'_> {
         format!("{place}: {name:?} is {value}{}; {expected}", self.remark)
     }
 
-    /// Converts the angle to degrees. `unit` applies if the angle has no unit of its own.
+    /// Converts the angle to degrees. `unit` applies if the angle has no unit of its own. Without both, it is in degrees.
     fn in_degrees(&self, unit: Option<AngleUnit>, notes: &mut Vec<String>) -> Result<f64, String> {
         let row = self.row;
         let own_unit = of_angle(&row.read_as, &row.remark);
@@ -218,7 +223,7 @@ impl Angle<'_> {
         Ok(value)
     }
 
-    /// Halves the sum of both wheels' toe.
+    /// Returns the toe of one wheel: half of the sum of both wheels, if the angle is this sum. Refuses a sum of camber.
     fn of_one_wheel(&self, value: f64, notes: &mut Vec<String>) -> Result<f64, String> {
         match (wheels(&self.row.read_as, &self.row.remark), self.is_toe) {
             (Wheels::One, _) | (Wheels::Unclear, false) => Ok(value),

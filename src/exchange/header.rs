@@ -45,6 +45,7 @@ struct Coordinates {
     direction: Coordinate,
 }
 
+/// Text of a cell. `None` for a number and for a cell without a usable value.
 pub(super) fn text(cell: &Cell) -> Option<&str> {
     match cell {
         Cell::Text(text) => Some(text),
@@ -52,7 +53,10 @@ pub(super) fn text(cell: &Cell) -> Option<&str> {
     }
 }
 
-/// Reads a row as a header. `None` if it is not a header.
+/// Reads a row as a header. `above` is the number of the row above it. `None` if the row is not a header.
+///
+/// # Errors
+/// The columns have different units or contradicting axes, two sets of x, y and z belong to the same wheel, or no column has names.
 pub(super) fn header(
     sheet: &Sheet,
     row: u32,
@@ -136,7 +140,8 @@ fn marks_of_all(three: &[(u32, Coordinates)]) -> Marks {
     }
 }
 
-/// Columns of x, y and z, and the axes that their headers state.
+/// Columns of x, y and z, and the axes that their headers state. `None` if the three headers are not x, y and z, or without letters
+/// not all three axes.
 fn coordinates(three: &[(u32, Coordinates)]) -> Option<([u32; 3], Declared)> {
     let mut columns = [None; 3];
     let mut declared = Declared::default();
@@ -170,6 +175,7 @@ fn coordinates(three: &[(u32, Coordinates)]) -> Option<([u32; 3], Declared)> {
     Some(([x, y, z], declared))
 }
 
+/// Finds the columns of names, wheels, bodies, axes and units.
 fn columns(
     sheet: &Sheet,
     row: u32,
@@ -222,7 +228,7 @@ fn columns(
     })
 }
 
-/// Column with the largest number of texts below a header.
+/// Free column with the largest number of texts below a header. Numbers do not count. Of several such columns, the first one.
 fn name_column(sheet: &Sheet, row: u32, free: impl Fn(u32) -> bool) -> Option<u32> {
     let below = sheet.cells.range((row + 1, 0)..);
     let mut counts: Vec<(u32, usize)> = Vec::new();
@@ -293,7 +299,8 @@ fn coordinate_header(text: &str) -> Option<Coordinates> {
     })
 }
 
-/// Axis that a word names without a sign.
+/// Axis that a word names without a sign: 0 along the car, 1 across it, 2 vertical. "Outboard" has no sign, because the wheel is
+/// not known.
 fn along(word: &str) -> Option<usize> {
     match word {
         "longitudinal" | "long" | "lengthwise" => Some(0),
@@ -303,8 +310,8 @@ fn along(word: &str) -> Option<usize> {
     }
 }
 
-/// Returns the words beside x, y and z in a row of titles, such as "um" in `x [um]`. For a row that is not a valid header, at
-/// least one of these words is not known.
+/// Returns the words beside x, y and z in a row of titles, such as "um" in `x [um]`. `None` if one of the letters is missing, or if
+/// there are no such words. For a row that is not a valid header, at least one of these words is not known.
 pub(super) fn unknown_beside_axes(sheet: &Sheet, row: u32) -> Option<String> {
     let beside = |axis: &str| {
         let mut cells = sheet.row(row).filter_map(|(_, cell)| text(cell));

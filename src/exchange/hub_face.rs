@@ -3,7 +3,7 @@
 //! Its documents (`suspension-explorer-core`, README and the schema of the geometry files) give two points of the spin
 //! axis, `axle_inboard` and `axle_outboard`. The second point is the mounting face of the hub. The wheel centre is on the
 //! axis, at the distance `wheel.offset` (ET, in millimetres, positive inboard) from this point. The tyre's nominal radius
-//! is half the rim's diameter (inches) plus the side wall, `aspect_ratio` times `section_width` (millimetres).
+//! is half the rim's diameter (inches) plus the side wall, `aspect_ratio` (0.55, not 55) times `section_width` (millimetres).
 
 use super::figure_names::{FigureKind, figure};
 use super::table::{Figure, Marks, NamedPoint, PointTable};
@@ -16,10 +16,11 @@ const RIM_DIAMETER: &str = "tire rim_diameter";
 const SECTION_WIDTH: &str = "tire section_width";
 const ASPECT_RATIO: &str = "tire aspect_ratio";
 
-/// Moves each hub face to the wheel centre, and adds the tyre's nominal radius. Does nothing if the table has no such values.
+/// Moves each hub face to the wheel centre, and adds the tyre's nominal radius. Does nothing if the table has no wheel offset. A
+/// table without a unit is read in millimetres.
 ///
 /// # Errors
-/// Both points of the axis coincide, or the offset is impossible for a wheel.
+/// Both points of the axis coincide.
 pub(super) fn to_wheel_centres(table: &mut PointTable) -> Result<(), String> {
     let ends_with = |name: &str, end: &str| name == end || name.ends_with(&format!(" {end}"));
     let number = |end: &str| {

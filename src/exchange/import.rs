@@ -117,14 +117,17 @@ pub struct Imported {
 /// Points of a file that have a role.
 fn named_points<'t>(table: &'t PointTable, roles: &[Option<Role>]) -> Vec<Named<'t>> {
     let points = table.points.iter().zip(roles);
-    let named = points.filter_map(|(point, role)| {
+    let named = |(point, role): (&'t NamedPoint, &Option<Role>)| {
         let role = role.clone()?;
         Some(Named { point, role })
-    });
-    named.collect()
+    };
+    points.filter_map(named).collect()
 }
 
-/// Makes the wheel from a file's points, or the axle if it is a solid axle.
+/// Makes the wheel from a file's points, or the axle if it is a solid axle or a twist beam.
+///
+/// # Errors
+/// Hardpoints are missing, statements of the file contradict each other, or a guess would be uncertain.
 pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Imported, Refusal> {
     let mut imported = for_axle(table, options)?;
     if let Some(spring) = imported.figures.spring
@@ -146,11 +149,11 @@ struct Selection {
     picked: Vec<Picked>,
     unit: LengthUnit,
     figures: Figures,
-    /// True if half track and radius give the wheel centre.
+    /// True if the wheel centre can be computed from half track and radius, as in OptimumKinematics.
     makes_wheel: bool,
 }
 
-/// Selects the points and the numbers of one wheel or axle. `roles` and `named` contain all points of the table.
+/// Selects the points and the numbers of one wheel or axle. `roles` covers all points; `named` has the points with a role.
 fn select(
     table: &PointTable,
     options: &ImportOptions<'_>,
@@ -260,7 +263,7 @@ fn locate(
     })
 }
 
-/// Makes the wheel for the study of one wheel or of an axle.
+/// Makes the wheel for the study of one wheel or of an axle, with the spring of the file in [`Imported::figures`].
 pub(super) fn for_axle(
     table: &PointTable,
     options: &ImportOptions<'_>,
@@ -276,12 +279,11 @@ pub(super) fn for_axle(
     let named = named_points(table, &roles);
     let is_optimum = roles::is_optimum(&table.points);
     let mut selection = select(table, options, (&roles, &named), &mut notes)?;
-    let located = locate(table, options, &named, &mut selection, &mut notes)?;
     let Located {
         placed,
         as_read,
         contact,
-    } = located;
+    } = locate(table, options, &named, &mut selection, &mut notes)?;
     let Selection {
         corner,
         picked,
@@ -307,8 +309,7 @@ pub(super) fn for_axle(
         left_out.extend(right_half::differs(&named, corner, placed.axes, &as_read));
         Vec::new()
     };
-    let both = [&mut hardpoints, &mut right_half];
-    let frame = to_study_frame(placed, both, &mut notes);
+    let frame = to_study_frame(placed, [&mut hardpoints, &mut right_half], &mut notes);
     radius(contact, is_optimum, &mut figures, &mut notes);
     let mut imported = Imported {
         topology: options.topology,
@@ -392,7 +393,7 @@ fn refuse_fifth_link(
     )))
 }
 
-/// Masses and other values of one axle, for the study of a car.
+/// Spring and unsprung mass of one axle, for the study of an axle or of a car.
 fn axle_figures(table: &PointTable, axle: Option<AxlePosition>) -> AxleFigures {
     match (&table.car, axle) {
         (Some(car), Some(AxlePosition::Front)) => car.axles[0],
@@ -401,7 +402,7 @@ fn axle_figures(table: &PointTable, axle: Option<AxlePosition>) -> AxleFigures {
     }
 }
 
-/// Hardpoint of each point in the file.
+/// Role of each point in the file. A name of `--map` replaces the usual names of its hardpoint. Refuses a wrong `--map`.
 fn roles_of(table: &PointTable, options: &ImportOptions<'_>) -> Result<Vec<Option<Role>>, String> {
     let same = |a: &str, b: &str| a.trim().to_lowercase() == b.trim().to_lowercase();
     let is_named =

@@ -13,6 +13,7 @@ pub(super) struct Unused<'a> {
     pub(super) options: &'a ImportOptions<'a>,
     pub(super) roles: &'a [Option<Role>],
     pub(super) corner: Corner,
+    /// Names of values that the import does not use.
     pub(super) numbers: &'a [String],
 }
 
@@ -35,7 +36,7 @@ impl Unused<'_> {
         (table, roles)
     }
 
-    /// Lists unused points and values, with the reasons.
+    /// Adds the unused points and values to `left_out`, with the reasons. Adds a note if another topology would use them.
     pub(super) fn say(
         &self,
         hardpoints: &[Hardpoint],
@@ -91,6 +92,7 @@ impl Unused<'_> {
     }
 }
 
+/// Name of the hardpoint for each role.
 pub(super) fn meanings(roles: &[Option<Role>]) -> Vec<Option<&'static str>> {
     let meanings = roles
         .iter()

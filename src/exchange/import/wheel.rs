@@ -7,7 +7,7 @@ use super::super::place::Placed;
 use super::super::table::{NamedPoint, PointTable};
 use super::Imported;
 
-/// Distance of the contact point from the wheel centre, if the file has both points.
+/// Name of the contact point, and its distance from the wheel centre in the file's unit. `None` unless the file has both points.
 pub(super) fn contact_radius(
     table: &PointTable,
     corner: Corner,
@@ -40,7 +40,8 @@ pub(super) fn contact_radius(
     ))
 }
 
-/// Loaded radius. A note names its source: the values of the file, the tyre's diameter, or the contact point.
+/// Finds the loaded radius: a value of the file or the user, half of the tyre's diameter, or the distance of the contact point. A
+/// note names the source unless it is the first one, or states that there is none.
 pub(super) fn radius(
     contact: Option<(String, f64)>,
     is_optimum: bool,
@@ -74,7 +75,7 @@ pub(super) fn radius(
     );
 }
 
-/// Sets camber and toe if no point defines the spin axis.
+/// Sets camber and toe if no point defines the spin axis. A missing angle is assumed to be 0, with a note.
 pub(super) fn angles(figures: &Figures, imported: &mut Imported) {
     let has_spindle = imported
         .hardpoints

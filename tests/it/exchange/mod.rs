@@ -18,6 +18,7 @@ mod round_trips;
 mod schema;
 mod sheets;
 mod side_by_side;
+mod silent;
 mod studies;
 mod units;
 

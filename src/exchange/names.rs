@@ -277,6 +277,18 @@ pub(super) fn marks_of_title(text: &str) -> Option<Marks> {
     (!marks.is_empty()).then_some(marks)
 }
 
+/// Wheel and axle in an entry such as "left", "FL" or "rear", and true if the entry means both wheels. `None` for other texts.
+pub(super) fn marks_of_entry(text: &str) -> Option<(Marks, bool)> {
+    match cut(text).join(" ").as_str() {
+        "left right" | "both" | "symmetric" | "l r" => Some((Marks::default(), true)),
+        "single" | "centre" | "center" | "" => Some((Marks::default(), false)),
+        _ => marks_of_title(text).map(|marks| (marks, false)),
+    }
+}
+
+/// Expected entries of a cell or key that names the wheel or the axle, for messages.
+pub(super) const KNOWN_MARKS: &str = "left, right, left/right, front, rear, FL, FR, RL or RR";
+
 /// Splits a text into lower-case words. A word ends at a punctuation mark, or where a capital follows a small letter.
 pub(super) fn cut(text: &str) -> Vec<String> {
     if text.len() > LONGEST {

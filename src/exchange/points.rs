@@ -9,7 +9,7 @@ use super::cell::{Cell, Sheet};
 use super::decimals::{Decimals, plain_number};
 use super::figure_names::{FigureKind, figure};
 use super::header::{self, Columns, Triple, header, text};
-use super::names::{cut, marks_of_title, side_of};
+use super::names::{KNOWN_MARKS, cut, marks_of_entry, marks_of_title, side_of};
 use super::table::{Figure, Marks, NamedPoint, PointTable};
 use super::unit::{FileUnit, KNOWN_UNITS};
 use crate::model::{FrameConvention, LengthUnit};
@@ -398,21 +398,15 @@ impl Rows<'_> {
             let Some(cell) = self.sheet.cell(row, *column) else {
                 continue;
             };
-            let words = text(cell).map(|text| cut(text).join(" "));
-            match words.as_deref() {
-                Some("left right" | "both" | "symmetric" | "l r") => both = true,
-                Some("single" | "centre" | "center" | "") => (),
-                Some(words) if marks_of_title(words).is_some() => {
-                    marks = marks.or(marks_of_title(words).unwrap_or_default());
-                }
-                _ => {
-                    return Err(format!(
-                        "{}: the wheel or axle is {}; expected left, right, left/right, front, rear, FL, FR, RL or RR",
-                        self.sheet.place(row, *column),
-                        shown(cell)
-                    ));
-                }
-            }
+            let (found, is_for_both) = text(cell).and_then(marks_of_entry).ok_or_else(|| {
+                format!(
+                    "{}: the wheel or axle is {}; expected {KNOWN_MARKS}",
+                    self.sheet.place(row, *column),
+                    shown(cell)
+                )
+            })?;
+            marks = marks.or(found);
+            both |= is_for_both;
         }
         Ok((marks, both))
     }

@@ -182,6 +182,11 @@ impl PointTable {
 
     /// True if the file has points of both axles.
     pub fn has_two_axles(&self) -> bool {
+        self.axles().len() == 2
+    }
+
+    /// Axles that the kinds of suspension and the points state.
+    pub(super) fn axles(&self) -> Vec<AxlePosition> {
         let kinds = self.kinds.iter().map(|(axle, _)| Marks {
             side: None,
             axle: *axle,
@@ -191,6 +196,6 @@ impl PointTable {
             let named = roles::marks(&point.read_as, letters);
             point.marks.or(named)
         });
-        roles::axles(kinds.chain(of_names)).len() == 2
+        roles::axles(kinds.chain(of_names))
     }
 }

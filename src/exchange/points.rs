@@ -1,5 +1,6 @@
 //! Rows of a table: named points, values, and titles that give the wheel or axle of the rows below them.
 
+mod names_beside;
 mod unit_line;
 mod values;
 
@@ -13,7 +14,7 @@ use super::names::{KNOWN_MARKS, cut, marks_of_entry, marks_of_title, side_of};
 use super::table::{Figure, Marks, NamedPoint, PointTable};
 use super::unit::{FileUnit, KNOWN_UNITS};
 use crate::model::{FrameConvention, LengthUnit};
-use unit_line::{unit_above, unit_row, unknown_above, without_brackets};
+use unit_line::{unit_above, unit_below, unit_row, unknown_above, without_brackets};
 
 /// Reads the points of a table. `None` if it has no points.
 pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
@@ -32,6 +33,7 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
             }
             table.unit = table.unit.or(found.unit);
             table.declared = table.declared.and(found.declared, &sheet.row_place(*row))?;
+            names_beside::refuse(sheet, *row, &found.columns)?;
             is_header[place] = true;
             columns = Some(found.columns);
         }
@@ -74,6 +76,7 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
         columns: (!has_header).then_some(first),
         last_title: None,
         section: Marks::default(),
+        nameless: Vec::new(),
         table,
     };
     for (place, row) in rows.iter().enumerate() {
@@ -90,6 +93,7 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
             reader.row(*row)?;
         }
     }
+    reader.list_nameless();
     let table = reader.table;
     if table.points.iter().all(|point| point.position.is_err()) {
         return Ok(None);
@@ -106,6 +110,8 @@ struct Rows<'a> {
     last_title: Option<u32>,
     /// Wheel and axle of the last title. They apply to the rows below it.
     section: Marks,
+    /// Rows with coordinates but without a name.
+    nameless: Vec<u32>,
     table: PointTable,
 }
 
@@ -117,7 +123,9 @@ impl Rows<'_> {
             .row(row)
             .any(|(_, cell)| self.decimals.number(cell).is_ok());
         let Some(columns) = self.columns.clone() else {
-            self.value_beside(row, |name| figure(name).is_some());
+            if !self.value_beside(row, |name| figure(name).is_some()) {
+                self.value_missing(row);
+            }
             return self.title(row, &texts, true);
         };
         let triples = columns.triples.iter();
@@ -125,8 +133,12 @@ impl Rows<'_> {
             .map(|triple| triple.columns.map(|column| sheet.cell(row, column)))
             .collect();
         let filled = numbers.iter().flatten().flatten().count();
-        if let Some(word) = unit_row(&numbers) {
-            return self.unit(row, word);
+        if let Some(words) = unit_row(&numbers) {
+            return words.into_iter().try_for_each(|word| self.unit(row, word));
+        }
+        if let Some(unit) = unit_below(&texts).filter(|_| !has_number) {
+            self.stated_unit(row, unit)?;
+            return self.title(row, &texts, false);
         }
         let own_name = sheet.cell(row, columns.name);
         let decimals = self.decimals;
@@ -140,11 +152,15 @@ impl Rows<'_> {
         // Files write values of the wheel in the first column, even if another column has the names of points.
         let first = texts.first().copied().filter(|text| figure(text).is_some());
         let Some(name) = own_name.or(first.filter(|_| has_number)) else {
-            return if has_number {
-                Ok(())
-            } else {
-                self.title(row, &texts, false)
-            };
+            if !has_number {
+                return self.title(row, &texts, false);
+            }
+            let is_point =
+                |cells: &[Option<&Cell>; 3]| cells.iter().all(|c| c.is_some_and(is_number));
+            if numbers.iter().any(is_point) {
+                self.nameless.push(row);
+            }
+            return Ok(());
         };
         let is_line = !has_number && figure(name).is_none() && of_line(&texts).is_some();
         if filled == 0 || is_line {
@@ -286,6 +302,20 @@ impl Rows<'_> {
         2 * beyond > rows
     }
 
+    /// Lists rows with coordinates but without a name.
+    fn list_nameless(&mut self) {
+        if let [first, others @ ..] = &self.nameless[..] {
+            let more = match others.len() {
+                0 => String::new(),
+                count => format!(" and {count} more"),
+            };
+            let place = self.sheet.row_place(*first);
+            self.table
+                .left_out
+                .push(format!("{place}{more}: coordinates without a name"));
+        }
+    }
+
     /// Wheel and axle of the section, for a name without a side.
     fn of_section(&self, name: &str) -> Marks {
         let words = cut(name);
@@ -341,6 +371,12 @@ impl Rows<'_> {
         let place = self.sheet.row_place(row);
         let found = FileUnit::named(without_brackets(word))
             .ok_or_else(|| format!("{place}: the unit is {word:?}; expected {KNOWN_UNITS}"))?;
+        self.stated_unit(row, found)
+    }
+
+    /// Stores the unit of a row. Refuses a unit that differs from that of other rows.
+    fn stated_unit(&mut self, row: u32, found: FileUnit) -> Result<(), String> {
+        let place = self.sheet.row_place(row);
         if self.table.unit.is_some_and(|known| known != found) {
             return Err(format!(
                 "{place}: the unit {} differs from the unit above",

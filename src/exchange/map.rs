@@ -87,7 +87,7 @@ impl<'de> Deserialize<'de> for Node {
     }
 }
 
-/// True if a text is JSON.
+/// True if a text begins like JSON. It may have comments before the first bracket.
 pub(super) fn is_json(text: &str) -> bool {
     let text = text.trim_start_matches('\u{feff}').trim_start();
     let begins = |text: &str| text.trim_start().starts_with(['{', '[']);
@@ -139,7 +139,7 @@ fn without_comments(text: &str) -> String {
     plain
 }
 
-/// Points of a map. `None` if it has no points.
+/// Points of a map. `None` if it has no points. Refuses unknown units and contradictions.
 pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
     if let Some(table) = chrono::points_of(root)? {
         return Ok(Some(table));
@@ -327,7 +327,7 @@ impl Reader {
         Ok(())
     }
 
-    /// Reads a unit or the axes from a text, if it states them.
+    /// Reads a unit of lengths or angles, or the axes, from a text whose keys announce them.
     fn word(&mut self, text: &str, keys: &[&str]) -> Result<(), String> {
         match keys.last().map(|key| key.to_ascii_lowercase()).as_deref() {
             _ if names_unit(keys) => {

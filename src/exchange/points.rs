@@ -287,13 +287,18 @@ impl Rows<'_> {
         ))
     }
 
-    /// True if most rows with numbers also have a number beyond the last title. Then the sheet has a column without a
+    /// True if most of the first rows with numbers also have a number beyond the last title. Then the sheet has a column without a
     /// title.
     fn is_usual_beyond(&self, last: u32) -> bool {
         const EXAMINED: usize = 100;
         let is_number = |cell: &Cell| self.decimals.number(cell).is_ok();
         let (mut rows, mut beyond) = (0, 0);
-        for row in self.sheet.rows().into_iter().take(EXAMINED) {
+        let next = |from: u32| {
+            let mut cells = self.sheet.cells.range((from, 0)..);
+            cells.next().map(|((row, _), _)| *row)
+        };
+        let first = std::iter::successors(next(0), |row| next(row.checked_add(1)?));
+        for row in first.take(EXAMINED) {
             let columns = self.sheet.row(row).filter(|(_, cell)| is_number(cell));
             let columns: Vec<u32> = columns.map(|(column, _)| column).collect();
             rows += usize::from(columns.len() > 2);
@@ -331,7 +336,7 @@ impl Rows<'_> {
         }
     }
 
-    /// Reads a row without numbers: a title, or a line with the unit or the axes.
+    /// Reads a row without numbers: a title, a line with the unit of angles or, above the header, a line with the unit or the axes.
     fn title(&mut self, row: u32, texts: &[&str], is_above: bool) -> Result<(), String> {
         let marks = texts.iter().filter_map(|text| marks_of_title(text));
         let marks = marks.fold(Marks::default(), Marks::or);

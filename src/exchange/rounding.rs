@@ -283,7 +283,7 @@ impl<'a> Problem<'a> {
         outside.collect()
     }
 
-    /// Moves each free coordinate into its range.
+    /// Moves each free coordinate into its range, if the range contains one of its neighbours on the grid.
     fn within_ranges(&self, steps: &[f64]) -> Vec<f64> {
         let mut within = steps.to_vec();
         for (coordinate, steps) in within.iter_mut().enumerate() {

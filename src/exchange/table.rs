@@ -152,7 +152,8 @@ impl PointTable {
     /// Topology that the file states for an axle.
     ///
     /// # Errors
-    /// The file states no topology. Or it states one for each axle, and no axle is chosen.
+    /// The file states no topology, or a kind of suspension that is not a topology of this program. Or it states one for each axle,
+    /// and no axle is chosen.
     pub fn topology(&self, axle: Option<AxlePosition>) -> Result<&'static Topology, Refusal> {
         let of_axle = |of: &Option<AxlePosition>| of.is_none() || axle.is_none() || *of == axle;
         let kinds: Vec<&Kind> = self

@@ -39,7 +39,8 @@ pub(super) fn unknown_above<'t>(texts: &[&'t str]) -> Option<&'t str> {
     (is_word && unit_above(texts).is_none()).then_some(word)
 }
 
-/// Value of a line with the key "unit" or, in OptimumKinematics, "Length": `unit, mm`, `Units: cm`, `User Options, Length, centimeter, cm`.
+/// Value of a line with the key "unit" or, in OptimumKinematics, "Length": `unit, mm`, `Units: cm`,
+/// `User Options, Length, centimeter, cm`.
 fn value_of_unit<'t>(texts: &[&'t str]) -> Option<&'t str> {
     let (key, value) = match texts {
         [only] => only.split_once([':', '='])?,

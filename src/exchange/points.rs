@@ -1,6 +1,7 @@
 //! Rows of a table: named points, values, and titles that give the wheel or axle of the rows below them.
 
 mod names_beside;
+mod surplus;
 mod unit_line;
 mod values;
 
@@ -60,14 +61,9 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
         return Ok(None);
     };
     let decimals = Decimals::of(sheet, &first)?;
-    if decimals.inches {
-        if table
-            .unit
-            .is_some_and(|unit| unit != FileUnit::of(LengthUnit::Inch))
-        {
-            return Err("coordinates have inch marks, but the file states another unit".to_owned());
-        }
-        table.unit = Some(FileUnit::of(LengthUnit::Inch));
+    let inch = FileUnit::of(LengthUnit::Inch);
+    if decimals.inches && table.unit.replace(inch).is_some_and(|unit| unit != inch) {
+        return Err("coordinates have inch marks, but the file states another unit".to_owned());
     }
     // Each header applies to the rows below it.
     let mut reader = Rows {
@@ -136,9 +132,8 @@ impl Rows<'_> {
         if let Some(words) = unit_row(&numbers) {
             return words.into_iter().try_for_each(|word| self.unit(row, word));
         }
-        if let Some(unit) = unit_below(&texts).filter(|_| !has_number) {
-            self.stated_unit(row, unit)?;
-            return self.title(row, &texts, false);
+        if !has_number && self.line(row, &texts)? {
+            return Ok(());
         }
         let own_name = sheet.cell(row, columns.name);
         let decimals = self.decimals;
@@ -177,9 +172,38 @@ impl Rows<'_> {
         if !has_number && self.attachment(&texts) {
             return Ok(());
         }
+        self.named_row(row, name, &columns, &numbers)
+    }
+
+    /// Reads a line about the whole table, in a row without numbers. Returns false for other rows.
+    fn line(&mut self, row: u32, texts: &[&str]) -> Result<bool, String> {
+        // The lines above the first point of a table without a header state units and axes, as above a header.
+        let is_above = self.last_title.is_none() && self.table.points.is_empty();
+        let unit = unit_below(texts);
+        if let Some(unit) = unit {
+            self.stated_unit(row, unit)?;
+        } else if is_above && texts.len() < 4 {
+            self.value_missing(row);
+        } else {
+            return Ok(false);
+        }
+        self.title(row, texts, is_above)?;
+        Ok(true)
+    }
+
+    /// Adds the points or the values of a row with a name.
+    fn named_row(
+        &mut self,
+        row: u32,
+        name: &str,
+        columns: &Columns,
+        numbers: &[[Option<&Cell>; 3]],
+    ) -> Result<(), String> {
         self.check_decimals(row)?;
-        self.frame(row, &columns)?;
-        let marks = self.marks(row, &columns)?;
+        self.frame(row, columns)?;
+        let marks = self.marks(row, columns)?;
+        let decimals = self.decimals;
+        let is_number = |cell: &Cell| decimals.number(cell).is_ok();
         let alone = |cells: &[Option<&Cell>; 3]| {
             cells.iter().flatten().count() <= 1
                 && (cells[0].is_some() || cells.iter().all(Option::is_none))
@@ -197,15 +221,15 @@ impl Rows<'_> {
         };
         let is_value = is_figure || numbers.iter().all(has_unit);
         if numbers.iter().all(alone) || (is_value && most == 1) {
-            return self.figures(row, name, &columns, &numbers, marks.0);
+            return self.figures(row, name, columns, numbers, marks.0);
         }
         if is_figure && most == 2 {
-            let place = sheet.row_place(row);
+            let place = self.sheet.row_place(row);
             let line = format!("{name} ({place}): the row has two numbers; expected one");
             self.table.left_out.push(line);
             return Ok(());
         }
-        self.points(row, name, (&columns, &numbers), marks)
+        self.points(row, name, (columns, numbers), marks)
     }
 
     /// Adds the points of a row, one for each group of coordinates with numbers. `marks` are the wheel and the axle that the row
@@ -253,60 +277,6 @@ impl Rows<'_> {
         Ok(())
     }
 
-    /// Refuses a row that has more numbers than the table has column titles, if a comma in it is probably not a separator. The
-    /// comma may be the decimal sign, or may group the digits of a number.
-    fn check_decimals(&self, row: u32) -> Result<(), String> {
-        let Some(last) = self.last_title else {
-            return Ok(());
-        };
-        let cells = self.sheet.row(row);
-        let numbers = cells.filter_map(|(column, cell)| {
-            let number = self.decimals.number(cell).ok()?;
-            Some((column, number))
-        });
-        let numbers: Vec<(u32, f64)> = numbers.collect();
-        let surplus = numbers.iter().filter(|(column, _)| *column > last).count();
-        // If commas separate the cells, "1,130.5" is read as two numbers: 1 and 130.5.
-        let mut pairs = numbers.windows(2).map(|pair| [pair[0].1, pair[1].1]);
-        let groups = |[left, right]: [f64; 2]| {
-            left != 0.0 && left.fract() == 0.0 && left.abs() < 1e3 && (0.0..1e3).contains(&right)
-        };
-        if surplus == 1 && pairs.any(groups) && !self.is_usual_beyond(last) {
-            return Err(format!(
-                "{}: one number has no column title. If a comma groups the digits of a number (1,130), remove it",
-                self.sheet.row_place(row)
-            ));
-        }
-        if surplus < 2 || numbers.iter().any(|(_, number)| number.fract() != 0.0) {
-            return Ok(());
-        }
-        Err(format!(
-            "{}: {surplus} numbers have no column title. If the decimal sign is a comma, separate \
-             the cells by semicolons",
-            self.sheet.row_place(row)
-        ))
-    }
-
-    /// True if most of the first rows with numbers also have a number beyond the last title. Then the sheet has a column without a
-    /// title.
-    fn is_usual_beyond(&self, last: u32) -> bool {
-        const EXAMINED: usize = 100;
-        let is_number = |cell: &Cell| self.decimals.number(cell).is_ok();
-        let (mut rows, mut beyond) = (0, 0);
-        let next = |from: u32| {
-            let mut cells = self.sheet.cells.range((from, 0)..);
-            cells.next().map(|((row, _), _)| *row)
-        };
-        let first = std::iter::successors(next(0), |row| next(row.checked_add(1)?));
-        for row in first.take(EXAMINED) {
-            let columns = self.sheet.row(row).filter(|(_, cell)| is_number(cell));
-            let columns: Vec<u32> = columns.map(|(column, _)| column).collect();
-            rows += usize::from(columns.len() > 2);
-            beyond += usize::from(columns.iter().any(|column| *column > last));
-        }
-        2 * beyond > rows
-    }
-
     /// Lists rows with coordinates but without a name.
     fn list_nameless(&mut self) {
         if let [first, others @ ..] = &self.nameless[..] {
@@ -336,7 +306,7 @@ impl Rows<'_> {
         }
     }
 
-    /// Reads a row without numbers: a title, a line with the unit of angles or, above the header, a line with the unit or the axes.
+    /// Reads a row without numbers: a title, a line with the unit of angles or, above the points, a line with the unit or the axes.
     fn title(&mut self, row: u32, texts: &[&str], is_above: bool) -> Result<(), String> {
         let marks = texts.iter().filter_map(|text| marks_of_title(text));
         let marks = marks.fold(Marks::default(), Marks::or);

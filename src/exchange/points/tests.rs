@@ -216,3 +216,20 @@ fn different_names_side_by_side_are_refused() {
         "{refused}"
     );
 }
+
+/// The lines above a table without a header state its unit, its axes and its wheel.
+#[test]
+fn lines_above_a_table_without_a_header_are_read() {
+    let rows = "a 1 2 3\nb 4 5 6\n";
+    let read = table(&format!("# right side, in cm\nSAE axes\n{rows}"));
+    assert_eq!(read.unit, FileUnit::named("cm"));
+    let axes = read.declared.axes().and_then(|axes| axes.convention());
+    assert_eq!(axes, Some(FrameConvention::SaeJ670));
+    let sides: Vec<_> = read.points.iter().map(|point| point.marks.side).collect();
+    assert_eq!(sides, [Some(Side::Right); 2]);
+    let read = table(&format!("unit: parsec\n{}", rows.replace(' ', ",")));
+    assert!(
+        read.unknown_unit
+            .is_some_and(|unit| unit.contains("parsec"))
+    );
+}

@@ -3,17 +3,19 @@
 //! The following three texts give the same point: `{"LCA front": [1, 2, 3]}`,
 //! `{"lower arm": {"front": {"x": 1, "y": 2, "z": 3}}}` and `[{"name": "LCA front", "x": 1, "y": 2, "z": 3}]`. The name of a
 //! point consists of the keys that lead to three numbers. A key that is a wheel or an axle (`left`, `FL`, `front_axle`) applies
-//! to all points below it. The importer skips keys with unknown words, such as a car's name, lists of other lengths, texts and
-//! truth values. A single number is a value with a name. [`chrono`] reads suspensions of Project Chrono.
+//! to all points below it. In a table with x, y and z, the entries `side`, `corner` and `axle` give the wheel and the axle, and
+//! `unit` gives the unit of lengths. The importer skips keys with unknown words, such as a car's name, lists of other lengths,
+//! texts and truth values. A single number is a value with a name. [`chrono`] reads suspensions of Project Chrono.
 
 use super::angle_unit::AngleUnit;
 use super::axes::{Axes, Declared};
 use super::figure_names::figure;
-use super::names::{Words, cut, marks_of, marks_of_title, side_of};
+use super::names::{KNOWN_MARKS, Words, cut, marks_of, marks_of_entry, marks_of_title, side_of};
+use super::roles::{self, Letters};
 use super::table::{Figure, Marks, NamedPoint, PointTable};
 use super::unit::{FileUnit, KNOWN_UNITS};
 use super::{chrono, hub_face};
-use crate::model::FrameConvention;
+use crate::model::{FrameConvention, Topology};
 use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
 use std::fmt;
 
@@ -85,7 +87,7 @@ impl<'de> Deserialize<'de> for Node {
     }
 }
 
-/// True if a text is JSON.
+/// True if a text begins like JSON. It may have comments before the first bracket.
 pub(super) fn is_json(text: &str) -> bool {
     let text = text.trim_start_matches('\u{feff}').trim_start();
     let begins = |text: &str| text.trim_start().starts_with(['{', '[']);
@@ -137,7 +139,7 @@ fn without_comments(text: &str) -> String {
     plain
 }
 
-/// Points of a map. `None` if it has no points.
+/// Points of a map. `None` if it has no points. Refuses unknown units and contradictions.
 pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
     if let Some(table) = chrono::points_of(root)? {
         return Ok(Some(table));
@@ -194,7 +196,7 @@ struct Reader {
 impl Reader {
     fn visit<'n>(&mut self, node: &'n Node, keys: &mut Vec<&'n str>) -> Result<(), String> {
         if let Some(position) = position(node) {
-            return self.point(position, keys);
+            return self.point(Ok(position), keys, (Marks::default(), false));
         }
         match node {
             Node::Number(number) => {
@@ -210,6 +212,9 @@ impl Reader {
             }
             Node::Text(text) => self.word(text, keys)?,
             Node::List(nodes) => {
+                if let Some(reason) = fault(nodes).filter(|_| names_hardpoint(keys)) {
+                    return self.point(Err(reason), keys, (Marks::default(), false));
+                }
                 if nodes.iter().any(|node| matches!(node, Node::Number(_))) {
                     self.value_missing(keys, "a list");
                 }
@@ -225,12 +230,16 @@ impl Reader {
                     Node::Text(name) if key.eq_ignore_ascii_case("name") => Some(name.as_str()),
                     _ => None,
                 });
-                if let (Some(name), Some(at)) = (name, components(entries)) {
-                    keys.push(name);
-                    self.point(at, keys)?;
-                    keys.pop();
+                let above = keys.len();
+                keys.extend(name);
+                let position = Self::coordinates(entries, name.is_some(), keys);
+                if let Some(position) = position {
+                    let marks = self.remarks(entries, keys)?;
+                    self.point(position, keys, marks)?;
+                    keys.truncate(above);
                     return Ok(());
                 }
+                keys.truncate(above);
                 for (key, node) in entries {
                     keys.push(key);
                     self.visit(node, keys)?;
@@ -242,20 +251,75 @@ impl Reader {
         Ok(())
     }
 
-    fn point(&mut self, position: [f64; 3], keys: &[&str]) -> Result<(), String> {
+    /// Coordinates of a table with entries x, y and z, or the reason why they cannot be read. `None` if the table is not a
+    /// point: it must have a name, or no numbers, lists and tables besides x, y and z.
+    fn coordinates(
+        entries: &[(String, Node)],
+        is_named: bool,
+        keys: &[&str],
+    ) -> Option<Result<[f64; 3], String>> {
+        let is_remark = |(key, node): &(String, Node)| {
+            is_any(key, &["x", "y", "z"])
+                || matches!(node, Node::Text(_) | Node::Truth(_) | Node::Other)
+        };
+        let three = three(entries).filter(|_| is_named || entries.iter().all(is_remark))?;
+        if let Some(position) = numbers(three) {
+            return Some(Ok(position));
+        }
+        let reason = fault(three)?;
+        names_hardpoint(keys).then_some(Err(reason))
+    }
+
+    /// Wheel and axle in the entries of a point, and true if the point is for both wheels. Also reads the unit of lengths.
+    fn remarks<'n>(
+        &mut self,
+        entries: &'n [(String, Node)],
+        keys: &mut Vec<&'n str>,
+    ) -> Result<(Marks, bool), String> {
+        let (mut marks, mut both) = (Marks::default(), false);
+        for (key, node) in entries {
+            let Node::Text(text) = node else {
+                continue;
+            };
+            keys.push(key);
+            if is_any(key, &["side", "corner", "axle"]) {
+                let (found, is_for_both) = marks_of_entry(text).ok_or_else(|| {
+                    format!("{}: expected {KNOWN_MARKS}, found {text:?}", place(keys))
+                })?;
+                marks = marks.or(found);
+                both |= is_for_both;
+            } else if names_unit(keys) {
+                self.word(text, keys)?;
+            }
+            keys.pop();
+        }
+        Ok((marks, both))
+    }
+
+    /// Adds a point. `own` are the wheel and the axle in its entries, and a flag that is true if the point is for both wheels.
+    fn point(
+        &mut self,
+        position: Result<[f64; 3], String>,
+        keys: &[&str],
+        (own, both): (Marks, bool),
+    ) -> Result<(), String> {
         let points = &mut self.table.points;
         if points.len() == MOST_POINTS {
             return Err(format!("it has more than {MOST_POINTS} points"));
         }
         let is_side = |key: &&&str| side_of(key).is_some();
         let words: Vec<&str> = keys.iter().filter(|key| !is_side(key)).copied().collect();
-        let (read_as, marks) = meaning(keys);
+        let (read_as, of_keys) = meaning(keys);
+        let mut marks = own.or(of_keys);
+        if both {
+            marks.side = None;
+        }
         points.push(NamedPoint {
             name: words.join(" "),
             read_as,
             marks,
-            mirrored: false,
-            position: Ok(position),
+            mirrored: both,
+            position: position.map_err(|reason| format!("{}: {reason}", place(keys))),
             has_number: true,
             body: None,
             place: place(keys),
@@ -263,7 +327,7 @@ impl Reader {
         Ok(())
     }
 
-    /// Reads a unit or the axes from a text, if it states them.
+    /// Reads a unit of lengths or angles, or the axes, from a text whose keys announce them.
     fn word(&mut self, text: &str, keys: &[&str]) -> Result<(), String> {
         match keys.last().map(|key| key.to_ascii_lowercase()).as_deref() {
             _ if names_unit(keys) => {
@@ -306,7 +370,7 @@ impl Reader {
         Ok(())
     }
 
-    /// Lists a value of the wheel that is not a number.
+    /// Lists a value of the wheel that is not a number, and does nothing for other names.
     fn value_missing(&mut self, keys: &[&str], found: &str) {
         let (read_as, _) = meaning(keys);
         if figure(&read_as).is_some() {
@@ -321,6 +385,29 @@ impl Reader {
         self.table.declared = self.table.declared.and(declared, &place(keys))?;
         Ok(())
     }
+}
+
+/// True if keys name a hardpoint of any topology.
+fn names_hardpoint(keys: &[&str]) -> bool {
+    let (name, _) = meaning(keys);
+    let mut topologies = Topology::ALL.iter();
+    topologies.any(|topology| roles::read(&name, topology, Letters::default()).is_some())
+}
+
+/// Returns the reason why three values are not coordinates. `None` if all are numbers, or if they are not three single values.
+fn fault<'n>(values: impl IntoIterator<Item = &'n Node>) -> Option<String> {
+    let values: Vec<&Node> = values.into_iter().collect();
+    let is_single = |node: &&Node| !matches!(node, Node::List(_) | Node::Table(_));
+    if values.len() != 3 || !values.iter().all(is_single) {
+        return None;
+    }
+    let wrong = values
+        .into_iter()
+        .find(|node| !matches!(node, Node::Number(_)))?;
+    Some(match wrong {
+        Node::Text(text) => format!("expected three numbers, found {text:?}"),
+        _ => "expected three numbers, found a value that is not a number".to_owned(),
+    })
 }
 
 /// True if keys name the unit of angles: "angle_unit", "units.angle", "angles".
@@ -364,63 +451,35 @@ pub(super) fn position(node: &Node) -> Option<[f64; 3]> {
             [Node::Number(x), Node::Number(y), Node::Number(z)] => Some([x, y, z]),
             _ => None,
         },
-        Node::Table(entries) if entries.len() == 3 => components(entries),
+        Node::Table(entries) if entries.len() == 3 => three(entries).and_then(numbers),
         _ => None,
     }
 }
 
-/// Numbers under x, y and z. Each key must occur exactly once.
-fn components(entries: &[(String, Node)]) -> Option<[f64; 3]> {
-    let component = |axis: &str| {
-        let mut found = entries
-            .iter()
-            .filter(|(key, _)| key.eq_ignore_ascii_case(axis));
+/// Values of x, y and z. `None` if one of these keys is missing or repeated.
+fn three(entries: &[(String, Node)]) -> Option<[&Node; 3]> {
+    let value = |axis: &str| {
+        let mut found = entries.iter().filter(|(key, _)| is_any(key, &[axis]));
         match (found.next(), found.next()) {
-            (Some((_, Node::Number(number))), None) => Some(*number),
+            (Some((_, node)), None) => Some(node),
             _ => None,
         }
     };
-    Some([component("x")?, component("y")?, component("z")?])
+    Some([value("x")?, value("y")?, value("z")?])
+}
+
+/// Three values as numbers. `None` if one is not a number.
+fn numbers(three: [&Node; 3]) -> Option<[f64; 3]> {
+    match three {
+        [Node::Number(x), Node::Number(y), Node::Number(z)] => Some([*x, *y, *z]),
+        _ => None,
+    }
+}
+
+/// True if a key is one of these words, in any case.
+fn is_any(key: &str, words: &[&str]) -> bool {
+    words.iter().any(|word| key.eq_ignore_ascii_case(word))
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_point_is_a_list_or_a_table_and_its_name_the_way_to_it() {
-        for text in [
-            r#"{"lower arm front": [1, 2.5, -3e1]}"#,
-            r#"{"lower arm": {"front": {"z": -30, "X": 1, "y": 2.5}}}"#,
-            r#"[{"name": "lower arm front", "x": 1, "y": 2.5, "z": -30, "note": "?"}]"#,
-            r#"{"lower": {"arm": {"front": [1, 2.5, -30]}, "inertia": [1, 2], "fixed": true}}"#,
-        ] {
-            let table = points_of(&of_json(text).unwrap()).unwrap().unwrap();
-            let [point] = &table.points[..] else {
-                panic!("{text}: {table:?}")
-            };
-            assert_eq!(point.name, "lower arm front", "{text}");
-            assert_eq!(point.position, Ok([1.0, 2.5, -30.0]), "{text}");
-        }
-    }
-
-    #[test]
-    fn repeated_keys_stay_two_points_and_what_is_no_map_is_refused() {
-        let read = |text: &str| points_of(&of_json(text)?);
-        let table = read(r#"{"units": "mm", "a": [1, 2, 3], "a": [1, 2, 4], "mass": 3}"#);
-        let table = table.unwrap().unwrap();
-        assert_eq!((table.points.len(), table.figures.len()), (2, 1));
-        assert_eq!(table.unit, FileUnit::named("mm"));
-        assert_eq!(read("{}").unwrap(), None);
-        assert_eq!(read("[1, 2]").unwrap(), None);
-        let deep = "[".repeat(100_000);
-        for wrong in [
-            "{",
-            "{\"a\": [1, 2, 1e999]}",
-            r#"{"unit": "furlong"}"#,
-            &deep,
-        ] {
-            assert!(read(wrong).is_err());
-        }
-    }
-}
+mod tests;

@@ -11,15 +11,15 @@
 //! | unit and values | `unit`, `angle_unit`, `angle_remark`, `figure_names`, `figures` |
 //! | axes and side, and the half track | `axes`, `place`, `optimum`, `slips` |
 //! | completeness, bodies, bushings, parts that are left out | `complete`, `seats`, `bushings` |
-//! | a study that runs, or those of a car | `compose`, `car` |
+//! | a study that runs, or the studies of a car | `compose`, `car` |
 //!
 //! An export starts from [`Outgoing`], a study in the unit and the axes of a file (after `rounding`). From it `export` (tables),
 //! `curve_columns`, `subsystem`, `optimum_table`, `suspensions_ini`, `property_file`, `centre_lines` and `envelope` write files.
 //!
 //! [`read_points`] makes the table, [`import()`] makes the wheel, and [`Imported::study`] makes the study. If the file's axes are
 //! a convention of studies, the study keeps them. Then every coordinate is exactly the number in the file. Otherwise only the
-//! order and the signs of the coordinates change. If the file's origin is at the wheel, the importer moves the points outboard by
-//! the half track.
+//! order and the signs of the coordinates change. Coordinates in cm, dm or ft are converted. If the file's origin is at the wheel,
+//! the importer moves the points outboard by the half track.
 
 mod adams;
 mod adams_bushings;

@@ -8,7 +8,7 @@
 use super::table::Marks;
 use crate::model::{AxlePosition, Side, Topology};
 
-/// Longest name. A longer text is not a name.
+/// Longest name, in bytes. A longer text is not a name.
 const LONGEST: usize = 300;
 
 /// Words of names with their meanings. The meaning is empty if the word can be ignored.
@@ -103,8 +103,8 @@ const SPELT: &[(&str, &str)] = &[
 /// Words that can occur in any name without a change of its meaning.
 const ANYWHERE: &[&str] = &["mount", "end"];
 
-/// Hardpoints with the words of their names. All words must occur, in any order; words after `?` are optional. If there are
-/// several patterns, one must match.
+/// Hardpoints with the words of their names. All words must occur, in any order; a word with `?` is optional. Other words may not
+/// occur, except those in [`ANYWHERE`]. If there are several patterns, one must match.
 const PATTERNS: &[(&str, &str)] = &[
     ("lower_arm_front", "lower arm front ?inner"),
     ("lower_arm_rear", "lower arm rear ?inner"),
@@ -277,7 +277,20 @@ pub(super) fn marks_of_title(text: &str) -> Option<Marks> {
     (!marks.is_empty()).then_some(marks)
 }
 
-/// Splits a text into lower-case words. A word ends at a punctuation mark, or where a capital follows a small letter.
+/// Wheel and axle in an entry such as "left", "FL" or "rear", and true if the entry means both wheels. `None` for other texts.
+pub(super) fn marks_of_entry(text: &str) -> Option<(Marks, bool)> {
+    match cut(text).join(" ").as_str() {
+        "left right" | "both" | "symmetric" | "l r" => Some((Marks::default(), true)),
+        "single" | "centre" | "center" | "" => Some((Marks::default(), false)),
+        _ => marks_of_title(text).map(|marks| (marks, false)),
+    }
+}
+
+/// Expected entries of a cell or key that names the wheel or the axle, for messages.
+pub(super) const KNOWN_MARKS: &str = "left, right, left/right, front, rear, FL, FR, RL or RR";
+
+/// Splits a text into lower-case words. A word ends at a punctuation mark, or where a capital follows a small letter. A text that
+/// is too long for a name has no words.
 pub(super) fn cut(text: &str) -> Vec<String> {
     if text.len() > LONGEST {
         return Vec::new();
@@ -307,7 +320,7 @@ pub(super) fn cut(text: &str) -> Vec<String> {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Words {
     words: Vec<&'static str>,
-    /// Number of words that are not in the table.
+    /// Number of words that are not in the table, and 1 for a text without words.
     pub(super) unknown: usize,
 }
 
@@ -337,7 +350,7 @@ impl Words {
         self.words.iter().filter(|w| end_of(w).is_some()).count()
     }
 
-    /// Splits off the first "front" or "rear" as the name of the axle.
+    /// Splits off the first "front" or "rear" as the name of the axle. `None` if neither occurs.
     pub(super) fn without_axle(&self) -> Option<(AxlePosition, Words)> {
         let at = self.words.iter().position(|word| end_of(word).is_some())?;
         let axle = end_of(self.words[at])?;

@@ -82,7 +82,7 @@ pub(super) fn rod(topology: &Topology, axes: Axes, picked: &mut [Picked], notes:
     );
 }
 
-/// Computes the wheel centre from the contact point.
+/// Computes the wheel centre from the contact point. `None` without a half track or a radius. Missing angles are 0.
 pub(super) fn wheel_centre(
     placed: Placed,
     figures: &Figures,

@@ -47,7 +47,8 @@ impl<'s> Outgoing<'s> {
         }
     }
 
-    /// Prepares a study with the rounded coordinates, which are exact in the unit of the grid.
+    /// Prepares a study with the rounded coordinates of its wheel, which are exact in the unit of the grid. The right wheel of an
+    /// axle with its own points is not rounded.
     pub fn rounded(
         study: &'s Study,
         rounded: &Rounded,
@@ -172,7 +173,8 @@ impl<'s> Outgoing<'s> {
         })
     }
 
-    /// Angles in the study's text. A missing angle equals the angle of the left wheel, or 0.
+    /// Camber and toe in the study's text, in degrees. A missing angle equals the angle of the left wheel, or 0. `None` if the text
+    /// has no section for the wheel.
     fn written_angles(&self, side: Side) -> Option<[f64; 2]> {
         let document = Document::parse(self.study.text.as_str()).ok()?;
         let wheel = document.get("wheel");

@@ -217,7 +217,7 @@ fn left_handed(reason: String, choices: Vec<(&'static str, String)>) -> Refusal 
     })
 }
 
-/// Axes that the points show. If the side of the wheel is not known, the side for which the axes are right-handed.
+/// Axes that the points show. If the side of the wheel is not known, the function takes the side with right-handed axes.
 fn shown_axes(reading: &Reading, side: Option<Side>) -> Axes {
     let axes = of_reading(reading, side.unwrap_or(Side::Left));
     if side.is_none() && !axes.is_right_handed() {

@@ -1,5 +1,7 @@
 //! Rows of a table: named points, values, and titles that give the wheel or axle of the rows below them.
 
+mod names_beside;
+mod surplus;
 mod unit_line;
 mod values;
 
@@ -9,11 +11,11 @@ use super::cell::{Cell, Sheet};
 use super::decimals::{Decimals, plain_number};
 use super::figure_names::{FigureKind, figure};
 use super::header::{self, Columns, Triple, header, text};
-use super::names::{cut, marks_of_title, side_of};
+use super::names::{KNOWN_MARKS, cut, marks_of_entry, marks_of_title, side_of};
 use super::table::{Figure, Marks, NamedPoint, PointTable};
 use super::unit::{FileUnit, KNOWN_UNITS};
 use crate::model::{FrameConvention, LengthUnit};
-use unit_line::{unit_above, unit_row, unknown_above, without_brackets};
+use unit_line::{unit_above, unit_below, unit_row, unknown_above, without_brackets};
 
 /// Reads the points of a table. `None` if it has no points.
 pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
@@ -32,6 +34,7 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
             }
             table.unit = table.unit.or(found.unit);
             table.declared = table.declared.and(found.declared, &sheet.row_place(*row))?;
+            names_beside::refuse(sheet, *row, &found.columns)?;
             is_header[place] = true;
             columns = Some(found.columns);
         }
@@ -58,14 +61,9 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
         return Ok(None);
     };
     let decimals = Decimals::of(sheet, &first)?;
-    if decimals.inches {
-        if table
-            .unit
-            .is_some_and(|unit| unit != FileUnit::of(LengthUnit::Inch))
-        {
-            return Err("coordinates have inch marks, but the file states another unit".to_owned());
-        }
-        table.unit = Some(FileUnit::of(LengthUnit::Inch));
+    let inch = FileUnit::of(LengthUnit::Inch);
+    if decimals.inches && table.unit.replace(inch).is_some_and(|unit| unit != inch) {
+        return Err("coordinates have inch marks, but the file states another unit".to_owned());
     }
     // Each header applies to the rows below it.
     let mut reader = Rows {
@@ -74,6 +72,7 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
         columns: (!has_header).then_some(first),
         last_title: None,
         section: Marks::default(),
+        nameless: Vec::new(),
         table,
     };
     for (place, row) in rows.iter().enumerate() {
@@ -90,6 +89,7 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
             reader.row(*row)?;
         }
     }
+    reader.list_nameless();
     let table = reader.table;
     if table.points.iter().all(|point| point.position.is_err()) {
         return Ok(None);
@@ -106,6 +106,8 @@ struct Rows<'a> {
     last_title: Option<u32>,
     /// Wheel and axle of the last title. They apply to the rows below it.
     section: Marks,
+    /// Rows with coordinates but without a name.
+    nameless: Vec<u32>,
     table: PointTable,
 }
 
@@ -117,7 +119,9 @@ impl Rows<'_> {
             .row(row)
             .any(|(_, cell)| self.decimals.number(cell).is_ok());
         let Some(columns) = self.columns.clone() else {
-            self.value_beside(row, |name| figure(name).is_some());
+            if !self.value_beside(row, |name| figure(name).is_some()) {
+                self.value_missing(row);
+            }
             return self.title(row, &texts, true);
         };
         let triples = columns.triples.iter();
@@ -125,8 +129,11 @@ impl Rows<'_> {
             .map(|triple| triple.columns.map(|column| sheet.cell(row, column)))
             .collect();
         let filled = numbers.iter().flatten().flatten().count();
-        if let Some(word) = unit_row(&numbers) {
-            return self.unit(row, word);
+        if let Some(words) = unit_row(&numbers) {
+            return words.into_iter().try_for_each(|word| self.unit(row, word));
+        }
+        if !has_number && self.line(row, &texts)? {
+            return Ok(());
         }
         let own_name = sheet.cell(row, columns.name);
         let decimals = self.decimals;
@@ -140,11 +147,15 @@ impl Rows<'_> {
         // Files write values of the wheel in the first column, even if another column has the names of points.
         let first = texts.first().copied().filter(|text| figure(text).is_some());
         let Some(name) = own_name.or(first.filter(|_| has_number)) else {
-            return if has_number {
-                Ok(())
-            } else {
-                self.title(row, &texts, false)
-            };
+            if !has_number {
+                return self.title(row, &texts, false);
+            }
+            let is_point =
+                |cells: &[Option<&Cell>; 3]| cells.iter().all(|c| c.is_some_and(is_number));
+            if numbers.iter().any(is_point) {
+                self.nameless.push(row);
+            }
+            return Ok(());
         };
         let is_line = !has_number && figure(name).is_none() && of_line(&texts).is_some();
         if filled == 0 || is_line {
@@ -161,9 +172,38 @@ impl Rows<'_> {
         if !has_number && self.attachment(&texts) {
             return Ok(());
         }
+        self.named_row(row, name, &columns, &numbers)
+    }
+
+    /// Reads a line about the whole table, in a row without numbers. Returns false for other rows.
+    fn line(&mut self, row: u32, texts: &[&str]) -> Result<bool, String> {
+        // The lines above the first point of a table without a header state units and axes, as above a header.
+        let is_above = self.last_title.is_none() && self.table.points.is_empty();
+        let unit = unit_below(texts);
+        if let Some(unit) = unit {
+            self.stated_unit(row, unit)?;
+        } else if is_above && texts.len() < 4 {
+            self.value_missing(row);
+        } else {
+            return Ok(false);
+        }
+        self.title(row, texts, is_above)?;
+        Ok(true)
+    }
+
+    /// Adds the points or the values of a row with a name.
+    fn named_row(
+        &mut self,
+        row: u32,
+        name: &str,
+        columns: &Columns,
+        numbers: &[[Option<&Cell>; 3]],
+    ) -> Result<(), String> {
         self.check_decimals(row)?;
-        self.frame(row, &columns)?;
-        let marks = self.marks(row, &columns)?;
+        self.frame(row, columns)?;
+        let marks = self.marks(row, columns)?;
+        let decimals = self.decimals;
+        let is_number = |cell: &Cell| decimals.number(cell).is_ok();
         let alone = |cells: &[Option<&Cell>; 3]| {
             cells.iter().flatten().count() <= 1
                 && (cells[0].is_some() || cells.iter().all(Option::is_none))
@@ -181,15 +221,15 @@ impl Rows<'_> {
         };
         let is_value = is_figure || numbers.iter().all(has_unit);
         if numbers.iter().all(alone) || (is_value && most == 1) {
-            return self.figures(row, name, &columns, &numbers, marks.0);
+            return self.figures(row, name, columns, numbers, marks.0);
         }
         if is_figure && most == 2 {
-            let place = sheet.row_place(row);
+            let place = self.sheet.row_place(row);
             let line = format!("{name} ({place}): the row has two numbers; expected one");
             self.table.left_out.push(line);
             return Ok(());
         }
-        self.points(row, name, (&columns, &numbers), marks)
+        self.points(row, name, (columns, numbers), marks)
     }
 
     /// Adds the points of a row, one for each group of coordinates with numbers. `marks` are the wheel and the axle that the row
@@ -237,53 +277,18 @@ impl Rows<'_> {
         Ok(())
     }
 
-    /// Refuses a row that has more numbers than the table has column titles, if a comma in it is probably not a separator. The
-    /// comma may be the decimal sign, or may group the digits of a number.
-    fn check_decimals(&self, row: u32) -> Result<(), String> {
-        let Some(last) = self.last_title else {
-            return Ok(());
-        };
-        let cells = self.sheet.row(row);
-        let numbers = cells.filter_map(|(column, cell)| {
-            let number = self.decimals.number(cell).ok()?;
-            Some((column, number))
-        });
-        let numbers: Vec<(u32, f64)> = numbers.collect();
-        let surplus = numbers.iter().filter(|(column, _)| *column > last).count();
-        // If commas separate the cells, "1,130.5" is read as two numbers: 1 and 130.5.
-        let mut pairs = numbers.windows(2).map(|pair| [pair[0].1, pair[1].1]);
-        let groups = |[left, right]: [f64; 2]| {
-            left != 0.0 && left.fract() == 0.0 && left.abs() < 1e3 && (0.0..1e3).contains(&right)
-        };
-        if surplus == 1 && pairs.any(groups) && !self.is_usual_beyond(last) {
-            return Err(format!(
-                "{}: one number has no column title. If a comma groups the digits of a number (1,130), remove it",
-                self.sheet.row_place(row)
-            ));
+    /// Lists rows with coordinates but without a name.
+    fn list_nameless(&mut self) {
+        if let [first, others @ ..] = &self.nameless[..] {
+            let more = match others.len() {
+                0 => String::new(),
+                count => format!(" and {count} more"),
+            };
+            let place = self.sheet.row_place(*first);
+            self.table
+                .left_out
+                .push(format!("{place}{more}: coordinates without a name"));
         }
-        if surplus < 2 || numbers.iter().any(|(_, number)| number.fract() != 0.0) {
-            return Ok(());
-        }
-        Err(format!(
-            "{}: {surplus} numbers have no column title. If the decimal sign is a comma, separate \
-             the cells by semicolons",
-            self.sheet.row_place(row)
-        ))
-    }
-
-    /// True if most rows with numbers also have a number beyond the last title. Then the sheet has a column without a
-    /// title.
-    fn is_usual_beyond(&self, last: u32) -> bool {
-        const EXAMINED: usize = 100;
-        let is_number = |cell: &Cell| self.decimals.number(cell).is_ok();
-        let (mut rows, mut beyond) = (0, 0);
-        for row in self.sheet.rows().into_iter().take(EXAMINED) {
-            let columns = self.sheet.row(row).filter(|(_, cell)| is_number(cell));
-            let columns: Vec<u32> = columns.map(|(column, _)| column).collect();
-            rows += usize::from(columns.len() > 2);
-            beyond += usize::from(columns.iter().any(|column| *column > last));
-        }
-        2 * beyond > rows
     }
 
     /// Wheel and axle of the section, for a name without a side.
@@ -301,7 +306,7 @@ impl Rows<'_> {
         }
     }
 
-    /// Reads a row without numbers: a title, or a line with the unit or the axes.
+    /// Reads a row without numbers: a title, a line with the unit of angles or, above the points, a line with the unit or the axes.
     fn title(&mut self, row: u32, texts: &[&str], is_above: bool) -> Result<(), String> {
         let marks = texts.iter().filter_map(|text| marks_of_title(text));
         let marks = marks.fold(Marks::default(), Marks::or);
@@ -341,6 +346,12 @@ impl Rows<'_> {
         let place = self.sheet.row_place(row);
         let found = FileUnit::named(without_brackets(word))
             .ok_or_else(|| format!("{place}: the unit is {word:?}; expected {KNOWN_UNITS}"))?;
+        self.stated_unit(row, found)
+    }
+
+    /// Stores the unit of a row. Refuses a unit that differs from that of other rows.
+    fn stated_unit(&mut self, row: u32, found: FileUnit) -> Result<(), String> {
+        let place = self.sheet.row_place(row);
         if self.table.unit.is_some_and(|known| known != found) {
             return Err(format!(
                 "{place}: the unit {} differs from the unit above",
@@ -398,21 +409,15 @@ impl Rows<'_> {
             let Some(cell) = self.sheet.cell(row, *column) else {
                 continue;
             };
-            let words = text(cell).map(|text| cut(text).join(" "));
-            match words.as_deref() {
-                Some("left right" | "both" | "symmetric" | "l r") => both = true,
-                Some("single" | "centre" | "center" | "") => (),
-                Some(words) if marks_of_title(words).is_some() => {
-                    marks = marks.or(marks_of_title(words).unwrap_or_default());
-                }
-                _ => {
-                    return Err(format!(
-                        "{}: the wheel or axle is {}; expected left, right, left/right, front, rear, FL, FR, RL or RR",
-                        self.sheet.place(row, *column),
-                        shown(cell)
-                    ));
-                }
-            }
+            let (found, is_for_both) = text(cell).and_then(marks_of_entry).ok_or_else(|| {
+                format!(
+                    "{}: the wheel or axle is {}; expected {KNOWN_MARKS}",
+                    self.sheet.place(row, *column),
+                    shown(cell)
+                )
+            })?;
+            marks = marks.or(found);
+            both |= is_for_both;
         }
         Ok((marks, both))
     }

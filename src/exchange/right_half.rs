@@ -7,8 +7,8 @@ use super::refusal::Refusal;
 use crate::model::{Side, Topology};
 use crate::report::brief;
 
-/// Returns the hardpoints that the file gives for the right half, without those that are mirror images of the left half.
-/// `left` is the left half in the axes of the file.
+/// Returns the hardpoints that the file gives for the right half, without exact mirror images of the left half. `left` is the left
+/// half in the axes of the file.
 pub(super) fn own(
     topology: &'static Topology,
     named: &[Named<'_>],
@@ -58,7 +58,7 @@ pub(super) fn own(
 }
 
 /// Describes the points of the other wheel that differ from the mirror images of the imported wheel's points. `None` if the file has
-/// no other wheel, or exact mirror images. `picked` are the points as written in the file.
+/// no other wheel, or mirror images within rounding errors. `picked` are the points as written in the file.
 pub(super) fn differs(
     named: &[Named<'_>],
     corner: Corner,

@@ -72,8 +72,8 @@ const OPTIMUM: &[(&str, &str)] = &[
     ("nsma ppatt pnt", "pushrod_outer"),
     ("nsma ppatt", "pushrod_outer"),
     ("rock rod pnt", "pushrod_inner"),
-    ("chas roc axi", "rocker_pivot_front"),
-    ("chas roc piv", "rocker_pivot_rear"),
+    ("chas roc axi", "rocker_pivot_rear"),
+    ("chas roc piv", "rocker_pivot_front"),
     ("chas att pnt", "spring_upper"),
     ("rock coi pnt", "spring_lower"),
     ("nsma ubar att pnt", "drop_link_outer"),
@@ -114,7 +114,7 @@ fn optimum(words: &[String]) -> Option<(&'static str, Marks)> {
     Some((hardpoint, marks))
 }
 
-/// Wheel and axle that a name states for any topology.
+/// Wheel and axle in a name that means a hardpoint of some topology. Empty for other names.
 pub(super) fn marks(name: &str, letters: Letters) -> Marks {
     let read = Topology::ALL
         .iter()
@@ -244,7 +244,7 @@ fn readings(words: &[String], letters: Letters) -> Vec<(Vec<String>, Marks)> {
     all
 }
 
-/// Removes sides at the start or the end, and returns them.
+/// Removes one wheel, such as `L` or `FL`, at the start or else at the end, and returns it.
 fn stripped(mut words: Vec<String>) -> (Vec<String>, Marks) {
     let mut marks = Marks::default();
     for at_end in [false, true] {
@@ -307,7 +307,7 @@ pub(super) fn body_of(text: &str, topology: &Topology) -> Option<&'static str> {
     }
 }
 
-/// Axles that occur in a list of marks, each once.
+/// Axles that occur in a list of marks, each once, the front axle first.
 pub(super) fn axles(marks: impl Iterator<Item = Marks>) -> Vec<AxlePosition> {
     let mut axles: Vec<AxlePosition> = Vec::new();
     for axle in marks.filter_map(|marks| marks.axle) {
@@ -343,7 +343,7 @@ mod tests {
     const RIGHT: Option<Side> = Some(Side::Right);
 
     /// Names of points of a double wishbone.
-    const CASES: [Case; 28] = [
+    const CASES: [Case; 30] = [
         (&[], "hpl_lca_front", "lower_arm_front", LEFT, None, None),
         (&SIDED, "LCA front R", "lower_arm_front", RIGHT, None, None),
         (
@@ -439,6 +439,8 @@ mod tests {
             Some("rocker"),
         ),
         (&[], "NSMA_PPAttPnt_L", "pushrod_outer", LEFT, None, None),
+        (&[], "CHAS_RocPiv_L", "rocker_pivot_front", LEFT, None, None),
+        (&[], "CHAS_RocAxi_L", "rocker_pivot_rear", LEFT, None, None),
         (
             &[],
             "Front NSMA_UBarAttPnt_L",

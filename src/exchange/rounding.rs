@@ -192,14 +192,20 @@ impl Grid {
         length / self.step
     }
 
-    /// Length of this number of steps. A decimal grid gives the shortest decimal: 3 x 0.1 is 0.3.
+    /// Length of this number of steps. A step with up to 9 decimals gives the shortest decimal: 3 x 0.1 is 0.3.
     fn length(&self, steps: f64) -> f64 {
         let parts = (1.0 / self.step).round();
         if parts >= 1.0 && 1.0 / parts == self.step {
-            steps / parts
-        } else {
-            steps * self.step
+            return steps / parts;
         }
+        // The step is a whole number of tenths, hundredths, and so on.
+        for scale in [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9] {
+            let whole = (self.step * scale).round();
+            if whole / scale == self.step {
+                return steps * whole / scale;
+            }
+        }
+        steps * self.step
     }
 }
 
@@ -277,7 +283,7 @@ impl<'a> Problem<'a> {
         outside.collect()
     }
 
-    /// Moves each free coordinate into its range.
+    /// Moves each free coordinate into its range, if the range contains one of its neighbours on the grid.
     fn within_ranges(&self, steps: &[f64]) -> Vec<f64> {
         let mut within = steps.to_vec();
         for (coordinate, steps) in within.iter_mut().enumerate() {

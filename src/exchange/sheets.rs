@@ -1,5 +1,7 @@
-//! Finds the sheet of a workbook that has the points: the named sheet, the sheet of the requested axle, or the only one.
+//! Finds the sheet of a workbook that has the points: the named sheet, the only sheet with points, or the sheet of the requested
+//! axle.
 
+use super::corner::name_of;
 use super::names::{cut, marks_of_title};
 use super::refusal::{Question, Refusal};
 use super::source::NO_POINTS;
@@ -10,7 +12,8 @@ use crate::model::AxlePosition;
 /// Reads the points of a workbook. `wanted` is the name of the requested sheet, and `axle` is the requested axle.
 ///
 /// # Errors
-/// No sheet has points, the named sheet has no points, or several sheets have points and none is named.
+/// No sheet has points, the named sheet has no points, several sheets have points and none is named, or the only sheet with
+/// points is that of the other axle.
 pub(super) fn of_workbook(
     bytes: Vec<u8>,
     wanted: Option<&str>,
@@ -59,6 +62,18 @@ pub(super) fn of_workbook(
             first.unwrap_or_else(|| NO_POINTS.to_owned()),
         ));
     };
+    // If the points state no axle, the name of the sheet shows it.
+    if let (Some(asked), Some(own)) = (axle, axle_of(name))
+        && asked != own
+        && table.axles().is_empty()
+    {
+        let reasons: String = unreadable.iter().map(|line| format!("\n{line}")).collect();
+        return Err(Refusal::Wrong(format!(
+            "--axle {}: the only sheet with points that can be read is {name:?}, which is for the {} axle{reasons}",
+            name_of(asked),
+            name_of(own)
+        )));
+    }
     if is_by_axle {
         let others = with_points.into_iter().filter(|other| *other != name);
         table.notes.push(format!(
@@ -79,7 +94,7 @@ fn quoted<'n>(names: impl Iterator<Item = &'n str>) -> String {
     quoted.join(", ")
 }
 
-/// Axle in the name of a sheet.
+/// Axle in the name of a sheet. `None` if the name has no axle or both axles.
 fn axle_of(name: &str) -> Option<AxlePosition> {
     let words = cut(name);
     let has = |wanted: &str| words.iter().any(|word| word == wanted);

@@ -135,7 +135,8 @@ pub fn bytes_of(path: &Path) -> Result<Vec<u8>, String> {
     read_bytes(path, MOST_BYTES)
 }
 
-/// Decodes a text: UTF-8, or UTF-16 with a byte-order mark as spreadsheets write it, or else one byte per character.
+/// Decodes a text: UTF-8, or UTF-16 with a byte-order mark as spreadsheets write it, or else one byte per character. A zero
+/// character is an error.
 pub(super) fn decoded(bytes: &[u8]) -> Result<String, String> {
     let wide = |big: bool| {
         let units = bytes[2..].chunks_exact(2).map(|pair| {

@@ -52,7 +52,8 @@ pub fn subsystem(outgoing: &Outgoing<'_>) -> Written {
     }
 }
 
-/// Copy of a subsystem in which a study's hardpoints replace the coordinates in their rows. Everything else stays unchanged.
+/// Copy of a subsystem in which a study's hardpoints replace the coordinates in their rows. Everything else stays unchanged. For an
+/// axle, it writes only the left wheel.
 ///
 /// # Errors
 ///

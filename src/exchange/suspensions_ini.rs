@@ -301,7 +301,7 @@ impl<'a> Ini<'a> {
         self.outgoing.place(self.side, id)
     }
 
-    /// Coordinates of a point relative to the wheel centre.
+    /// Coordinates of a point relative to the wheel centre in metres: x inboard, y up, z forward.
     fn relative(&self, id: PointId) -> String {
         let from = self.outgoing.place(self.side, id) - self.centre();
         let metres = |length: f64| LengthUnit::Metre.convert(length, self.outgoing.unit) + 0.0;

@@ -152,7 +152,8 @@ impl PointTable {
     /// Topology that the file states for an axle.
     ///
     /// # Errors
-    /// The file states no topology. Or it states one for each axle, and no axle is chosen.
+    /// The file states no topology, or a kind of suspension that is not a topology of this program. Or it states one for each axle,
+    /// and no axle is chosen.
     pub fn topology(&self, axle: Option<AxlePosition>) -> Result<&'static Topology, Refusal> {
         let of_axle = |of: &Option<AxlePosition>| of.is_none() || axle.is_none() || *of == axle;
         let kinds: Vec<&Kind> = self
@@ -182,6 +183,11 @@ impl PointTable {
 
     /// True if the file has points of both axles.
     pub fn has_two_axles(&self) -> bool {
+        self.axles().len() == 2
+    }
+
+    /// Axles that the kinds of suspension and the points state.
+    pub(super) fn axles(&self) -> Vec<AxlePosition> {
         let kinds = self.kinds.iter().map(|(axle, _)| Marks {
             side: None,
             axle: *axle,
@@ -191,6 +197,6 @@ impl PointTable {
             let named = roles::marks(&point.read_as, letters);
             point.marks.or(named)
         });
-        roles::axles(kinds.chain(of_names)).len() == 2
+        roles::axles(kinds.chain(of_names))
     }
 }

@@ -1,7 +1,7 @@
 //! Finds the unit of a file's coordinates: the stated unit, or else the unit with which the points have the size of a
 //! car's suspension.
 //!
-//! Studies have mm, m and inches. Coordinates in other units are converted: centimetres to mm, feet to inches.
+//! Studies have mm, m and inches. Coordinates in other units are converted: centimetres and decimetres to mm, feet to inches.
 
 use super::ImportOptions;
 use super::corner::Picked;

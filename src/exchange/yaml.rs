@@ -1,8 +1,8 @@
 //! Reads YAML as a map, the input of `map`. It uses the events of the parser.
 //!
 //! It reads all of YAML 1.2 except aliases. An alias could expand to gigabytes, so it is refused with its line number. A plain
-//! scalar that matches the core schema's decimal forms is a number. Every other scalar is text, also a quoted number. If a file
-//! has several documents, all are read.
+//! scalar that matches the core schema's decimal forms is a number. The importer skips null, true, false and empty scalars. Every
+//! other scalar is text, also a quoted number. If a file has several documents, all are read.
 
 use super::map::Node;
 use saphyr_parser::{Event, Parser, ScalarStyle};

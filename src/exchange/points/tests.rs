@@ -153,3 +153,83 @@ fn contradictions_are_refused() {
     let twice = "name,FL x,FL y,FL z,FL x,FL y,FL z\na,1,2,3,4,5,6\n";
     assert!(refusal(twice).contains("one for each wheel"));
 }
+
+/// A row of units below the header, or a line with the key "unit" anywhere, states the unit of all coordinates.
+#[test]
+fn units_below_the_header_are_read_and_may_not_differ() {
+    let rows = "a,1,2,3\nb,4,5,6\n";
+    let inch = Some(FileUnit::of(LengthUnit::Inch));
+    for text in [
+        format!("name,x,y,z\nunit,in,in,in\n{rows}"),
+        format!("name,x,y,z\nunits,in,,\n{rows}"),
+        format!("name,x,y,z\n{rows}Units: inches\n"),
+        format!("name,x,y,z\n{rows}All dimensions in inches\n"),
+    ] {
+        let read = table(&text);
+        assert_eq!((read.unit, read.points.len()), (inch, 2), "{text}");
+    }
+    assert_eq!(
+        table(&format!("name,x,y,z\n{rows}Units: N/mm\n")).unit,
+        None
+    );
+    for text in [
+        format!("name,x,y,z\n,mm,mm,in\n{rows}"),
+        format!("name,x [mm],y [mm],z [mm]\n{rows}Units: inches\n"),
+    ] {
+        assert!(
+            refusal(&text).contains("differs from the unit above"),
+            "{text}"
+        );
+    }
+}
+
+#[test]
+fn rows_without_a_name_are_listed() {
+    let read = table("name,x,y,z\na,1,2,3\n,4,5,6\n,7,8,9\n,,,1\n");
+    assert_eq!(read.points.len(), 1);
+    assert_eq!(
+        read.left_out,
+        ["line 3 and 1 more: coordinates without a name"]
+    );
+}
+
+/// A value of the wheel above the header that cannot be read is listed.
+#[test]
+fn unreadable_values_above_the_header_are_listed() {
+    let read = table("Loaded radius,310 mm\nTrack\nname,x,y,z\na,1,2,3\n");
+    let line = "Loaded radius (line 1): expected one number in a cell of its own";
+    assert_eq!(
+        (read.figures.len(), read.left_out),
+        (0, vec![line.to_owned()])
+    );
+}
+
+/// Tables side by side may have their own columns of names. If the names differ, their rows belong to different points.
+#[test]
+fn different_names_side_by_side_are_refused() {
+    let head = ",FL,,,,FR,,\nname,x,y,z,name,x,y,z\n";
+    let same = table(&format!("{head}a,1,2,3,A,1,-2,3\n"));
+    assert_eq!(same.points.len(), 2);
+    let refused = refusal(&format!("{head}a,1,2,3,b,4,-5,6\nb,4,5,6,a,1,-2,3\n"));
+    assert!(
+        refused.starts_with("line 3: this row has different points"),
+        "{refused}"
+    );
+}
+
+/// The lines above a table without a header state its unit, its axes and its wheel.
+#[test]
+fn lines_above_a_table_without_a_header_are_read() {
+    let rows = "a 1 2 3\nb 4 5 6\n";
+    let read = table(&format!("# right side, in cm\nSAE axes\n{rows}"));
+    assert_eq!(read.unit, FileUnit::named("cm"));
+    let axes = read.declared.axes().and_then(|axes| axes.convention());
+    assert_eq!(axes, Some(FrameConvention::SaeJ670));
+    let sides: Vec<_> = read.points.iter().map(|point| point.marks.side).collect();
+    assert_eq!(sides, [Some(Side::Right); 2]);
+    let read = table(&format!("unit: parsec\n{}", rows.replace(' ', ",")));
+    assert!(
+        read.unknown_unit
+            .is_some_and(|unit| unit.contains("parsec"))
+    );
+}

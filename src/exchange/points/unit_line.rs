@@ -15,6 +15,23 @@ pub(super) fn unit_above(texts: &[&str]) -> Option<FileUnit> {
     words.find_map(|word| FileUnit::named(&word).filter(|_| word != "in" && word != "m"))
 }
 
+/// Unit in a line below a header: `Units: inches`, "All dimensions in mm".
+pub(super) fn unit_below(texts: &[&str]) -> Option<FileUnit> {
+    const FIRST: [&str; 6] = [
+        "all",
+        "unit",
+        "units",
+        "dimensions",
+        "lengths",
+        "coordinates",
+    ];
+    let first = cut(texts.first()?).into_iter().next()?;
+    // A line such as "Units: N/mm" is about rates.
+    let is_rate = texts.iter().any(|text| text.contains('/'));
+    let found = unit_above(texts).filter(|_| !is_rate);
+    found.filter(|_| FIRST.contains(&first.as_str()))
+}
+
 /// Unknown unit of length in the lines above a header, such as `units, parsec`.
 pub(super) fn unknown_above<'t>(texts: &[&'t str]) -> Option<&'t str> {
     let word = value_of_unit(texts)?;
@@ -22,7 +39,8 @@ pub(super) fn unknown_above<'t>(texts: &[&'t str]) -> Option<&'t str> {
     (is_word && unit_above(texts).is_none()).then_some(word)
 }
 
-/// Value of a line with the key "unit": `unit, mm`, `Units: cm`, `User Options, Length, centimeter, cm`.
+/// Value of a line with the key "unit" or, in OptimumKinematics, "Length": `unit, mm`, `Units: cm`,
+/// `User Options, Length, centimeter, cm`.
 fn value_of_unit<'t>(texts: &[&'t str]) -> Option<&'t str> {
     let (key, value) = match texts {
         [only] => only.split_once([':', '='])?,
@@ -40,15 +58,26 @@ fn value_of_unit<'t>(texts: &[&'t str]) -> Option<&'t str> {
     (is_key && is_length).then_some(without_brackets(value))
 }
 
+/// Text without brackets and spaces around it.
 pub(super) fn without_brackets(text: &str) -> &str {
     text.trim().trim_matches(['[', ']', '(', ')']).trim()
 }
 
-/// Unit in all three columns of coordinates, in a row of units below the header.
-pub(super) fn unit_row<'t>(numbers: &[[Option<&'t Cell>; 3]]) -> Option<&'t str> {
-    let texts = numbers.first()?.map(|cell| cell.and_then(text));
-    let [Some(x), Some(y), Some(z)] = texts else {
-        return None;
+/// Texts in the columns of coordinates, for a row of units below the header. `None` if one of the first three texts is missing or
+/// is not a unit.
+pub(super) fn unit_row<'t>(numbers: &[[Option<&'t Cell>; 3]]) -> Option<Vec<&'t str>> {
+    let is_unit = |cell: &Option<&'t Cell>| {
+        let word = cell.and_then(text).map(without_brackets);
+        word.is_some_and(|word| FileUnit::named(word).is_some())
     };
-    (x == y && y == z && FileUnit::named(without_brackets(x)).is_some()).then_some(x)
+    let is_row = numbers.first()?.iter().all(is_unit);
+    is_row.then(|| {
+        numbers
+            .iter()
+            .flatten()
+            .flatten()
+            .copied()
+            .filter_map(text)
+            .collect()
+    })
 }

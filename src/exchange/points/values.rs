@@ -1,7 +1,7 @@
 //! Values of the wheel among the rows of a table, for example its radius or its camber.
 
 use super::unit_line::without_brackets;
-use super::{Cell, Columns, Figure, Marks, Rows, figure, is_unit, plain_number, text};
+use super::{Cell, Columns, Figure, FigureKind, Marks, Rows, figure, is_unit, plain_number, text};
 
 impl Rows<'_> {
     /// Adds the value of a row without coordinates, if its first cell is a name and its second cell is the only number, as in
@@ -33,6 +33,27 @@ impl Rows<'_> {
             place,
         });
         true
+    }
+
+    /// Lists a value of the wheel whose row has a digit but not exactly one number, such as `Loaded radius, 310 mm`.
+    pub(super) fn value_missing(&mut self, row: u32) {
+        let mut cells = self.sheet.row(row).map(|(_, cell)| cell);
+        let name = cells.next().and_then(text);
+        let is_value =
+            |name: &&str| figure(name).is_some_and(|(kind, ..)| kind != FigureKind::ContactPoint);
+        let Some(name) = name.filter(is_value) else {
+            return;
+        };
+        let has_digit = |cell: &Cell| match cell {
+            Cell::Number(_) => true,
+            Cell::Text(text) => text.contains(|c: char| c.is_ascii_digit()),
+            Cell::Unusable(_) => false,
+        };
+        if cells.any(has_digit) {
+            let place = self.sheet.row_place(row);
+            let line = format!("{name} ({place}): expected one number in a cell of its own");
+            self.table.left_out.push(line);
+        }
     }
 
     /// Adds the values of a row, one for each group of columns.

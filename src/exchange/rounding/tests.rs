@@ -10,6 +10,10 @@ fn multiples_of_a_decimal_grid_are_decimals() {
         (0.5, -3.0, -1.5),
         (2.0, 7.0, 14.0),
         (0.001, 1234.0, 1.234),
+        (0.3, 3.0, 0.9),
+        (0.15, 3387.0, 508.05),
+        (1.1, 73.0, 80.3),
+        (2.5, -3.0, -7.5),
     ] {
         let unit = LengthUnit::Millimetre;
         assert_eq!(Grid { step, unit }.length(steps), length);

@@ -34,6 +34,7 @@ const MOST_UNPACKED: u64 = 32 << 20;
 
 const DAMAGED: &str = "the workbook is damaged";
 
+/// Unsigned integer of `width` bytes at position `at`, lowest byte first. `None` beyond the end.
 fn number(bytes: &[u8], at: usize, width: usize) -> Option<usize> {
     let field = bytes.get(at..at.checked_add(width)?)?;
     let digits = field.iter().rev();

@@ -1,5 +1,5 @@
 //! Reads XML as workbooks use it (W3C, Extensible Markup Language 1.0). It reads elements with attributes and text one after the
-//! other, in constant memory. It refuses document types, so no entity can expand.
+//! other, in bounded memory: a tag or a text has at most 1 MB. It refuses document types, so no entity can expand.
 
 use std::io::BufRead;
 
@@ -86,6 +86,13 @@ impl<R: BufRead> Markup<R> {
             } else if let Some(name) = tag.strip_prefix('/') {
                 return Ok(Some(Event::End(local(name.trim()).to_owned())));
             } else if !tag.starts_with('?') {
+                // A quoted value may contain `>`.
+                let mut quote = open_quote(None, &tag);
+                while quote.is_some() {
+                    let known = tag.len();
+                    tag = self.through(tag)?;
+                    quote = open_quote(quote, &tag[known..]);
+                }
                 let (tag, empty) = match tag.strip_suffix('/') {
                     Some(tag) => (tag, true),
                     None => (tag.as_str(), false),
@@ -97,7 +104,7 @@ impl<R: BufRead> Markup<R> {
         }
     }
 
-    /// Reads the text up to the end of the current element `name`. Tags inside are removed.
+    /// Reads the text up to the next end of an element `name`. Tags inside are removed.
     pub(super) fn text_of(&mut self, name: &str) -> Result<String, String> {
         let mut text = String::new();
         loop {
@@ -152,6 +159,16 @@ impl<R: BufRead> Markup<R> {
 
 const TOO_LONG: &str = "a text of the workbook is longer than 1 MB";
 
+/// Quotation mark that is open at the end of a part of a tag. `before` is the mark that is open at its start.
+fn open_quote(before: Option<char>, part: &str) -> Option<char> {
+    part.chars().fold(before, |open, c| match open {
+        Some(quote) if quote == c => None,
+        None if ['"', '\''].contains(&c) => Some(c),
+        other => other,
+    })
+}
+
+/// Name without the prefix of a namespace.
 fn local(name: &str) -> &str {
     name.rsplit_once(':').map_or(name, |(_, name)| name)
 }
@@ -259,6 +276,18 @@ mod tests {
         assert_eq!(
             (text.as_str(), raw.as_str(), last.as_str()),
             ("a&A", "<b>", "row")
+        );
+    }
+
+    #[test]
+    fn quoted_values_may_contain_the_end_of_a_tag() {
+        let read = events("<x a='[>1]\"' b=\"'>'\"/>y").unwrap();
+        let [Event::Start(x), Event::End(_), Event::Text(_)] = read.as_slice() else {
+            panic!("{read:?}");
+        };
+        assert_eq!(
+            (x.attribute("a"), x.attribute("b")),
+            (Some("[>1]\""), Some("'>'"))
         );
     }
 

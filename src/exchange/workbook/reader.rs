@@ -66,12 +66,12 @@ impl Workbook {
         })
     }
 
-    /// Names of the sheets.
+    /// Names of the sheets, without sheets that have no part in the archive's list of relations.
     pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
         self.sheets.iter().map(|(name, _)| name.as_str())
     }
 
-    /// Reads a sheet, by its index in the workbook.
+    /// Reads a sheet, by its index in [`Workbook::names`].
     pub(crate) fn sheet(&self, number: usize) -> Result<Sheet, String> {
         let sheet = self.sheets.get(number);
         let (name, member) = sheet.ok_or("the workbook has no such sheet")?;
@@ -117,7 +117,7 @@ impl Workbook {
         Ok(sheet)
     }
 
-    /// Reads the value of a cell after the start of its element.
+    /// Reads the value of a cell after the start of its element. `None` for an empty cell.
     fn cell<R: BufRead>(
         &self,
         markup: &mut Markup<R>,
@@ -314,8 +314,8 @@ fn place_of(place: &str) -> Option<(u32, u32)> {
     ))
 }
 
-/// Copies the text of merged cells to all of them. A number becomes unusable instead, because it would wrongly become a
-/// coordinate of several points.
+/// Copies the text of the first of several merged cells to all of them. A number becomes unusable in all of them, because it would
+/// wrongly become a coordinate of several points.
 fn merge(sheet: &mut Sheet, range: &str) -> Result<(), String> {
     let corners = range.split_once(':');
     let corners = corners.and_then(|(first, last)| Some((place_of(first)?, place_of(last)?)));

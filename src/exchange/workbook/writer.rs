@@ -37,7 +37,7 @@ const PACKAGE: &str = "http://schemas.openxmlformats.org/package/2006";
 const TYPE: &str = "application/vnd.openxmlformats-officedocument.spreadsheetml";
 const HEAD: &str = r#"<?xml version="1.0" encoding="UTF-8" standalone="yes"?>"#;
 
-/// Bytes of a workbook.
+/// Bytes of a workbook. Rows beyond the largest number of rows of a sheet are left out, so callers count the rows first.
 pub fn workbook(pages: &[Page]) -> Vec<u8> {
     let names = sheet_names(pages);
     let numbers = 1..=pages.len();

@@ -2,7 +2,7 @@
 
 use super::{Said, file, imported};
 use hardpoint::exchange::{Page, Value, workbook};
-use hardpoint::model::{FrameConvention, LengthUnit, Side};
+use hardpoint::model::{AxlePosition, FrameConvention, LengthUnit, Side};
 
 const TABLE: &str = "\
 name,x,y,z
@@ -217,6 +217,17 @@ fn sheets_are_chosen_by_name_or_by_their_points() {
         ..Said::default()
     };
     assert!(imported(&two, "macpherson", &said("rear")).is_ok());
+    // The only sheet with points is for the other axle.
+    let rear = Said {
+        axle: Some(AxlePosition::Rear),
+        ..Said::default()
+    };
+    let refused = imported(&one, "macpherson", &rear).unwrap_err();
+    assert!(
+        refused.contains("\"front\", which is for the front axle"),
+        "{refused}"
+    );
+    assert!(imported(&two, "macpherson", &rear).is_ok());
     assert!(
         imported(&two, "macpherson", &said("middle"))
             .unwrap_err()

@@ -6,7 +6,7 @@ mod raster;
 mod view;
 
 use super::chart::{
-    ChartGroup, Charted, Layout, Lettering, PICTURE_STYLE, SIZE, chart_groups, charts_over,
+    ChartGroup, Charted, Layout, Lettering, SIZE, chart_groups, charts_over, picture_style,
 };
 use super::record::Record;
 use super::run::{Run, Summary};
@@ -164,7 +164,7 @@ impl<'r> Sheet<'r> {
         if self.cells.iter().any(is_view) {
             style = [STYLE, view::STYLE].concat();
         }
-        style + &PICTURE_STYLE()
+        style + &picture_style()
     }
 
     /// Files of the picture, as SVG and PNG.

@@ -237,17 +237,20 @@ class LiveChart {
     });
   }
 
+  // Saves the chart as an SVG with its own background and styles. The page's security policy allows no style attributes in markup, so
+  // the script sets each property.
   save() {
     const copy = this.svg.cloneNode(true);
     copy.querySelectorAll('.cross, .ground').forEach((part) => part.remove());
     const [width, height] = this.layout.size;
     set(copy, { xmlns: 'http://www.w3.org/2000/svg', width, height, tabindex: null });
     const looks = ['color', 'fill', 'fill-opacity', 'stroke', 'stroke-width', 'stroke-dasharray', 'stroke-linecap', 'opacity', 'font', 'display', 'vector-effect'];
-    const own = [...this.svg.querySelectorAll('path, text')].filter((part) => !part.closest('.cross'));
-    [...copy.querySelectorAll('path, text')].forEach((part, k) => {
+    const own = [...this.svg.querySelectorAll('g, path, text')].filter((part) => !part.closest('.cross'));
+    [...copy.querySelectorAll('g, path, text')].forEach((part, k) => {
       const style = getComputedStyle(own[k]);
-      part.setAttribute('style', looks.map((name) => `${name}:${style.getPropertyValue(name)}`).join(';'));
+      for (const name of looks) part.style.setProperty(name, style.getPropertyValue(name));
     });
+    copy.prepend(svg('rect', { width, height, fill: getComputedStyle(root).getPropertyValue('--paper').trim() }));
     saveText(`${this.layout.key.replace(/[^\w.-]/g, '_')}.svg`, new XMLSerializer().serializeToString(copy), 'image/svg+xml');
   }
 }

@@ -213,8 +213,8 @@ class LiveChart {
     if (value !== undefined) this.follow(this.layout.x.column, value);
   }
 
-  // Draws the ticks of the visible part. The ticks of the whole chart are part of the page. The title of the axis contains the power
-  // of ten that the labels leave out.
+  // Draws the ticks of the visible part. The ticks of the whole chart are part of the page. The title of the axis contains the
+  // power of ten that the labels leave out.
   drawTicks(is) {
     this.zoomedAxes.replaceChildren();
     if (!is) return;
@@ -237,8 +237,8 @@ class LiveChart {
     });
   }
 
-  // Saves the chart as an SVG with its own background and styles. The page's security policy allows no style attributes in markup, so
-  // the script sets each property.
+  // Saves the chart as an SVG with its own background and styles. The page's security policy allows no style attributes in markup,
+  // so the script sets each property.
   save() {
     const copy = this.svg.cloneNode(true);
     copy.querySelectorAll('.cross, .ground').forEach((part) => part.remove());

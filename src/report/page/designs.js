@@ -16,8 +16,8 @@ const SCATTER = { size: [900, 520], box: [74, 52, 880, 462] };
 const axisOf = (k, isLog) => (isLog && columns[k].log_axis) || columns[k].axis;
 const shareOn = (axis, v) => (axis.is_log ? Math.log(v / axis.low) / Math.log(axis.high / axis.low) : (v - axis.low) / (axis.high - axis.low));
 
-// Shade of each design by its value in a column. All shades have the same number of designs. So a few extreme values do not leave all
-// other designs in one shade.
+// Shade of each design by its value in a column. All shades have the same number of designs. So a few extreme values do not leave
+// all other designs in one shade.
 const shadesBy = (k) => {
   const known = allRows.filter((row) => value(k, row) !== null).sort((a, b) => value(k, a) - value(k, b));
   const shades = new Map();

@@ -7,8 +7,8 @@ const PARALLEL = { size: [1180, 436], box: [50, 102, 1130, 396] };
 const TITLE = 1.8;
 const brushes = new Map();
 
-// Columns of the axes: variables with the largest effects, then up to three deviations from targets and the misfit. Without targets,
-// the gains follow the variables. The column that the user adds is last.
+// Columns of the axes: variables with the largest effects, then up to three deviations from targets and the misfit. Without
+// targets, the gains follow the variables. The column that the user adds is last.
 const parallelAxes = (state) => {
   const strength = (k) => Math.max(0, ...run.effects.map((o) => o.effects[k]?.share ?? 0));
   const variables = columns.map((_, k) => k).slice(0, first.variables);

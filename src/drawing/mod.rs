@@ -10,7 +10,7 @@ use crate::report::{DrawnDesign, Record};
 use crate::study::{Study, WheelStudy};
 
 /// Largest number of frames (poses) in the drawing, and of stations with sensitivities. The limit keeps the page small. It also
-/// saves time, because the program solves these stations a second time for the drawing.
+/// saves time, because the program solves these stations once more for the drawing and for the sensitivities.
 const MOST_FRAMES: usize = 400;
 /// Largest number of rack displacements among the frames of the drawing.
 const MOST_RACKS: usize = 9;
@@ -19,7 +19,7 @@ const MOST_RACKS: usize = 9;
 pub type Solved<'a> = (&'a str, &'a str, &'a WheelStudy, &'a Curves);
 
 impl Record {
-    /// Makes the record of a run. The sensitivities belong to the last design.
+    /// Makes the record of a run of one wheel. The sensitivities belong to the last design.
     ///
     /// # Errors
     /// If a design cannot be solved in the design position.

@@ -8,16 +8,20 @@ use crate::report::{CurveTable, DrawnDesigns, Record, SweepSummary, curves_csv};
 use crate::study::{Study, WheelStudy};
 use crate::sweep::SweepPlan;
 
-/// Largest number of designs that are shown in addition to the nominal design.
+/// Largest number of shown designs, without the nominal design.
 const MOST_DESIGNS: usize = 16;
-/// Largest number of stations of each design that is shown.
+/// Largest number of stations of each shown design.
 const MOST_STATIONS: usize = 45;
 /// Largest number of rack displacements among the stations of a design.
 const MOST_RACKS: usize = 3;
 
 impl DrawnDesigns {
-    /// Selects the best designs of a sweep, and some designs of its Pareto front. Without targets, it selects the designs
-    /// with the smallest or largest outputs. Designs that cannot be solved are left out. The nominal design comes first.
+    /// Selects the best designs of a sweep, and some designs of its Pareto front. Without targets, it selects the designs with the
+    /// smallest or largest outputs. Designs that cannot be solved in the design position are left out. The nominal design `own`
+    /// comes first.
+    ///
+    /// # Errors
+    /// If the nominal design cannot be solved in the design position.
     pub fn of(
         study: &Study,
         own: &WheelStudy,

@@ -5,7 +5,7 @@ use super::{Line, Scale};
 
 /// Longest label, in letters.
 const LONGEST: usize = 14;
-/// Height of a label.
+/// Smallest distance between two labels, downward.
 pub(super) const LABEL: f64 = 13.0;
 
 /// Shortens a text to at most `longest` letters.
@@ -17,7 +17,7 @@ pub(in crate::report) fn shortened(label: &str, longest: usize) -> String {
     }
 }
 
-/// Shortens a text to at most [`LONGEST`] letters, and keeps the end of the text.
+/// Shortens a text to at most [`LONGEST`] letters. Keeps its beginning and its end.
 fn without_middle(label: &str) -> String {
     let letters: Vec<char> = label.chars().collect();
     if letters.len() <= LONGEST {
@@ -28,7 +28,7 @@ fn without_middle(label: &str) -> String {
     first.iter().chain(&['…']).chain(last).collect()
 }
 
-/// Shortened labels of lines.
+/// Shortened labels of lines. `None` for a line without a label.
 pub(super) fn short_labels(lines: &[Line]) -> Vec<Option<String>> {
     let own = lines.iter().filter_map(|line| line.label.as_deref());
     let own: Vec<&str> = own.collect();
@@ -37,8 +37,8 @@ pub(super) fn short_labels(lines: &[Line]) -> Vec<Option<String>> {
     lines.iter().map(of_line).collect()
 }
 
-/// Shortens names to at most [`LONGEST`] letters. Names that would become equal lose the words with which they begin, or letters
-/// in their middle.
+/// Shortens names to at most [`LONGEST`] letters. If two names would become equal, all names lose the words with which all of them
+/// begin. If this is not enough, long names lose letters in their middle.
 pub(in crate::report) fn told_apart(names: &[&str]) -> Vec<String> {
     let clash = |names: &[String]| {
         names.iter().enumerate().any(|(k, a)| {
@@ -77,8 +77,8 @@ fn without_shared_words(names: &mut [String]) {
     }
 }
 
-/// Labels beside the ends of curves, without overlaps. If there is not enough space, only the first, the last and the emphasised
-/// curves have labels.
+/// Labels beside the ends of curves, without overlaps. The end of a curve is its point farthest to the right. If there is not
+/// enough space, only the first, the last and the emphasised curves have labels.
 pub(super) fn end_labels(
     lines: &[Line],
     texts: Vec<Option<String>>,

@@ -7,11 +7,12 @@ mod tests;
 use super::labels::{end_labels, short_labels};
 use super::{Chart, Line, Quantity, Scale, Wanted};
 use crate::report::curve_table::CurveTable;
+use crate::report::figure::power_of_ten;
 use serde::Serialize;
 
 /// Width and height of a chart.
 pub(in crate::report) const SIZE: [f64; 2] = [420.0, 350.0];
-/// Left and top of the plot within the chart.
+/// Smallest left end and smallest top of the plot within the chart.
 const START: [f64; 2] = [68.0, 48.0];
 /// Height of a line of remarks. The first line needs no further space.
 const NOTE_LINE: f64 = 14.0;
@@ -19,12 +20,12 @@ const NOTE_LINE: f64 = 14.0;
 const BELOW: f64 = 44.0;
 /// Height of the strip of deviations, including the gap above it.
 const STRIP: f64 = 44.0;
-/// Width of a letter in labels.
+/// Width of a letter in labels of curves and ticks.
 const LETTER: f64 = 7.0;
 /// Width of a letter in remarks below the name.
 const NOTE_LETTER: f64 = 6.5;
 
-/// Layout of a chart. Positions are in picture units.
+/// Layout of a chart. Positions are in picture units, with y downward.
 #[derive(Clone, Debug, Serialize)]
 pub(in crate::report) struct Layout {
     /// Name of the chart.
@@ -33,7 +34,7 @@ pub(in crate::report) struct Layout {
     pub size: [f64; 2],
     /// Left, top, right and bottom of the plot.
     pub plot: [f64; 4],
-    /// Top and bottom of the strip of deviations.
+    /// Top and bottom of the strip of deviations. `None` without a strip.
     pub strip: Option<[f64; 2]>,
     /// Horizontal axis.
     pub x: AxisLayout,
@@ -43,7 +44,7 @@ pub(in crate::report) struct Layout {
     pub lines: Vec<LineLayout>,
     /// Labels at the ends of curves.
     pub labels: Vec<EndLabel>,
-    /// Points of each target: position on the horizontal axis, lower limit and upper limit.
+    /// Points of each target: value on the horizontal axis, lower limit and upper limit.
     pub wanted: Vec<Vec<Limit>>,
     #[serde(skip)]
     chart: Chart,
@@ -68,7 +69,7 @@ pub(in crate::report) struct Layout {
 struct Deviations {
     /// Index of the curve.
     line: usize,
-    /// Position on the horizontal axis, and deviation.
+    /// Value on the horizontal axis, and deviation.
     points: Vec<[f64; 2]>,
 }
 
@@ -81,13 +82,13 @@ struct Remark {
     at: f64,
 }
 
-/// Position on the horizontal axis, lower limit and upper limit of a target.
+/// Value on the horizontal axis, lower limit and upper limit of a target.
 type Limit = (f64, Option<f64>, Option<f64>);
 
 /// An axis with its ticks.
 #[derive(Clone, Debug, Serialize)]
 pub(in crate::report) struct AxisLayout {
-    /// Column of the axis. Empty if the axis shows several columns.
+    /// Column of the axis. For the same output of both wheels, the column of the first one.
     pub column: String,
     /// Readable name.
     pub name: String,
@@ -99,7 +100,11 @@ pub(in crate::report) struct AxisLayout {
     pub high: f64,
     /// True for a logarithmic scale.
     pub is_log: bool,
-    /// Positions and labels of the ticks.
+    /// Power of ten that the labels of the ticks leave out.
+    pub power: i32,
+    /// Title of the axis: name, unit, and power of ten of the labels.
+    pub title: String,
+    /// Positions and labels of the ticks. A label times the power of ten is the value.
     pub ticks: Vec<(f64, String)>,
 }
 
@@ -224,7 +229,7 @@ impl Chart {
 }
 
 impl AxisLayout {
-    /// Axis of length 1 that shows these values.
+    /// Axis that shows these values. The positions of its ticks are fractions of the axis.
     pub(in crate::report) fn unit(quantity: &Quantity, values: impl Iterator<Item = f64>) -> Self {
         let ends = [0.0, 1.0];
         let scale = if quantity.is_log {
@@ -243,6 +248,8 @@ impl AxisLayout {
             low: scale.low,
             high: scale.high,
             is_log: scale.is_log,
+            power: scale.power(),
+            title: in_power(&quantity.title(), scale.power()),
             ticks: scale.ticks(),
         }
     }
@@ -262,7 +269,19 @@ impl LineLayout {
     }
 }
 
-/// Deviations of the curves in the strip from each target, at the positions of the target.
+/// Adds the power of ten of the ticks to an axis title: `camber gain [10⁻³ °/mm]`.
+fn in_power(title: &str, power: i32) -> String {
+    if power == 0 {
+        return title.to_owned();
+    }
+    let factor = power_of_ten(power);
+    match title.split_once('[') {
+        Some((name, unit)) => format!("{name}[{factor} {unit}"),
+        None => format!("{title} [{factor}]"),
+    }
+}
+
+/// Deviations of the curves in the strip from the targets of their column, at the positions of each target.
 fn deviations(chart: &Chart, points: &[Vec<Option<[f64; 2]>>]) -> Vec<Deviations> {
     let mut all = Vec::new();
     for (number, (line, points)) in chart.lines.iter().zip(points).enumerate() {
@@ -273,7 +292,8 @@ fn deviations(chart: &Chart, points: &[Vec<Option<[f64; 2]>>]) -> Vec<Deviations
             Wanted::Values {
                 points: at,
                 tolerance,
-            } if *tolerance > 0.0 => Some((at, tolerance)),
+                column: Some(column),
+            } if *tolerance > 0.0 && *column == line.source.y => Some((at, tolerance)),
             _ => None,
         });
         for (wanted, tolerance) in wanted {
@@ -290,13 +310,17 @@ fn deviations(chart: &Chart, points: &[Vec<Option<[f64; 2]>>]) -> Vec<Deviations
     all
 }
 
-/// Remarks below the name of a chart, in lines. A remark that is longer than a line continues on the next one.
+/// Remarks below the name of a chart, in lines. The legends of the targets come first, each once. A remark that is longer than a
+/// line continues on the next one.
 fn remarks(chart: &Chart) -> Vec<Vec<Remark>> {
     const LEFT: f64 = 10.0;
-    let own = chart
-        .wanted
-        .first()
-        .map(|wanted| ("wanted", wanted.in_words(&chart.y.unit)));
+    let mut own: Vec<(&'static str, String)> = Vec::new();
+    for wanted in &chart.wanted {
+        let legend = ("wanted", wanted.in_words(&chart.y.unit));
+        if !own.contains(&legend) {
+            own.push(legend);
+        }
+    }
     let missed = (!chart.missed.is_empty()).then(|| ("bad", "missed".to_owned()));
     let failed = (!chart.failed.is_empty()).then(|| ("bad", "not solved".to_owned()));
     let notes = chart.notes.iter().cloned();
@@ -337,7 +361,7 @@ fn beginning(text: &str, most: usize) -> &str {
     }
 }
 
-/// Value of a curve at a position, by linear interpolation between its points.
+/// Value of a curve at a position, by linear interpolation between its points. `None` outside the curve and in its gaps.
 fn value_at(points: &[Option<[f64; 2]>], place: f64) -> Option<f64> {
     let known = || points.iter().flatten();
     if let Some([_, value]) = known().find(|[at, _]| *at == place) {
@@ -353,7 +377,7 @@ fn value_at(points: &[Option<[f64; 2]>], place: f64) -> Option<f64> {
 }
 
 impl Layout {
-    /// Adds words before the name of the chart. The vertical axis keeps its name.
+    /// Adds words before the name of the chart. The title of the vertical axis does not change.
     pub(in crate::report) fn named(mut self, before: &str) -> Self {
         before.clone_into(&mut self.before);
         self
@@ -363,12 +387,8 @@ impl Layout {
         [self.scales[0].place(x), self.scales[1].place(y)]
     }
 
-    /// Describes the content of the chart in words.
+    /// Description of the chart: title of the vertical axis over title of the horizontal axis.
     pub(in crate::report) fn description(&self) -> String {
-        format!("{} over {}", self.y_title(), self.chart.x.title())
-    }
-
-    fn y_title(&self) -> String {
-        self.chart.y.title()
+        format!("{} over {}", self.chart.y.title(), self.chart.x.title())
     }
 }

@@ -19,7 +19,7 @@ pub(in crate::report) enum Lettering {
     Outlines(Font<'static>),
 }
 
-/// Part of the words that is at the given position.
+/// Part of the words that is at their position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::report) enum Anchor {
     /// Left end of the words.
@@ -75,7 +75,7 @@ impl<'a> Words<'a> {
 /// Size of outlines divided by the size of text. The letters of DejaVu Sans are large for their nominal size. This ratio makes them
 /// look like the usual fonts for SVG.
 const OUTLINE_SHARE: f64 = 0.92;
-/// Letter sizes of the style: small words and labels.
+/// Size of small words in the style. [`LABEL_SIZE`] is the size of labels.
 const SIZE: f64 = 12.0;
 const LABEL_SIZE: f64 = 13.0;
 
@@ -186,7 +186,7 @@ impl Outline {
     }
 }
 
-/// Escapes text for SVG. Control characters become �, because SVG has no notation for them.
+/// Escapes text for the content of an SVG element. Control characters become �, because SVG has no notation for them.
 pub(in crate::report) fn text(plain: &str) -> String {
     let shown = |c: char| if c.is_control() { '\u{fffd}' } else { c };
     let plain: String = plain.chars().map(shown).collect();

@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-/// Draws a line through points. A single point becomes a dot that is wider than the line.
+/// Draws a line through points, and closes it if `closed` is true. A single point becomes a dot. For the class `line`, the dot is
+/// wider than the line. Draws nothing without points.
 pub(in crate::report) fn path(
     svg: &mut String,
     class: &str,
@@ -29,7 +30,8 @@ pub(in crate::report) fn path(
     );
 }
 
-/// Formats a length on the picture with one decimal. This is precise enough, and hides platform differences in the last digits.
+/// Formats a length on the picture with at most one decimal. This is precise enough, and hides platform differences in the last
+/// digits.
 pub(in crate::report) fn number(length: f64) -> String {
     let text = format!("{:.1}", (length * 10.0).round() / 10.0 + 0.0);
     text.strip_suffix(".0").map_or(text.clone(), str::to_owned)

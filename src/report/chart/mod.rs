@@ -8,6 +8,7 @@
 //! paths. A layout from this module would be a new SVG of every chart for each movement of the pointer. A browser needs too
 //! long for that.
 
+mod families;
 mod glyphs;
 mod labels;
 mod layout;
@@ -18,14 +19,13 @@ mod scale;
 mod style;
 mod wanted;
 
+pub(super) use families::{Family, families, moving_beside};
 pub(super) use labels::{shortened, told_apart};
 pub(super) use layout::{AxisLayout, Layout, SIZE};
 pub(super) use lettering::Lettering;
-pub(super) use of_run::{
-    ChartGroup, Charted, Family, chart_groups, charts_over, families, hue, in_words, moving_beside,
-};
+pub(super) use of_run::{ChartGroup, Charted, chart_groups, charts_over, hue, in_words};
 pub(super) use scale::Scale;
-pub(super) use style::{PICTURE_STYLE, page_style};
+pub(super) use style::{page_style, picture_style};
 pub(super) use wanted::Wanted;
 
 use super::curve_table::CurveTable;
@@ -33,7 +33,7 @@ use super::curve_table::CurveTable;
 /// An axis of a chart.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Quantity {
-    /// Column of the values. Empty if the chart has several.
+    /// Column of the values. For the same output of both wheels, the column of the first one.
     pub column: String,
     /// Readable name.
     pub name: String,
@@ -97,6 +97,7 @@ impl Source {
         rows.collect()
     }
 
+    /// Points of the curve. A row without a value is `None`. Empty if the table lacks one of the columns.
     fn points(&self, tables: &[CurveTable]) -> Vec<Option<[f64; 2]>> {
         let Some(table) = tables.get(self.table) else {
             return Vec::new();
@@ -118,7 +119,7 @@ pub(super) struct Line {
     pub told: String,
     /// CSS classes for colour and stroke.
     pub class: String,
-    /// True for the main curve. Its value comes first at the crosshair.
+    /// True for a main curve. Its value comes first at the crosshair.
     pub is_main: bool,
     /// True if the strip below the plot shows the curve's deviations from targets.
     pub in_strip: bool,
@@ -154,10 +155,10 @@ pub(super) struct Chart {
     pub lines: Vec<Line>,
     /// Targets of the curves.
     pub wanted: Vec<Wanted>,
-    /// Points at which the last design misses a target by more than its tolerance.
+    /// Points at which the last design of a tuning misses a target by more than its tolerance.
     pub missed: Vec<[f64; 2]>,
-    /// Positions on the horizontal axis without a value.
+    /// Positions on the horizontal axis at which a design has no pose.
     pub failed: Vec<f64>,
-    /// True if both axes begin at 0.
+    /// True if both axes include 0.
     pub from_zero: bool,
 }

@@ -1,21 +1,20 @@
 //! Charts of a run: an output, or the same output of both wheels, over a column of the motion.
 
-use super::style::{HUES, SHADES};
+use super::families::{Family, families, moving_beside, nearest_to_zero};
+use super::style::HUES;
 use super::{Chart, Fan, Line, Quantity, Source, Wanted};
 use crate::curves::Status;
 use crate::report::curve_table::CurveTable;
 use crate::report::figure::{brief, with_minus_signs};
-use crate::report::record::{MotionRecord, OutputRecord, Record};
+use crate::report::record::{MotionRecord, OutputRecord, Record, TargetRecord};
 
-/// Largest number of curves per design and wheel in one chart.
-const MOST_FAMILIES: usize = 9;
 /// Largest number of curves per wheel for which every curve has a label.
 const MOST_OF_EACH_WHEEL: usize = 3;
 
 /// Outputs that share a chart: one output, or the same output of both wheels.
 #[derive(Clone, Debug)]
 pub(in crate::report) struct ChartGroup<'r> {
-    /// Name of the chart, distinct from those of other groups.
+    /// Name of the chart. Each group has its own name.
     pub key: String,
     /// One output, or one of each wheel.
     pub outputs: Vec<&'r OutputRecord>,
@@ -28,7 +27,7 @@ impl ChartGroup<'_> {
     }
 }
 
-/// Groups the outputs of a motion by chart.
+/// Groups the outputs of a motion by chart: the same output of the left and the right wheel shares one chart.
 pub(in crate::report) fn chart_groups(outputs: &[OutputRecord]) -> Vec<ChartGroup<'_>> {
     let mut groups: Vec<ChartGroup> = Vec::new();
     for output in outputs {
@@ -92,7 +91,7 @@ impl<'r> Charted<'r> {
     }
 }
 
-/// Chart of a group of outputs over a column of the motion.
+/// Chart of a group of outputs over a column of the motion. `tables` has the tables of all motions.
 pub(in crate::report) fn charts_over(
     record: Charted<'_>,
     tables: &[CurveTable],
@@ -143,18 +142,6 @@ fn title_of(output: &OutputRecord, is_pair: bool) -> &str {
     }
 }
 
-/// Rows of a design for one value of the second moving coordinate.
-pub(in crate::report) struct Family {
-    /// Value of the second moving coordinate.
-    pub place: f64,
-    /// Rows of the table.
-    pub rows: Vec<usize>,
-    /// Index in the sequential colour scale.
-    shade: usize,
-    /// True if the value is the one nearest to zero.
-    pub is_present: bool,
-}
-
 /// Curves of one design and one output in a chart. Their common properties determine the CSS classes and the labels.
 struct DesignCurves<'a> {
     /// Label of the design.
@@ -165,7 +152,7 @@ struct DesignCurves<'a> {
     is_alone: bool,
     /// Wheel of the output, if the chart shows both wheels.
     side: Option<&'static str>,
-    /// Column of the second moving coordinate.
+    /// Column of the second moving coordinate. `None` if only one coordinate moves.
     beside: Option<&'a str>,
     /// Number of curves, one for each value of the second moving coordinate.
     count: usize,
@@ -196,7 +183,7 @@ impl DesignCurves<'_> {
         colour + stroke
     }
 
-    /// Label at the end of a curve.
+    /// Label at the end of a curve. `None` if the curve needs no label.
     fn label(&self, family: &Family) -> Option<String> {
         let own = || self.beside.map(|name| in_short(name, family.place));
         let design = || self.design.to_owned();
@@ -227,8 +214,8 @@ impl DesignCurves<'_> {
     }
 }
 
-/// Remark on the second moving coordinate. If the curves are fewer than its `all` values, the remark gives both numbers. Otherwise
-/// the remark names the coordinate, unless the labels contain this name.
+/// Remark on the second moving coordinate. If the curves are fewer than its `all` values, the remark gives both numbers. If there
+/// are several curves whose labels do not name the coordinate, the remark names it. Otherwise there is no remark.
 fn family_note(curves: &DesignCurves<'_>, all: usize) -> Option<(&'static str, String)> {
     if all > curves.count {
         let name = curves.beside.map_or("", |name| split(name).0);
@@ -244,6 +231,7 @@ fn family_note(curves: &DesignCurves<'_>, all: usize) -> Option<(&'static str, S
 }
 
 impl Chart {
+    /// Adds the curves of a column, for each design and each value of the second moving coordinate.
     fn add_output(
         &mut self,
         record: Charted<'_>,
@@ -302,6 +290,7 @@ impl Chart {
         }
     }
 
+    /// Adds the targets and bands of an output that apply over this column of the motion.
     fn add_wanted(
         &mut self,
         record: Charted<'_>,
@@ -309,48 +298,42 @@ impl Chart {
         output: &OutputRecord,
         abscissa: &str,
     ) {
-        let targets = record
-            .motion
-            .targets
-            .iter()
-            .filter(|t| t.column == output.column);
-        for target in targets {
-            if target.over.as_ref().unwrap_or(&record.motion.drive) != abscissa {
-                continue;
-            }
+        let (motion, column) = (record.motion, &output.column);
+        let own = motion.targets.iter().filter(|t| t.column == *column);
+        for target in own.filter(|t| t.over.as_ref().unwrap_or(&motion.drive) == abscissa) {
             let (points, tolerance) = (target.points.clone(), target.tolerance);
             let limits = points
                 .iter()
                 .map(|[drive, value]| (*drive, Some(*value), Some(*value)));
             self.missed
-                .extend(outside(record, tables, &output.column, limits, tolerance));
-            self.wanted.push(Wanted::Values { points, tolerance });
+                .extend(outside(record, tables, column, limits, tolerance));
+            self.wanted.push(Wanted::Values {
+                points,
+                tolerance,
+                column: is_at_zero(target, tables).then(|| column.clone()),
+            });
             let note = target
                 .held_in_words()
                 .map(|held| ("", format!("target at {held}")));
             let note = note.filter(|note| !self.notes.contains(note));
             self.notes.extend(note);
         }
-        for band in record
-            .motion
-            .bands
-            .iter()
-            .filter(|b| b.column == output.column)
-        {
-            if record.motion.drive != abscissa {
-                continue;
-            }
+        let bands = motion.bands.iter().filter(|b| b.column == *column);
+        for band in bands.filter(|_| motion.drive == abscissa) {
             let limits = band.limits.iter().copied();
-            self.missed.extend(outside(
-                record,
-                tables,
-                &output.column,
-                limits,
-                band.tolerance,
-            ));
+            self.missed
+                .extend(outside(record, tables, column, limits, band.tolerance));
             self.wanted.push(Wanted::Limits(band.limits.clone()));
         }
     }
+}
+
+/// True if the main curves and a target have the same values of the coordinates that the target holds fixed. The main curves have
+/// the values nearest to zero.
+fn is_at_zero(target: &TargetRecord, tables: &[CurveTable]) -> bool {
+    let column = |name: &str| tables.last().and_then(|table| table.column(name));
+    let mut held = target.held.iter();
+    held.all(|(name, at)| column(name).and_then(nearest_to_zero) == Some(*at))
 }
 
 /// Splits a column's name into name and unit.
@@ -380,59 +363,7 @@ fn has_short_name(column: &str) -> bool {
     split(column).0.len() <= 5
 }
 
-/// Columns of the coordinates that move in addition to the coordinate on the horizontal axis. For a wheel it is the rack; for
-/// an axle it is every other coordinate.
-pub(in crate::report) fn moving_beside<'r>(
-    motion: &'r MotionRecord,
-    abscissa: &str,
-) -> Vec<&'r String> {
-    let drive = (!motion.further.is_empty()).then_some(&motion.drive);
-    let all = drive.into_iter().chain(&motion.further).chain(&motion.rack);
-    all.filter(|name| *name != abscissa).collect()
-}
-
-/// Groups the rows of a table by the values of the first column in `moving`. Uses only rows in which all other columns of
-/// `moving` have their value nearest to zero. Also returns the number of values of the first column. If there are too many
-/// values, it keeps the first, the last, the one nearest to zero, and evenly spaced others.
-pub(in crate::report) fn families(moving: &[&String], table: &CurveTable) -> (Vec<Family>, usize) {
-    let mut columns = moving.iter().filter_map(|name| table.column(name));
-    let apart = columns.next();
-    let held: Vec<_> = columns
-        .map(|values| {
-            let known = values.iter().flatten().copied();
-            (values, known.min_by(|a, b| a.abs().total_cmp(&b.abs())))
-        })
-        .collect();
-    let mut found: Vec<(f64, Vec<usize>)> = Vec::new();
-    for row in 0..table.rows() {
-        if held.iter().any(|(values, value)| values[row] != *value) {
-            continue;
-        }
-        let place = apart.map_or(Some(0.0), |values| values[row]);
-        let Some(place) = place else { continue };
-        match found.iter_mut().find(|(known, _)| *known == place) {
-            Some((_, rows)) => rows.push(row),
-            None => found.push((place, vec![row])),
-        }
-    }
-    let all = found.len();
-    let present = (0..all).min_by(|a, b| found[*a].0.abs().total_cmp(&found[*b].0.abs()));
-    let is_kept = |k: usize| {
-        let evenly = |i: usize| i * (all - 1) / (MOST_FAMILIES - 1);
-        all <= MOST_FAMILIES || Some(k) == present || (0..MOST_FAMILIES).any(|i| evenly(i) == k)
-    };
-    let last = all.saturating_sub(1).max(1);
-    let family = |(k, (place, rows)): (usize, (f64, Vec<usize>))| Family {
-        place,
-        rows,
-        shade: (k * (SHADES - 1) + last / 2) / last,
-        is_present: Some(k) == present,
-    };
-    let kept = found.into_iter().enumerate().filter(|(k, _)| is_kept(*k));
-    (kept.map(family).collect(), all)
-}
-
-/// Positions on the horizontal axis at which some design has no pose.
+/// Positions on the horizontal axis at which some design has no pose, in rising order.
 fn failed(record: Charted<'_>, tables: &[CurveTable], abscissa: &str) -> Vec<f64> {
     let mut failed: Vec<f64> = Vec::new();
     for (_, table) in record.motion.designs.iter().zip(tables) {
@@ -456,7 +387,8 @@ fn is_solved(status: &str) -> bool {
 }
 
 /// Points (drive value and column value) at which the last design of a tuning violates limits by more than the tolerance. If the
-/// rack moves, only rows with the rack at 0 are compared. Each limit has a drive value, a minimum and a maximum.
+/// rack moves, only rows with the rack at 0 are compared. Each limit has a drive value, a minimum and a maximum. Empty for other
+/// commands, and for an axle with several moving coordinates.
 fn outside(
     record: Charted<'_>,
     tables: &[CurveTable],
@@ -468,21 +400,14 @@ fn outside(
     if record.command != "optimise" || !record.motion.further.is_empty() {
         return Vec::new();
     }
-    let Some(table) = tables.get(record.motion.designs.len() - 1) else {
+    let column_of = |name: &str| tables.last()?.column(name);
+    let Some((drives, values)) = column_of(&record.motion.drive).zip(column_of(column)) else {
         return Vec::new();
     };
-    let racks = record
-        .motion
-        .rack
-        .as_ref()
-        .and_then(|name| table.column(name));
+    let racks = record.motion.rack.as_deref().and_then(column_of);
     let ahead = |row: &usize| racks.is_none_or(|racks| racks[*row] == Some(0.0));
-    let Some((drives, values)) = table.column(&record.motion.drive).zip(table.column(column))
-    else {
-        return Vec::new();
-    };
     let value_at = |drive: f64| {
-        let mut rows = (0..table.rows()).filter(ahead);
+        let mut rows = (0..drives.len()).filter(ahead);
         rows.find(|row| drives[*row] == Some(drive))
             .and_then(|row| values[row])
     };
@@ -495,7 +420,7 @@ fn outside(
     places.collect()
 }
 
-/// CSS class for the colour of the design with this index.
+/// CSS class for the colour of the design with this index. The colours repeat.
 pub(in crate::report) fn hue(design: usize) -> String {
     format!("hue{}", design % HUES)
 }

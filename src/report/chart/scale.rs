@@ -5,19 +5,20 @@ use crate::report::figure::{power_of_ten, with_minus_signs};
 /// Linear or logarithmic scale of an axis, with round ticks.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::report) struct Scale {
-    /// Value at the first end.
+    /// Value at the first end. It is the lower value.
     pub low: f64,
     /// Value at the other end.
     pub high: f64,
+    /// Distance of the ticks: in values, or in powers of ten for a logarithmic scale.
     step: f64,
     /// True for a logarithmic scale.
     pub is_log: bool,
-    /// Positions of the two ends.
+    /// Positions of the two ends on the picture.
     ends: [f64; 2],
 }
 
 impl Scale {
-    /// Scale that shows all of the values with about `ticks` ticks. Its ends are round numbers.
+    /// Scale that shows all values and has about this number of ticks. Its ends are round numbers. Without values it shows 0 to 1.
     pub(in crate::report) fn showing(
         values: impl Iterator<Item = f64>,
         ticks: f64,
@@ -47,7 +48,8 @@ impl Scale {
         }
     }
 
-    /// Scale that ends exactly at the smallest and largest value, with ticks at round numbers between.
+    /// Scale that ends exactly at the smallest and largest value, with ticks at round numbers between. A constant has the same
+    /// scale as in [`Scale::showing`].
     pub(super) fn within(values: impl Iterator<Item = f64>, ticks: f64, ends: [f64; 2]) -> Self {
         let values: Vec<f64> = values.collect();
         let least = values.iter().copied().fold(f64::INFINITY, f64::min);
@@ -84,7 +86,7 @@ impl Scale {
         }
     }
 
-    /// Position of a value.
+    /// Position of a value on the picture.
     pub(in crate::report) fn place(&self, value: f64) -> f64 {
         let share = if self.is_log {
             (value / self.low).log10() / (self.high / self.low).log10()
@@ -94,7 +96,8 @@ impl Scale {
         self.ends[0] + share * (self.ends[1] - self.ends[0])
     }
 
-    /// Power of ten that the tick labels leave out, a multiple of three. 0 if the labels are short without it.
+    /// Power of ten that the tick labels leave out, a multiple of three. 0 for labels that are short enough, and for a logarithmic
+    /// scale.
     pub(super) fn power(&self) -> i32 {
         if self.is_log {
             return 0;
@@ -143,7 +146,7 @@ impl Scale {
     }
 }
 
-/// Next step that is 1, 2 or 5 times a power of ten.
+/// Smallest number that is at least `step` and is 1, 2 or 5 times a power of ten.
 fn round_step(step: f64) -> f64 {
     let power = 10f64.powf(step.log10().floor());
     let factor = [1.0, 2.0, 5.0]

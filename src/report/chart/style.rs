@@ -55,10 +55,10 @@ pub(super) const HUES: usize = 7;
 pub(super) const SHADES: usize = 9;
 
 /// Style of a picture on a white background.
-pub(in crate::report) const PICTURE_STYLE: fn() -> String = || {
+pub(in crate::report) fn picture_style() -> String {
     let colours = COLOURS.map(|(classes, light, _)| format!("{classes}{{color:{light}}}"));
     SHAPES.to_owned() + &colours.concat()
-};
+}
 
 /// Styles of the charts of a page: light, dark, and light for printing.
 pub(in crate::report) fn page_style() -> String {

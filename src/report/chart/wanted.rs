@@ -12,13 +12,16 @@ pub(in crate::report) enum Wanted {
         points: Vec<[f64; 2]>,
         /// Tolerance of the values.
         tolerance: f64,
+        /// Column of the curves to which the strip compares the target. `None` if the chart has no curve at the poses of the
+        /// target.
+        column: Option<String>,
     },
-    /// Limits: value of the motion's coordinate, minimum and maximum. `None` without a limit.
+    /// Limits without their tolerance: value of the motion's coordinate, minimum and maximum. `None` without a limit.
     Limits(Vec<(f64, Option<f64>, Option<f64>)>),
 }
 
 impl Wanted {
-    /// Target in words: `target ± 0.1 °`, or a text for a range.
+    /// Legend of the target: `target ± 0.1 °`, or the mark of a range.
     pub(super) fn in_words(&self, unit: &str) -> String {
         match self {
             Wanted::Values { tolerance, .. } => format!("target ± {} {unit}", brief(*tolerance))
@@ -29,10 +32,13 @@ impl Wanted {
         }
     }
 
-    /// Value of the motion's coordinate, lower limit and upper limit, including the tolerance.
+    /// Points: value of the motion's coordinate, lower limit and upper limit. The limits of target values include the tolerance.
+    /// Limits of a range do not.
     pub(super) fn limits(&self) -> Vec<(f64, Option<f64>, Option<f64>)> {
         match self {
-            Wanted::Values { points, tolerance } => {
+            Wanted::Values {
+                points, tolerance, ..
+            } => {
                 let around = |[at, value]: &[f64; 2]| {
                     (*at, Some(value - tolerance), Some(value + tolerance))
                 };
@@ -42,10 +48,12 @@ impl Wanted {
         }
     }
 
-    /// Corner points of the target's outline: value of the motion's coordinate, and target value.
+    /// Corner points of the target's outline: value of the motion's coordinate, and value of the limit.
     pub(super) fn edges(&self) -> Vec<[f64; 2]> {
         match self {
-            Wanted::Values { points, tolerance } => {
+            Wanted::Values {
+                points, tolerance, ..
+            } => {
                 let both = |[motion, value]: &[f64; 2]| {
                     [-tolerance, *tolerance].map(|by| [*motion, value + by])
                 };
@@ -55,9 +63,12 @@ impl Wanted {
         }
     }
 
+    /// Draws the target. `place` converts a point to a position on the picture.
     pub(super) fn draw(&self, svg: &mut String, place: &impl Fn([f64; 2]) -> [f64; 2]) {
         match self {
-            Wanted::Values { points, tolerance } => match points.as_slice() {
+            Wanted::Values {
+                points, tolerance, ..
+            } => match points.as_slice() {
                 [only] => bar(svg, *only, *tolerance, place),
                 points => band(svg, points, *tolerance, place),
             },
@@ -96,7 +107,7 @@ fn most(limits: &[(f64, Option<f64>, Option<f64>)]) -> Vec<[f64; 2]> {
     edge.collect()
 }
 
-/// Draws target values over the motion, with the band of their tolerance.
+/// Draws target values as a line over the motion, with the band of their tolerance.
 fn band(
     svg: &mut String,
     points: &[[f64; 2]],

@@ -1,7 +1,7 @@
 // Data and functions that several parts of the page use: the run's data, its errors, and common texts.
 const root = document.documentElement;
 const run = JSON.parse(byId('run').textContent);
-// Designs of a sweep with drawings and curves. Null if the page has none of these designs.
+// Curves and mechanism of the designs. Null if the page has no designs with a drawing.
 const record = run.record ?? null;
 
 // Writes an error into attributes of the page's root element, so that a test or a developer can find it.
@@ -21,7 +21,7 @@ const axisName = (name) => {
 };
 const withUnit = (title, unit) => (unit ? `${title} [${unit}]` : title);
 
-// Position on the motion at which the user points, by column. Charts and the mechanism show the same position.
+// Position on the motion at which the user points: value of each column. Charts and the mechanism show the same position.
 const pointed = new Map();
 const followers = new Set();
 const point = (name, value, from) => {
@@ -30,7 +30,7 @@ const point = (name, value, from) => {
   for (const follow of followers) follow(name, value, from);
 };
 
-// Counts the drawn elements in an attribute of the page, for tests and other programs.
+// Writes the number of drawn elements into an attribute of the page, for tests and other programs.
 const drawn = new Set();
 const noteDrawn = (element) => {
   drawn.add(element);

@@ -22,7 +22,7 @@ const CAR_STYLE: &str = include_str!("car.css");
 /// Names of the wheels, front left first.
 const WHEELS: [&str; 4] = ["front left", "front right", "rear left", "rear right"];
 
-/// Formats a number with the number of digits that is useful for people.
+/// Formats a number for people: the number of decimals depends on the unit.
 fn shown(value: f64, unit: &str) -> String {
     let text = match unit {
         "N" | "lbf" => with_decimals(value, 0),
@@ -34,12 +34,12 @@ fn shown(value: f64, unit: &str) -> String {
     with_minus_signs(&text)
 }
 
-/// Displayed name of a load case.
+/// Displayed name of a load case, as HTML.
 fn titled(case: &CarCase) -> String {
     html(&case.name.replace('_', " "))
 }
 
-/// The page of a car.
+/// Page of a car.
 pub fn car_page(record: &CarRecord) -> String {
     with_design(record, None)
 }
@@ -161,19 +161,20 @@ fn verdict(record: &CarRecord) -> String {
         }
         sentences.push(text + " (at the static state).");
     }
-    let lifts = record.cases.iter().filter_map(|case| {
-        let lifted = case.state.as_ref()?.lifted_in_words();
-        (!lifted.is_empty()).then(|| {
-            format!(
-                "{} lifts in {}",
-                lifted.replace('_', " "),
-                case.name.replace('_', " ")
-            )
-        })
+    let lifts = solved(record).filter_map(|(case, state)| {
+        let wheels = WHEELS.iter().zip(state.lifted);
+        let wheels: Vec<&str> = wheels.filter(|(_, lifted)| *lifted).map(|w| *w.0).collect();
+        let lift = match wheels.len() {
+            0 => return None,
+            1 => "lifts",
+            _ => "lift",
+        };
+        let case = case.name.replace('_', " ");
+        Some(format!("{} {lift} in {case}", wheels.join(" and ")))
     });
     let lifts: Vec<String> = lifts.collect();
     if !lifts.is_empty() {
-        sentences.push(format!("A wheel leaves the ground: {}.", lifts.join("; ")));
+        sentences.push(format!("Lifted wheels: {}.", lifts.join("; ")));
     }
     let failed = record.cases.iter().filter(|case| case.reason.is_some());
     match failed.count() {

@@ -19,7 +19,8 @@ class LiveChart {
       const [xs, ys] = [line.x, line.y].map((name) => column(table, name));
       const { x: { is_log: logX }, y: { is_log: logY } } = this.layout;
       const can = (v, isLog) => v !== null && (!isLog || v > 0);
-      const points = line.rows.map((row) => [xs[row], ys[row]]).filter(([x, y]) => can(x, logX) && can(y, logY));
+      // A point without a value is a gap of the curve.
+      const points = line.rows.map((row) => [xs[row], can(ys[row], logY) ? ys[row] : null]).filter(([x]) => can(x, logX));
       return { ...line, points: points.sort((a, b) => a[0] - b[0]), design: line.table };
     });
     this.cross = this.svg.appendChild(svg('g', { class: 'cross', 'aria-hidden': 'true' }));
@@ -28,7 +29,7 @@ class LiveChart {
     this.brush = this.cross.appendChild(svg('rect', { class: 'brush', display: 'none' }));
     // A transparent background receives pointer events in the whole plot.
     this.svg.insertBefore(svg('rect', { class: 'ground', x: left, y: top, width: this.box.width, height: this.box.height }), this.svg.firstChild);
-    this.places = [...new Set(this.lines.flatMap(({ points }) => points.map(([x]) => x)))].sort((a, b) => a - b);
+    this.places = [...new Set(this.lines.flatMap(({ points }) => points.filter(([, y]) => y !== null).map(([x]) => x)))].sort((a, b) => a - b);
     set(this.svg, { tabindex: 0 });
     this.addTools();
     this.listen();
@@ -125,7 +126,7 @@ class LiveChart {
   }
   leave() { point(this.layout.x.column, null, this); }
 
-  // Value of a line at a position, interpolated linearly between its points.
+  // Value of a line at a position, interpolated linearly between its points. Null outside the line and in its gaps.
   value({ points }, x) {
     const next = points.findIndex(([at]) => at >= x);
     if (next < 0) return null;
@@ -133,6 +134,7 @@ class LiveChart {
     if (x1 === x) return y1;
     if (next === 0) return null;
     const [x0, y0] = points[next - 1];
+    if (y0 === null || y1 === null) return null;
     return y0 + ((y1 - y0) * (x - x0)) / (x1 - x0);
   }
   isShown({ class: look }) {
@@ -164,10 +166,12 @@ class LiveChart {
     });
     words.sort((a, b) => a.order - b.order);
     const { x: over, y: of } = this.layout;
-    const limits = this.layout.wanted.flatMap((points) => points.filter(([at]) => at === value)).map(([, low, high]) => `target ${low === null ? 'at most' : brief(low)}${low === null || high === null ? ' ' : ' to '}${high === null ? 'at least' : brief(high)}`);
+    const between = ([, low, high]) => (low === null ? `at most ${brief(high)}` : high === null ? `at least ${brief(low)}` : `${brief(low)} to ${brief(high)}`);
+    const wanted = this.layout.wanted.flat().filter(([at, low, high]) => at === value && (low !== null || high !== null));
+    const limits = new Set(wanted.map((limit) => `target ${between(limit)} ${of.unit}`));
     this.readout.replaceChildren(html('b', { text: `${over.name} ${brief(value)} ${over.unit}` }),
       ...words.slice(0, 6).map(({ line, text }) => html('span', { class: line.class.replace(/\b(strong|faint|fine)\b/g, '').trim() }, `${line.told} `, html('b', { text: `${text} ${of.unit}` }))),
-      ...limits.map((text) => html('span', { class: 'wanted', text })));
+      ...[...limits].map((text) => html('span', { class: 'wanted', text })));
   }
 
   zoomBy(factor) {
@@ -209,38 +213,44 @@ class LiveChart {
     if (value !== undefined) this.follow(this.layout.x.column, value);
   }
 
-  // Ticks of the visible part. The ticks of the whole chart are part of the page.
+  // Draws the ticks of the visible part. The ticks of the whole chart are part of the page. The title of the axis contains the
+  // power of ten that the labels leave out.
   drawTicks(is) {
     this.zoomedAxes.replaceChildren();
     if (!is) return;
     const { left, top, width, height } = this.box;
     const foot = top + height;
     this.view.forEach(([low, high], axis) => {
-      const all = this.layout[axis ? 'y' : 'x'].is_log
+      const { power, is_log: isLog } = this.layout[axis ? 'y' : 'x'];
+      const all = isLog
         ? ticks(Math.log10(low), Math.log10(high), 4).map((power) => 10 ** power)
         : ticks(low, high, (axis ? height : width) / ZOOMED_TICKS[axis]);
       for (const tick of all) {
+        const text = isLog ? brief(tick, 3) : brief(tick / 10 ** power, 9);
         const [x, y] = this.at(axis ? [this.view[0][0], tick] : [tick, this.view[1][0]]).map((v) => v.toFixed(1));
         this.zoomedAxes.append(
           svg('path', { class: 'grid', d: axis ? `M${left} ${y}h${width}` : `M${x} ${top}V${foot}` }),
           svg('text', axis
-            ? { class: 'axis-text', x: left - 7, y: Number(y) + 4, 'text-anchor': 'end', text: brief(tick) }
-            : { class: 'axis-text', x, y: foot + 14, 'text-anchor': 'middle', text: brief(tick) }));
+            ? { class: 'axis-text', x: left - 7, y: Number(y) + 4, 'text-anchor': 'end', text }
+            : { class: 'axis-text', x, y: foot + 14, 'text-anchor': 'middle', text }));
       }
     });
   }
 
+  // Saves the chart as an SVG with its own background and styles. The page's security policy allows no style attributes in markup,
+  // so the script sets each property.
   save() {
     const copy = this.svg.cloneNode(true);
     copy.querySelectorAll('.cross, .ground').forEach((part) => part.remove());
     const [width, height] = this.layout.size;
     set(copy, { xmlns: 'http://www.w3.org/2000/svg', width, height, tabindex: null });
     const looks = ['color', 'fill', 'fill-opacity', 'stroke', 'stroke-width', 'stroke-dasharray', 'stroke-linecap', 'opacity', 'font', 'display', 'vector-effect'];
-    const own = [...this.svg.querySelectorAll('path, text')].filter((part) => !part.closest('.cross'));
-    [...copy.querySelectorAll('path, text')].forEach((part, k) => {
+    const own = [...this.svg.querySelectorAll('g, path, text')].filter((part) => !part.closest('.cross'));
+    [...copy.querySelectorAll('g, path, text')].forEach((part, k) => {
       const style = getComputedStyle(own[k]);
-      part.setAttribute('style', looks.map((name) => `${name}:${style.getPropertyValue(name)}`).join(';'));
+      for (const name of looks) part.style.setProperty(name, style.getPropertyValue(name));
     });
+    copy.prepend(svg('rect', { width, height, fill: getComputedStyle(root).getPropertyValue('--paper').trim() }));
     saveText(`${this.layout.key.replace(/[^\w.-]/g, '_')}.svg`, new XMLSerializer().serializeToString(copy), 'image/svg+xml');
   }
 }

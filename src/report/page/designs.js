@@ -1,4 +1,4 @@
-// Scatter plot of the designs of a sweep over two columns. The page contains the axes; the script adds the marks.
+// Scatter plot of the designs of a sweep over two columns. The data of the page contain the ticks and titles of the axes.
 const { columns, shown, first, best, front: frontDesigns } = run;
 const rowOf = new Map(shown.design.map((design, row) => [design, row]));
 const rowsOf = (designs) => designs.map((design) => rowOf.get(design)).filter((row) => row !== undefined);
@@ -16,7 +16,7 @@ const SCATTER = { size: [900, 520], box: [74, 52, 880, 462] };
 const axisOf = (k, isLog) => (isLog && columns[k].log_axis) || columns[k].axis;
 const shareOn = (axis, v) => (axis.is_log ? Math.log(v / axis.low) / Math.log(axis.high / axis.low) : (v - axis.low) / (axis.high - axis.low));
 
-// Shade of each design by the values of a column. Each shade has equally many designs, so that a few extreme values do not leave
+// Shade of each design by its value in a column. All shades have the same number of designs. So a few extreme values do not leave
 // all other designs in one shade.
 const shadesBy = (k) => {
   const known = allRows.filter((row) => value(k, row) !== null).sort((a, b) => value(k, a) - value(k, b));
@@ -66,8 +66,8 @@ const drawScatter = (state) => {
     const place = (bottom - share * (bottom - top)).toFixed(1);
     parts.push(svg('path', { class: 'grid', d: `M${left} ${place}H${right}` }), svg('text', { class: 'axis-text', x: left - 8, y: Number(place) + 4, 'text-anchor': 'end', text }));
   }
-  parts.push(svg('text', { class: 'axis-text', x: (left + right) / 2, y: bottom + 42, 'text-anchor': 'middle', text: titled(state.x) }),
-    svg('text', { class: 'axis-text', x: 18, y: (top + bottom) / 2, 'text-anchor': 'middle', transform: `rotate(-90 18 ${(top + bottom) / 2})`, text: titled(state.y) }));
+  parts.push(svg('text', { class: 'axis-text', x: (left + right) / 2, y: bottom + 42, 'text-anchor': 'middle', text: x.title }),
+    svg('text', { class: 'axis-text', x: 18, y: (top + bottom) / 2, 'text-anchor': 'middle', transform: `rotate(-90 18 ${(top + bottom) / 2})`, text: y.title }));
   const groups = groupsOf({ ...state, selected: null });
   scatterPlaces = allRows.map(at);
   for (const { look, rows } of groups) {
@@ -141,7 +141,7 @@ const sayPicked = ({ picked }) => {
   byId('picked-command').textContent = `hardpoint sweep STUDY --design ${design} > design_${design}.toml`;
   const failing = shown.failing[picked];
   const at = shown.failed_at[picked];
-  byId('picked-status').textContent = failing === null ? `Solved everywhere.${outside.has(picked) ? ' Violates a constraint.' : ''}` : `Not solved everywhere: ${shown.reasons[failing].join(': ')}${at === null ? '' : `, nearest at ${at}`}.`;
+  byId('picked-status').textContent = failing === null ? `Solved everywhere.${outside.has(picked) ? ' Violates a constraint.' : ''}` : `Not solved everywhere: ${shown.reasons[failing].join(': ')}${at === null ? '' : `, ${run.failed_at} ${brief(at)}`}.`;
   byId('picked').value = String(picked);
   root.dataset.picked = design;
   root.dataset.pickedValues = columns.map((_, k) => exact(value(k, picked))).join(' ');

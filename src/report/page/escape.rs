@@ -26,8 +26,8 @@ pub(super) fn prose(text: &str) -> String {
     html(&with_minus_signs(text))
 }
 
-/// Writes a value as JSON for a `script` element. Characters that could end the element or a line of script occur only within
-/// JSON strings. They are written as escapes.
+/// Writes a value as JSON for a `script` element. Characters that could end the element or a line of script are written as escapes.
+/// In JSON they occur only within strings.
 pub(super) fn json(value: &impl Serialize) -> String {
     let plain = serde_json::to_string(value).expect("JSON can store page data");
     let mut escaped = String::with_capacity(plain.len());

@@ -23,7 +23,7 @@ const drawCounts = (state) => {
   }
   parts.push(svg('path', { class: 'frame', d: `M${left} ${bottom}H${right}` }),
     svg('text', { class: 'axis-text', x: left - 8, y: top + 10, 'text-anchor': 'end', text: String(most) }),
-    svg('text', { class: 'axis-text', x: (left + right) / 2, y: bottom + 42, 'text-anchor': 'middle', text: titled(state.x) }),
+    svg('text', { class: 'axis-text', x: (left + right) / 2, y: bottom + 42, 'text-anchor': 'middle', text: axis.title }),
     svg('path', { class: 'counts former', d: bars(all) }), svg('path', { class: 'counts main', d: bars(own) }));
   set(countsPlot, { viewBox: `0 0 ${COUNTS.size.join(' ')}` });
   countsPlot.replaceChildren(...parts);

@@ -4,11 +4,11 @@ use super::charts::Charts;
 use super::escape::prose;
 use super::sheet::{Section, sheet};
 use crate::compliance::{KcLevel, KcOutcome, KcTest, KcWheelState, TestLoad, TestMode};
-use crate::report::chart::{Chart, Line, Quantity, Source};
+use crate::report::chart::{Chart, Line, Quantity, Source, hue};
 use crate::report::curve_table::CurveTable;
 use crate::report::{KcResults, with_minus_signs};
 
-/// Results in the verdict, in this order.
+/// Results that the verdict states, in this order.
 const FIRST: [&str; 5] = [
     "toe_by_lateral_force",
     "camber_by_lateral_force",
@@ -20,6 +20,12 @@ const FIRST: [&str; 5] = [
 /// Columns of a table of load levels.
 const COLUMNS: [&str; 4] = ["load", "toe", "camber", "shift"];
 
+/// Note on the charts of one wheel.
+const OF_WHEEL: &str = "Equilibria under increasing load. Positive toe is toe-in; positive camber leans the top of the wheel outboard.";
+/// Note on the charts of an axle.
+const OF_AXLE: &str = "Equilibria under increasing load, of the left wheel, or of the right wheel if only the right wheel is loaded. \
+                       Toe-in and top outboard are positive.";
+
 /// Page with the tests of a study.
 pub fn kc_page(study: &str, results: &KcResults<'_>) -> String {
     let mut sections = Vec::new();
@@ -27,23 +33,7 @@ pub fn kc_page(study: &str, results: &KcResults<'_>) -> String {
     if !charts.is_empty() {
         sections.push(Section {
             title: format!("Toe, camber and displacement by load, at {place}"),
-            note: if results.is_axle { "Equilibria under increasing load, of the left wheel, or \
-                                        of the right wheel if only the right wheel is loaded. \
-                                        Toe-in and top outboard are positive." } else { "Equilibria \
-                                                                                         under \
-                                                                                         increasing \
-                                                                                         load. \
-                                                                                         Positive \
-                                                                                         toe is \
-                                                                                         toe-in; \
-                                                                                         positive \
-                                                                                         camber \
-                                                                                         leans \
-                                                                                         the top \
-                                                                                         of the \
-                                                                                         wheel \
-                                                                                         outboard." }
-            .to_owned(),
+            note: if results.is_axle { OF_AXLE } else { OF_WHEEL }.to_owned(),
             table: format!("<div class=\"plots\">{charts}</div>"),
         });
     }
@@ -70,10 +60,12 @@ pub fn kc_page(study: &str, results: &KcResults<'_>) -> String {
     sheet(study, "kc", &verdict(results), &sections)
 }
 
-/// Main results. Each result comes from the station that is nearest to the design position and has the result.
+/// Number of states without equilibrium, and main results. Each result comes from the station nearest to the design position that
+/// has the result.
 fn verdict(results: &KcResults<'_>) -> String {
     let failed = match results.failures().len() {
         0 => "Every state has an equilibrium.".to_owned(),
+        1 => "1 state has no equilibrium.".to_owned(),
         count => format!("{count} states have no equilibrium."),
     };
     let shown: Vec<String> = FIRST
@@ -92,8 +84,8 @@ fn verdict(results: &KcResults<'_>) -> String {
     }
 }
 
-/// Charts for one station, and the position of this station. The function takes the station with load levels that is
-/// nearest to the design position.
+/// Position of one station, and the charts of its tests. The function takes the station nearest to the design position that has
+/// load levels. Both texts are empty without such a station.
 fn charts(results: &KcResults<'_>) -> (String, String) {
     let stations = results.nearest_stations();
     let found = stations
@@ -116,7 +108,8 @@ fn charts(results: &KcResults<'_>) -> (String, String) {
     (results.station_name(station), figures)
 }
 
-/// Adds the load levels of a test to the columns of a table. Loads are divided by `scale`.
+/// Adds the load levels of a test to the columns of a table: load, toe and camber in degrees, and displacement in the study's
+/// length unit. Loads are divided by `scale`.
 fn add_levels(test: &KcOutcome, load: TestLoad, scale: f64, columns: &mut [Vec<Option<f64>>]) {
     let wheel = match test.test.mode {
         TestMode::Single(side) => side as usize,
@@ -188,7 +181,7 @@ fn charts_of_load(
         let line = |(k, rows): (usize, &Vec<usize>)| Line {
             label: label(results, &tests[k].test, tests.len()),
             told: results.test_name(&tests[k].test),
-            class: format!("main hue{k} strong"),
+            class: format!("main {} strong", hue(k)),
             is_main: k == 0,
             in_strip: k == 0,
             has_dots: false,
@@ -225,7 +218,8 @@ fn label(results: &KcResults<'_>, test: &KcTest, count: usize) -> Option<String>
     }
 }
 
-/// Displacement of the wheel centre from the unloaded state, along the direction of the load.
+/// Displacement of the wheel centre from the unloaded state: inboard for a lateral force, rearward for braking and traction,
+/// otherwise upward. Positions are in the kernel's frame of a left wheel.
 fn moved(load: TestLoad, state: &KcWheelState, from: &KcWheelState) -> f64 {
     let by = state.figures.centre - from.figures.centre;
     match load {

@@ -51,7 +51,7 @@ class ReportView extends MechanismView {
     set(this.svg, { tabindex: 0 });
     this.svg.addEventListener('keydown', (event) => this.keyOfPicture(event));
     const layer = (name, kind) => this.layers[name].appendChild(svg('path', { class: kind }));
-    this.former = [0, 1, 2].map(() => ({ bodies: this.linesIn('former', 'plain'), rim: layer('former', 'rim') }));
+    this.former = this.designs.slice(0, -1).map(() => ({ bodies: this.linesIn('former', 'plain'), rim: layer('former', 'rim') }));
     this.ground = layer('bodies', 'ground');
     this.rims = [0, 1].map(() => layer('bodies', radius ? 'rim' : 'rim unknown'));
     this.axis = layer('bodies', 'axis');
@@ -82,7 +82,7 @@ class ReportView extends MechanismView {
     this.look = this.turned();
     this.drawGrid();
     const main = this.pose(this.designs.at(-1));
-    const others = this.designs.slice(0, -1).slice(-3);
+    const others = this.designs.slice(0, -1);
     this.former.forEach(({ bodies, rim: path }, k) => {
       const p = k < others.length ? this.pose(others[k]) : null;
       this.showBodies(bodies, p);

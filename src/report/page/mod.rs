@@ -42,7 +42,7 @@ fn style() -> String {
 /// Drawing of the mechanism with its controls.
 const STAGE: &str = include_str!("stage.html");
 
-/// Content of a page. All texts except the study's name and the line about the run are HTML.
+/// Content of a page. `study`, `about` and `files` are plain text; all other texts are HTML.
 struct Page<'a, Data> {
     study: &'a str,
     about: String,

@@ -1,13 +1,13 @@
 //! Charts of all outputs over the motions of a run.
 
 use super::charts::{Charts, attribute};
-use super::escape::html;
+use super::escape::{html, prose};
 use crate::report::chart::{Charted, Line, Quantity, chart_groups, charts_over};
 use crate::report::curve_table::CurveTable;
 use crate::report::record::{MotionRecord, OutputRecord};
 use crate::report::run::Run;
 
-/// Control that selects the horizontal axis of the charts in the element `plots`, if there is a choice.
+/// Control that selects the horizontal axis of the charts in the element `plots`. Empty if there is only one possible axis.
 pub(super) fn controls(motion: &MotionRecord, plots: &str) -> String {
     let all = motion.all_abscissae();
     if all.len() < 2 {
@@ -30,7 +30,8 @@ pub(super) fn controls(motion: &MotionRecord, plots: &str) -> String {
 }
 
 /// Figures of all outputs over all possible horizontal axes of a motion. At first, only the usual horizontal axis is visible.
-/// `further` adds lines to the chart of a group of outputs over a column.
+/// `missed` has the column and the deviation of each missed target. `further` returns lines that are drawn behind the lines of a
+/// chart.
 pub(super) fn figures(
     of: Charted<'_>,
     missed: &[(&str, String)],
@@ -46,7 +47,7 @@ pub(super) fn figures(
             .map(|(_, by)| {
                 format!(
                     "<small class=\"unmet\">target missed by up to {}</small>",
-                    html(by)
+                    prose(by)
                 )
             })
             .collect();

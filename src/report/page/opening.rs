@@ -13,7 +13,7 @@ use std::fmt::Write;
 /// Largest number of side effects on the opening screen.
 pub(super) const MOST_EFFECTS: usize = 6;
 
-/// Opening screen: verdict, moved points next to a picture, targets, side effects, bounds and margins.
+/// Opening screen: verdict, moved points and bounds next to a picture, targets, side effects and margins.
 pub(super) fn opening(tuning: &TuningSummary, record: &Record) -> String {
     let unmet: Vec<usize> = tuning.missed().iter().map(|(row, ..)| *row).collect();
     let targets = table(&tuning.targets_table(), |row| {
@@ -140,7 +140,7 @@ fn margins(tuning: &TuningSummary) -> String {
     })
 }
 
-/// Pose of a design that is nearest to the design position.
+/// Pose of a design that is nearest to the design position. `None` if no pose is solved.
 fn nearest(design: &DesignRecord) -> Option<&Placement> {
     let frames = design.frames.iter();
     let solved = frames.filter_map(|f| Some((f.drive.abs() + f.rack.abs(), f.pose.as_ref().ok()?)));
@@ -173,7 +173,7 @@ const WIDTH: f64 = 300.0;
 const HEIGHT: f64 = 220.0;
 const EDGE: f64 = 14.0;
 
-/// Picture of two designs in one view.
+/// Picture of two designs in one view. It shows the left wheel, and marks the moved points.
 fn picture(scene: &Scene, designs: [&Placement; 2], sight: Sight) -> String {
     let axes = scene.axes(sight);
     let flat = |p: &[f64; 3]| axes.map(|(axis, sign)| sign * p[axis]);

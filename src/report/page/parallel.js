@@ -7,7 +7,8 @@ const PARALLEL = { size: [1180, 436], box: [50, 102, 1130, 396] };
 const TITLE = 1.8;
 const brushes = new Map();
 
-// Axes: variables with the largest effects, then deviations from the targets; without targets, outputs of the designs.
+// Columns of the axes: variables with the largest effects, then up to three deviations from targets and the misfit. Without
+// targets, the gains follow the variables. The column that the user adds is last.
 const parallelAxes = (state) => {
   const strength = (k) => Math.max(0, ...run.effects.map((o) => o.effects[k]?.share ?? 0));
   const variables = columns.map((_, k) => k).slice(0, first.variables);
@@ -15,8 +16,8 @@ const parallelAxes = (state) => {
   const outputs = first.misfit === null
     ? columns.map((_, k) => k).slice(first.variables).filter((k) => columns[k].kind === 'gain')
     : [...first.deviations.slice(0, 3), first.misfit];
-  const more = state.more === null || outputs.includes(state.more) ? [] : [state.more];
-  return [...chosen, ...outputs.slice(0, MOST_AXES - chosen.length), ...more];
+  const axes = [...chosen, ...outputs.slice(0, MOST_AXES - chosen.length)];
+  return state.more === null || axes.includes(state.more) ? axes : [...axes, state.more];
 };
 const placeOfAxis = (i, all) => PARALLEL.box[0] + (all > 1 ? (i * (PARALLEL.box[2] - PARALLEL.box[0])) / (all - 1) : 0);
 const heightOn = (k, v) => PARALLEL.box[3] - shareOn(axisOf(k, false), v) * (PARALLEL.box[3] - PARALLEL.box[1]);
@@ -50,10 +51,9 @@ const drawParallel = (state) => {
   if (state.picked !== null) parts.push(svg('path', { class: 'thread ink strong picked', d: lines([state.picked]) }));
   axes.forEach((k, i) => {
     const x = placeOfAxis(i, axes.length).toFixed(1);
-    const { ticks: marks } = axisOf(k, false);
+    const { ticks: marks, title: words } = axisOf(k, false);
     const anchor = i === 0 ? 'start' : i === axes.length - 1 ? 'end' : 'middle';
     const shift = anchor === 'middle' ? 0 : anchor === 'start' ? -30 : 30;
-    const words = titled(k);
     const most = Math.max(14, Math.floor((TITLE * (PARALLEL.box[2] - PARALLEL.box[0])) / Math.max(1, axes.length - 1) / 6.6));
     parts.push(svg('path', { class: 'frame', d: `M${x} ${top}V${bottom}` }));
     linesOf(words, most).forEach((text, line, all) => {

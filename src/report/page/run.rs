@@ -1,4 +1,4 @@
-//! The page of a solve or an optimisation.
+//! Page of a solve, an optimisation or a tolerance analysis.
 
 use super::charts::Charts;
 use super::escape::{html, prose};
@@ -30,8 +30,8 @@ const SCRIPTS: [&str; 9] = [
     include_str!("start.js"),
 ];
 
-/// Largest number of curve values in a page. If a run has more values, evenly spaced stations are kept, and a remark on the page
-/// states this.
+/// Largest number of curve values in a page. If a run has more values, the page shows evenly spaced stations, and a remark states
+/// this.
 const MOST_NUMBERS: usize = 25_000;
 
 /// Data that the page's script reads.
@@ -41,7 +41,7 @@ struct Data<'a> {
     /// Tables of the charts. The curves of the designs come first.
     curves: &'a [CurveTable],
     charts: &'a [Layout],
-    /// Index of the point of the Pareto front that is the tuned design.
+    /// Index of the point of the Pareto front that is the tuned design. `None` if no point is this design.
     kept_point: Option<usize>,
     /// Targets missed by more than their tolerance: column, and largest deviation with its position.
     missed: Vec<(&'a str, String)>,
@@ -51,9 +51,9 @@ struct Data<'a> {
 pub struct PageDesign {
     /// Misfit as a multiple of the tolerances. `None` without targets, or if the design has no misfit.
     pub misfit: Option<f64>,
-    /// Verdict on targets and constraints. `None` without targets.
+    /// Verdict on the targets and the constraints. `None` without targets.
     pub verdict: Option<String>,
-    /// Deviations from the targets.
+    /// Deviations from the targets, as multiples of the tolerance. `None` without targets.
     pub targets: Option<Table>,
     /// Margins of constraints; a negative margin is a violation. `None` without constraints.
     pub constraints: Option<Table>,
@@ -174,8 +174,8 @@ fn with_design(run: &Run, design: Option<&PageDesign>) -> String {
     page.html()
 }
 
-/// Sections with the results of the command. The first text is for a tuning, the second text for all other commands.
-/// One of the texts is empty.
+/// Sections with the results of the command. The first text is for a tuning, the second text for all other commands. The other text
+/// is empty.
 fn of_summary(run: &Run, charts: &mut Charts) -> (String, String) {
     let record = &run.record;
     match &run.summary {
@@ -223,7 +223,8 @@ fn front_curves(points: &[FrontPoint]) -> Vec<CurveTable> {
     }
 }
 
-/// Curves of the points of a Pareto front. The script shows one point at a time.
+/// Lines of the points of a Pareto front in the chart of a group of outputs over a column. `first` is the index of the first table
+/// of the front. The script shows one point at a time.
 fn front_lines(
     record: &Record,
     tables: &[CurveTable],

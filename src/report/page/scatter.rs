@@ -10,15 +10,19 @@ use crate::report::tolerance_summary::{
 };
 use std::fmt::Write;
 
-/// Width of a picture. The next constants are the width of the names on the left, and the width of the numbers on the right.
+/// Width of a picture.
 const WIDTH: f64 = 760.0;
+/// Width of the names on the left.
 const NAMES: f64 = 250.0;
+/// Width of the numbers on the right.
 const NUMBERS: f64 = 110.0;
 /// Height of a row.
 const ROW: f64 = 64.0;
-/// Height of a histogram. The next constants are the height of the band behind it and the position of the boxes below it.
+/// Height of a histogram.
 const HISTOGRAM: f64 = 28.0;
+/// Height of the band behind the histogram.
 const BAND: f64 = 44.0;
+/// Distance from the top of a row to the middle of the boxes.
 const BOXES: f64 = 38.0;
 /// Height of a contributor's row.
 const BAR: f64 = 26.0;
@@ -30,8 +34,7 @@ const P50: usize = 3;
 const P95: usize = 4;
 const P99: usize = 5;
 
-/// Picture of the distribution of every value with a band.
-/// `drive` is the column of the motion.
+/// Picture of the distribution of every value with a band. `drive` is the column of the motion. Empty if no band has a value.
 pub(super) fn distributions(summary: &ToleranceSummary, drive: &str) -> String {
     let bands = summary.bands.iter();
     let drawn: Vec<(&BandRecord, &ValueRecord)> = bands
@@ -58,7 +61,7 @@ fn opening(height: f64, title: &str) -> String {
     format!("<svg viewBox=\"0 0 {WIDTH} {height}\" role=\"img\" aria-label=\"{title}\">")
 }
 
-/// Band in words, with the unit of its position.
+/// Band in words. A position on the motion of a wheel has its unit.
 fn name_of(band: &BandRecord, drive: &str) -> String {
     match (band.at, &band.over, band.band.split_once(": ")) {
         (Some(at), None, Some((_, limits))) => {
@@ -68,6 +71,7 @@ fn name_of(band: &BandRecord, drive: &str) -> String {
     }
 }
 
+/// Draws the distribution of a value in its band, with the name on the left, and yield and capability on the right.
 fn row(svg: &mut String, top: f64, title: &str, band: &BandRecord, value: &ValueRecord) {
     let [least, most] = value.range;
     let limits = [band.low, band.high];
@@ -78,7 +82,9 @@ fn row(svg: &mut String, top: f64, title: &str, band: &BandRecord, value: &Value
     let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
         (low.min(v), high.max(v))
     });
-    let room = 0.06 * (high - low).max(f64::MIN_POSITIVE);
+    // A value without scatter may be equal to its limit. Then the scale still has a length.
+    let shortest = 1e-9 * low.abs().max(high.abs()).max(1e-9);
+    let room = 0.06 * (high - low).max(shortest);
     let (low, high) = (low - room, high + room);
     let (left, right) = (NAMES, WIDTH - NUMBERS);
     let x = |v: f64| left + (v - low) / (high - low) * (right - left);
@@ -111,13 +117,12 @@ fn row(svg: &mut String, top: f64, title: &str, band: &BandRecord, value: &Value
         name,
         100.0 * band.kept
     );
-    let known = value.mean.zip(value.sigma);
-    let words = match known {
-        Some(_) if !value.scatters => Some("does not scatter".to_owned()),
-        Some((mean, sigma)) => Some(capability([band.low, band.high], mean, sigma)),
-        None => None,
-    };
-    if let Some(words) = words {
+    if let Some((mean, sigma)) = value.mean.zip(value.sigma) {
+        let words = if value.scatters {
+            capability([band.low, band.high], mean, sigma)
+        } else {
+            "does not scatter".to_owned()
+        };
         let _ = write!(
             svg,
             "<text class=\"small\" x=\"{WIDTH}\" y=\"{:.1}\" text-anchor=\"end\">{words}</text>",
@@ -126,7 +131,7 @@ fn row(svg: &mut String, top: f64, title: &str, band: &BandRecord, value: &Value
     }
 }
 
-/// Draws range, percentiles, median and nominal of a value, at half of their height.
+/// Draws range, percentiles, median and nominal value around the height `middle`.
 fn spread(svg: &mut String, middle: f64, value: &ValueRecord, x: impl Fn(f64) -> f64) {
     if let [Some(least), Some(most)] = value.range {
         let _ = write!(
@@ -223,7 +228,8 @@ fn capability([low, high]: [Option<f64>; 2], mean: f64, sigma: f64) -> String {
     cp.unwrap_or_default() + &cpk.unwrap_or_default()
 }
 
-/// Picture of the predicted yield with half and with twice the tolerance of each contributor.
+/// Picture of the predicted yield with half and with twice the tolerance of each contributor. Empty if the yield or the ranking is
+/// missing.
 pub(super) fn contributors(summary: &ToleranceSummary) -> String {
     let (Some(now), [_, ..]) = (summary.yield_of_all, &summary.ranking[..]) else {
         return String::new();
@@ -378,5 +384,20 @@ mod tests {
         assert_eq!(of(None, Some(2.0)), "Cpk 1.00");
         assert_eq!(of(Some(-1.0), None), "Cpk 1.00");
         assert_eq!(of(None, None), "");
+    }
+    /// A value that does not scatter can be equal to the only limit of its band. Every position of its picture is a number.
+    #[test]
+    fn a_value_at_its_limit_has_a_picture() {
+        let unknown = vec![None::<f64>; crate::tolerance::PERCENTILES.len()];
+        let value = serde_json::json!({
+            "output": "toe_deg", "builds": 8, "nominal": 1.5, "range": [1.5, 1.5], "percentiles": unknown,
+            "shares": [], "scatters": false, "at_rest": false, "unit": "deg",
+        });
+        let value: ValueRecord = serde_json::from_value(value).unwrap();
+        let band = serde_json::json!({ "band": "toe_deg: up to 1.5", "kept": 1.0, "kept_linear": 1.0, "high": 1.5 });
+        let band: BandRecord = serde_json::from_value(band).unwrap();
+        let mut svg = String::new();
+        row(&mut svg, 0.0, "toe_deg", &band, &value);
+        assert!(svg.contains("<circle") && !svg.contains("NaN"), "{svg}");
     }
 }

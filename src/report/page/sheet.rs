@@ -6,7 +6,7 @@ use super::strips::{Strip, strips};
 use super::table::{breakable, stacked};
 use crate::report::{Cell, SetUpSummary, Table, brief};
 
-/// A section of a page: title, note and table.
+/// A section of a page: title, note and content.
 pub(super) struct Section {
     pub title: String,
     pub note: String,
@@ -150,7 +150,7 @@ pub fn limits_page(of: &LimitsSheet<'_>) -> String {
     sheet(of.study, "limits", verdict, &[section])
 }
 
-/// One strip for each row that has both limits.
+/// One strip for each row of the limits that has both limits. The dot at 0 is the design position.
 fn limit_strips(of: &LimitsSheet<'_>) -> Vec<Strip> {
     let rows = of.limits.rows();
     rows.filter_map(|cells| {
@@ -172,6 +172,7 @@ fn limit_strips(of: &LimitsSheet<'_>) -> Vec<Strip> {
     .collect()
 }
 
+/// Page without a script. `kind` names the command or result. The texts are plain, except the tables of the sections.
 pub(super) fn sheet(study: &str, kind: &str, verdict: &str, sections: &[Section]) -> String {
     let section = |s: &Section| {
         format!(

@@ -74,7 +74,8 @@ byId('effect-measure').addEventListener('change', drawEffects);
 byId('effect-output').addEventListener('change', drawEffects);
 if (first.misfit !== null && moved.includes(first.misfit - first.variables)) byId('effect-output').value = first.misfit - first.variables;
 
-listenToScatter(state, pick, select);
+// A selection in the scatter plot replaces the selections on the parallel axes.
+listenToScatter(state, pick, (rows) => { brushes.clear(); select(rows); });
 listenToParallel(state, select);
 if (state.picked === null) drawAll();
 else pick(state.picked);

@@ -6,7 +6,7 @@ use crate::report::chart::mark::{number, path};
 use crate::report::{brief, to_digits, with_minus_signs};
 use std::fmt::Write;
 
-/// Width of the picture, equal to the width of a chart.
+/// Width of the picture. It equals the width of a chart.
 const WIDTH: f64 = 420.0;
 /// Space left and right of the scale.
 const MARGIN: f64 = 34.0;
@@ -14,10 +14,11 @@ const MARGIN: f64 = 34.0;
 const HEIGHT: f64 = 58.0;
 /// Vertical position of the line in a strip.
 const LINE: f64 = 30.0;
-/// Half of the height of a band, and of the ticks at the ends of a range.
+/// Half of the height of a band and of the ticks at the ends of a range.
 const HALF: f64 = 6.0;
-/// Width of a digit. It is also the least distance between a number and the edge of the picture.
+/// Width of a digit. It is also the least distance between two numbers.
 const DIGIT: f64 = 7.0;
+/// Least distance between a number and the edge of the picture.
 const EDGE: f64 = 8.0;
 
 /// A quantity with a range, a band or values.
@@ -26,7 +27,7 @@ pub(super) struct Strip {
     pub title: String,
     /// Range, drawn as a line with ends.
     pub range: Option<[f64; 2]>,
-    /// Band behind the line. Its ends have numbers only if the strip also has a range. Otherwise the title names the target
+    /// Band behind the line. Its ends have numbers only if the strip also has a range. Otherwise the title contains the target
     /// value.
     pub band: Option<[f64; 2]>,
     /// CSS class and value of each dot.

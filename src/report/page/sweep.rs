@@ -38,9 +38,11 @@ const MOST_ROWS: usize = 50;
 struct Data<'a> {
     columns: Vec<Column<'a>>,
     shown: &'a ShownDesigns,
+    /// Words before the position of a failure: a drive value, or the number of a load case.
+    failed_at: &'static str,
     best: Vec<u64>,
     front: &'a [u64],
-    /// Indices of the columns that the plot shows first.
+    /// Columns that the plots show first.
     first: First,
     effects: &'a [OutputSummary],
     /// Indices of the outputs that no variable changes.
@@ -49,15 +51,18 @@ struct Data<'a> {
     drawn: Vec<Option<u64>>,
     record: Option<&'a Record>,
     curves: &'a [CurveTable],
-    /// Charts of the designs that have curves.
+    /// Charts of these designs.
     charts: &'a [Layout],
 }
 
-/// Indices of columns.
+/// Columns that the plots show first.
 #[derive(Serialize)]
 struct First {
+    /// Number of variables. Their columns come first.
     variables: usize,
+    /// Index of the column of the misfit. `None` without targets.
     misfit: Option<usize>,
+    /// Indices of the columns of the deviations from targets.
     deviations: Vec<usize>,
 }
 
@@ -79,6 +84,11 @@ pub fn sweep_page(run: &SweepRun) -> String {
     let data = Data {
         columns: columns(run),
         shown: &run.shown,
+        failed_at: if record.is_of_car() {
+            "first in case"
+        } else {
+            "nearest at"
+        },
         best: summary.best.iter().map(|d| d.design).collect(),
         front: &run.choice.front,
         first: First {
@@ -127,7 +137,7 @@ pub fn sweep_page(run: &SweepRun) -> String {
     page.html()
 }
 
-/// Charts of all designs that have curves. The script shows the nominal design and the selected one.
+/// Charts of the designs in this record. The script shows the nominal design and the selected one.
 fn figures(record: &Record, charts: &mut Charts) -> String {
     let mut figures = String::new();
     for group in chart_groups(&record.motion.outputs) {
@@ -299,7 +309,7 @@ fn choice(run: &SweepRun) -> String {
     )
 }
 
-/// Best designs and Pareto front, with the commands that print their studies.
+/// Best designs and Pareto front, with the options that print their studies. Empty if no design has a misfit.
 fn best(run: &SweepRun) -> String {
     let summary = &run.summary;
     if summary.best.is_empty() {
@@ -369,7 +379,8 @@ fn front_table(run: &SweepRun) -> Table {
         .iter()
         .filter_map(|d| run.shown.row(*d))
         .collect();
-    rows.sort_by(|a, b| f64::total_cmp(&key(value(*a, first)), &key(value(*b, first))));
+    let key = |row: usize| value(row, first).unwrap_or(f64::INFINITY);
+    rows.sort_by(|a, b| key(*a).total_cmp(&key(*b)));
     for row in rows {
         let mut cells = vec![Cell::from(run.shown.design[row])];
         let values = order.iter().map(|column| value(row, *column));
@@ -378,10 +389,6 @@ fn front_table(run: &SweepRun) -> Table {
         table.push_row(cells);
     }
     table
-}
-
-fn key(value: Option<f64>) -> f64 {
-    value.unwrap_or(f64::INFINITY)
 }
 
 /// Explanation of the sensitivity indices.

@@ -40,8 +40,8 @@ fn written(table: &Table, class: impl Fn(usize) -> Option<&'static str>, kind: &
     )
 }
 
-/// HTML of a heading for the rows below it. A row is a heading if only its first cell has a text. `None` for any other
-/// row.
+/// HTML of a heading for the rows below it. A row with at least three cells is a heading if only its first cell has a text. `None`
+/// for any other row.
 fn group(cells: &[&Cell]) -> Option<String> {
     let [title, others @ ..] = cells else {
         return None;
@@ -83,7 +83,7 @@ fn cell(cell: &Cell, column: Option<&str>) -> String {
     )
 }
 
-/// Text as HTML. On a narrow page, a name may break after its underscores.
+/// Text as HTML. A line may break after an underscore.
 pub(super) fn breakable(cell: &str) -> String {
     html(cell).replace('_', "_<wbr>")
 }

@@ -23,7 +23,8 @@ fn line(table: usize, columns: [&str; 2], rows: Vec<usize>, class: &str) -> Line
     }
 }
 
-/// Chart of the misfit over the iterations, with one line for each start of the tuning.
+/// Chart of the misfit over the iterations, with one line for each start of the tuning. `kept` is the index of the start whose
+/// result the tuning keeps.
 pub(super) fn history_chart(
     history: CurveTable,
     kept: Option<usize>,
@@ -101,7 +102,8 @@ pub(super) fn prices_chart(prices: &[PriceRecord], charts: &mut Charts) -> Strin
     charts.figure(chart, "", "")
 }
 
-/// Charts of the Pareto front: one chart for two targets, or one for each pair of the first three targets.
+/// Charts of the Pareto front: one chart for two targets, or one for each pair of the first three targets. `kept` is the index of
+/// the point that is the tuned design.
 pub(super) fn front_charts(
     front: &FrontRecord,
     kept: Option<usize>,

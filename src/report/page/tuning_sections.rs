@@ -13,7 +13,7 @@ use crate::report::{
     side_effects_table, visible_side_effects,
 };
 
-/// Targets, moved hardpoints and convergence history of an optimisation.
+/// Sections of an optimisation: targets, side effects, variables, constraints and convergence history.
 pub(super) fn tuning_sections(
     tuning: &TuningSummary,
     history: String,

@@ -8,6 +8,13 @@ const hasTurn = allFrames.some((f) => f.pose.Ok?.turn?.centre);
 const drawTurn = (place) => {
   byId('turn').hidden = !hasTurn;
   if (!hasTurn) return;
+  const last = record.designs.length - 1;
+  if (!frameAt(last, place).pose.Ok) {
+    turnPlot.replaceChildren();
+    noteDrawn(turnPlot);
+    byId('turn-text').textContent = 'Not solved at this position.';
+    return;
+  }
   const designs = record.designs.map((_, k) => k).filter((k) => record.designs[k].frames.length);
   const turns = designs.map((design) => ({ design, turn: turnOf(design, place) })).filter(({ turn }) => turn);
   // Converts a position to the picture: forward is up, and left is on the left.
@@ -21,7 +28,7 @@ const drawTurn = (place) => {
     return [TURN_SIZE[0] / 2 + scale * (x - (low[0] + high[0]) / 2), TURN_SIZE[1] / 2 - scale * (y - (low[1] + high[1]) / 2)].map((v) => v.toFixed(1)).join(' ');
   };
   const parts = turns.flatMap(({ design, turn }) => {
-    const look = design === record.designs.length - 1 ? 'is-main' : 'is-former';
+    const look = design === last ? 'is-main' : 'is-former';
     const middles = turn.wheels.map(([a, b]) => a.map((v, k) => (v + b[k]) / 2));
     const half = Math.max(...turn.wheels.flat().map((end) => Math.abs(end[1])));
     const line = (points, kind) => svg('path', { class: `${kind} ${look}`, d: `M${points.map(at).join('L')}` });
@@ -39,7 +46,7 @@ const drawTurn = (place) => {
     svg('text', { x: 24, y: 22, text: '↑ forward' }));
   turnPlot.replaceChildren(...parts);
   noteDrawn(turnPlot);
-  const centre = turnOf(record.designs.length - 1, place)?.centre;
+  const centre = turnOf(last, place)?.centre;
   byId('turn-text').textContent = centre ? `Centre of the turn: ${brief(centre[0], 4)}, ${brief(centre[1], 4)} ${record.length_unit} (x, y).`
     : 'Straight ahead: the spin axes are almost parallel to the other axle. Move the slider of the rack or steering wheel.';
 };

@@ -18,7 +18,7 @@ pub(super) struct Label<'a> {
     pub text: &'a str,
     /// Left end of its baseline.
     pub at: [f64; 2],
-    /// Line from the point to the name. `None` if the name is beside the point.
+    /// Line from the point to the name. `None` if the name is beside the point and clearly belongs to it.
     pub leader: Option<Segment>,
 }
 

@@ -1,12 +1,12 @@
-//! Curves as pictures for documents, with their own background. Equal runs give identical files. The formats are SVG and PNG.
-//! The PNG has twice the size: `resvg` draws the SVG, with its text as outlines.
+//! Pictures of curves and of the mechanism for documents, with their own background. Equal runs give identical files. The formats
+//! are SVG and PNG. The PNG has two pixels per unit of the SVG: `resvg` draws the SVG, with its text as outlines.
 
 mod labels;
 mod raster;
 mod view;
 
 use super::chart::{
-    ChartGroup, Charted, Layout, Lettering, PICTURE_STYLE, SIZE, chart_groups, charts_over,
+    ChartGroup, Charted, Layout, Lettering, SIZE, chart_groups, charts_over, picture_style,
 };
 use super::record::Record;
 use super::run::{Run, Summary};
@@ -100,7 +100,7 @@ impl<'r> Sheet<'r> {
         }
     }
 
-    /// Picture of a tuning with mechanism, all targets, and all side effects beyond their tolerances.
+    /// Picture of a tuning: mechanism, all targets, and all side effects beyond their tolerances. It shows the study's own motion.
     fn tuning(run: &'r Run) -> Self {
         let record = &run.record;
         let flagged: Vec<String> = match &run.summary {
@@ -112,7 +112,7 @@ impl<'r> Sheet<'r> {
         };
         let groups = chart_groups(&record.motion.outputs);
         let wanted = |group: &&ChartGroup| has_target(record, group);
-        // The columns of an axle also contain the name of the wheel.
+        // The columns of an axle begin with the name of the wheel. The names of side effects do not.
         let is_flagged = |group: &&ChartGroup| {
             let column = group.column().trim_start_matches("left_");
             let column = column.trim_start_matches("right_");
@@ -157,14 +157,14 @@ impl<'r> Sheet<'r> {
         svg + "</svg>\n"
     }
 
-    /// Styles of all parts.
+    /// Styles of the parts that the picture contains.
     fn style(&self) -> String {
         let is_view = |cell: &Cell| !matches!(cell, Cell::Chart(_));
         let mut style = String::new();
         if self.cells.iter().any(is_view) {
             style = [STYLE, view::STYLE].concat();
         }
-        style + &PICTURE_STYLE()
+        style + &picture_style()
     }
 
     /// Files of the picture, as SVG and PNG.
@@ -180,6 +180,7 @@ impl<'r> Sheet<'r> {
     }
 }
 
+/// True if a target or a band applies to an output of the group.
 fn has_target(record: &Record, group: &ChartGroup<'_>) -> bool {
     let targets = record.motion.targets.iter().map(|t| &t.column);
     let mut columns = targets.chain(record.motion.bands.iter().map(|b| &b.column));
@@ -241,7 +242,7 @@ pub fn pictures(run: &Run) -> Vec<Picture> {
     files.chain([json]).collect()
 }
 
-/// Chart of a group of outputs over its usual horizontal axis.
+/// Chart of a group of outputs over the usual column of its horizontal axis.
 fn chart(run: &Run, group: &ChartGroup<'_>) -> Layout {
     let record = &run.record;
     let abscissa = record.motion.usual_abscissa(group.column());

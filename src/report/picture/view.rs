@@ -1,7 +1,8 @@
 //! Drawing of the mechanism: front, side and top view, with the names of its points.
 //!
-//! The drawing shows the frame nearest to the design position. Other designs of the run are grey. An arrow leads from each
-//! point of such a design to the same point of the last design.
+//! The drawing shows the last design in the frame nearest to the design position. Other designs of the run are grey. An arrow leads
+//! from each moved point of such a design to the same point of the last design. For a tolerance analysis, only the last design is
+//! drawn.
 
 use super::labels::{Label, place_labels};
 use crate::curves::{Frame, Placement};
@@ -21,7 +22,7 @@ pub(super) const STYLE: &str = ".arm{stroke:#0b63c5;stroke-width:3}.link{stroke:
 .point{fill:#ffffff;stroke:#1b1f24;stroke-width:1.3}.moved{stroke:#b3261e;stroke-width:2}\
 .leader{stroke:#66707a;stroke-width:0.9}.axis{stroke:#1b1f24;stroke-width:1.4}";
 
-/// Smallest move that is drawn as an arrow, relative to the size of the drawing.
+/// Smallest move that is drawn as an arrow, relative to the width of the drawing.
 const LEAST_ARROW: f64 = 0.004;
 
 /// One view of the designs of a run.
@@ -194,7 +195,7 @@ impl<'r> View<'r> {
     }
 }
 
-/// The pose nearest to the design position.
+/// Pose nearest to the design position. `None` if no pose is solved.
 fn nearest(frames: &[Frame]) -> Option<&Placement> {
     let size = |frame: &Frame| frame.drive.abs() + frame.rack.abs();
     let solved = frames
@@ -203,7 +204,7 @@ fn nearest(frames: &[Frame]) -> Option<&Placement> {
     solved.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, p)| p)
 }
 
-/// Points in the drawing: all points that have a position.
+/// Indices of the points in the drawing: all points that have a position.
 fn shown_points(scene: &Scene, pose: &Placement) -> Vec<usize> {
     (0..scene.points.len().min(pose.points.len())).collect()
 }
@@ -275,7 +276,8 @@ fn draw(
     }
 }
 
-/// Segment of the steering axis, from its upper point to the height of the contact point.
+/// Segment of the steering axis, from its upper point to the height of the contact point. Without a contact point, the segment
+/// between both points of the axis.
 fn to_the_ground(low: [f64; 3], high: [f64; 3], pose: &Placement) -> [[f64; 3]; 2] {
     let Some(contact) = pose.contact else {
         return [low, high];
@@ -345,7 +347,7 @@ fn class(kind: BodyKind) -> &'static str {
     }
 }
 
-/// Legend of the lines in a drawing, as an SVG group.
+/// Legend of the lines in a drawing, as an SVG group moved by `shift`.
 pub(super) fn key(record: &Record, shift: [f64; 2], lettering: &Lettering) -> String {
     let [across, down] = shift.map(number);
     let mut svg = format!("<g transform=\"translate({across} {down})\">\n");

@@ -110,6 +110,46 @@ fn a_chart_states_where_a_target_applies() {
     }
 }
 
+/// The strip of a chart of both wheels compares each wheel with its own targets. If the motion does not contain the pose of a
+/// target, the strip does not compare the target.
+#[test]
+fn a_strip_compares_each_wheel_with_its_own_target() {
+    let text = study("macpherson_axle_front.toml");
+    let target = |side: &str, camber: f64, tolerance: f64| {
+        format!(
+            "{{ characteristic = \"camber_to_road\", side = \"{side}\", over = \"roll\", points = [[-2.0, {camber}], \
+             [2.0, {camber}]], tolerance = {tolerance} }}"
+        )
+    };
+    let targets = format!(
+        "optimise.targets=[{}, {}]",
+        target("left", 1.0, 0.5),
+        target("right", -1.0, 0.25)
+    );
+    for (motion, lines) in [
+        ("roll = [-2.0, 0.0, 2.0], heave = [0.0, 20.0]", 2),
+        ("roll = [-2.0, 0.0, 2.0], heave = [10.0, 20.0]", 0),
+    ] {
+        let sets = [
+            "--set",
+            &format!("motion={{ {motion} }}"),
+            "--set",
+            "outputs.characteristics=[\"camber_to_road\"]",
+            "--set",
+            &targets,
+        ];
+        let run = Run::of("solve", "sides", &text, &sets);
+        let picture = fs::read_to_string(run.plots().join("camber_to_road_deg.svg")).unwrap();
+        let strip = picture.split_once("class=\"strip\"");
+        let strip = strip.map_or("", |(_, rest)| rest.split_once("</g>").unwrap().0);
+        assert_eq!(strip.matches("class=\"line ").count(), lines, "{motion}");
+        for tolerance in ["0.5", "0.25"] {
+            let legend = format!("target ± {tolerance} °");
+            assert_eq!(picture.matches(&legend).count(), 1, "{legend}");
+        }
+    }
+}
+
 /// The curves before a tuning are in `curves_before.csv`. So the program refuses names of motions that begin with
 /// "before".
 #[test]

@@ -3,7 +3,6 @@
 use super::super::lettering::{Anchor, Lettering, Words, text};
 use super::super::mark::{number, path};
 use super::{Deviations, EndLabel, Layout, NOTE_LINE, Remark};
-use crate::report::figure::power_of_ten;
 use std::fmt::Write;
 
 /// Largest deviation that the strip shows, as a multiple of the tolerance.
@@ -122,7 +121,7 @@ impl Layout {
 
     fn axes(&self, svg: &mut String, lettering: &Lettering) {
         let [left, top, right, bottom] = self.plot;
-        let [x, y] = &self.scales;
+        let y = &self.scales[1];
         let foot = self.strip.map_or(bottom, |[_, end]| end);
         for (at, label) in &self.x.ticks {
             let line = number(*at);
@@ -148,11 +147,10 @@ impl Layout {
             let line = number(y.place(0.0));
             let _ = writeln!(svg, "<path class=\"zero\" d=\"M{left} {line}H{right}\"/>");
         }
-        let below = in_power(&self.chart.x.title(), x.power());
         let middle = [(left + right) / 2.0, foot + 35.0];
         lettering.write(
             svg,
-            &Words::new(&below, middle, Anchor::Middle)
+            &Words::new(&self.x.title, middle, Anchor::Middle)
                 .label()
                 .class("axis-text"),
         );
@@ -161,7 +159,7 @@ impl Layout {
         // omitted, because the other axis names this load. If the title is still too long, only the unit stays.
         let fits =
             |title: &String| title.chars().count() as f64 * TITLE_LETTER <= bottom - top + 30.0;
-        let beside = in_power(&self.y_title(), y.power());
+        let beside = &self.y.title;
         let unit = beside.rfind('[').map_or("", |unit| &beside[unit..]);
         let short = beside
             .split_once(" by ")
@@ -180,7 +178,7 @@ impl Layout {
         svg.push('\n');
     }
 
-    /// Draws crosses at the positions without a value.
+    /// Draws crosses at the positions at which a design has no pose.
     fn gaps(&self, svg: &mut String) {
         for failed in &self.chart.failed {
             let [x, y] = [self.scales[0].place(*failed) - 3.0, self.plot[3] - 3.0].map(number);
@@ -254,16 +252,4 @@ fn without_stroke(class: &str) -> String {
     let strokes = ["strong", "faint", "fine", "inner"];
     let kept: Vec<&str> = class.split(' ').filter(|c| !strokes.contains(c)).collect();
     kept.join(" ")
-}
-
-/// Adds the power of ten of the ticks to an axis title: `camber gain [10⁻³ °/mm]`.
-fn in_power(title: &str, power: i32) -> String {
-    if power == 0 {
-        return title.to_owned();
-    }
-    let factor = power_of_ten(power);
-    match title.split_once('[') {
-        Some((name, unit)) => format!("{name}[{factor} {unit}"),
-        None => format!("{title} [{factor}]"),
-    }
 }

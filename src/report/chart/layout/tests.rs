@@ -78,6 +78,7 @@ fn deviations_are_in_tolerances() {
     let wanted = Wanted::Values {
         points: vec![[-40.0, 1.0], [5.0, 1.0], [40.0, 1.0]],
         tolerance: 0.25,
+        column: Some("y0".to_owned()),
     };
     let layout = chart(vec![line(0, 0..9)], vec![wanted]).layout(&[table(&[[1.0, 0.01]])]);
     let expected = [[-40.0, -1.6], [5.0, 0.2], [40.0, 1.6]];
@@ -91,6 +92,55 @@ fn deviations_are_in_tolerances() {
     assert_eq!(svg.matches("class=\"dot main bad\"").count(), 2);
     assert!(layout.strip.is_some());
     assert!(svg.contains("target ± 0.25 °"));
+}
+
+/// Both wheels share a chart. The strip compares each curve with the targets of its own wheel only. A target at other poses than
+/// those of the curves has no deviations. The remarks have the tolerance of every target.
+#[test]
+fn each_wheel_has_its_own_targets() {
+    let at = |value: f64, tolerance: f64, column: Option<&str>| Wanted::Values {
+        points: vec![[-40.0, value], [40.0, value]],
+        tolerance,
+        column: column.map(str::to_owned),
+    };
+    let wanted = vec![
+        at(1.0, 0.25, Some("y0")),
+        at(-1.0, 0.5, Some("y1")),
+        at(9.0, 0.5, None),
+    ];
+    let lines = vec![line(0, 0..9), line(1, 0..9)];
+    let layout = chart(lines, wanted).layout(&[table(&[[1.25, 0.0], [-1.0, 0.0]])]);
+    let found: Vec<_> = (layout.deviations.iter())
+        .map(|of| (of.line, of.points.clone()))
+        .collect();
+    assert_eq!(
+        found,
+        [
+            (0, vec![[-40.0, 1.0], [40.0, 1.0]]),
+            (1, vec![[-40.0, 0.0], [40.0, 0.0]])
+        ]
+    );
+    let svg = layout.element();
+    assert_eq!(svg.matches("target ± 0.25 °").count(), 1);
+    assert_eq!(svg.matches("target ± 0.5 °").count(), 1);
+}
+
+/// The data of an axis contain the power of ten that its labels leave out. So a script can write the value of a tick.
+#[test]
+fn labels_of_ticks_have_their_power_of_ten() {
+    let quantity = Quantity::new("gain", "camber gain", "°/mm");
+    for (values, power, title) in [
+        ([0.0, 6e-4], -6, "camber gain [10⁻⁶ °/mm]"),
+        ([0.0, 0.06], 0, "camber gain [°/mm]"),
+    ] {
+        let axis = AxisLayout::unit(&quantity, values.into_iter());
+        assert_eq!((axis.power, axis.title.as_str()), (power, title));
+        for (share, label) in &axis.ticks {
+            let value = label.parse::<f64>().unwrap() * 10f64.powi(axis.power);
+            let at = axis.low + share * (axis.high - axis.low);
+            assert!((value - at).abs() < 1e-9 * axis.high, "{label}");
+        }
+    }
 }
 
 /// Ticks and curves use the same linear scale.

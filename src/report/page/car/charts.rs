@@ -43,7 +43,7 @@ pub(super) fn transfer_scale<'r>(states: impl Iterator<Item = &'r CarStateRecord
     Scale { ends }
 }
 
-/// Bars of the front and the rear axle, each with its parts and its total.
+/// Bars of the front and the rear axle, each with its parts and its total. Negative parts extend to the left of zero.
 pub(super) fn transfer(state: &CarStateRecord, scale: &Scale, unit: &str) -> String {
     let (from, to) = (40.0, WIDTH - 62.0);
     let [low, high] = scale.ends;
@@ -82,7 +82,8 @@ pub(super) fn transfer(state: &CarStateRecord, scale: &Scale, unit: &str) -> Str
     svg
 }
 
-/// Map of the states over ay (to the right) and ax (upward).
+/// Map of the states. Values of ay grow to the right, and values of ax grow upward, if the study lists them in rising order. A
+/// stronger colour is a larger friction demand.
 pub(super) fn map(map: &CarMap) -> String {
     let (columns, rows) = (map.ay.len(), map.ax.len());
     let (left, top, size) = (46.0, 18.0, WIDTH - 54.0);
@@ -100,7 +101,7 @@ pub(super) fn map(map: &CarMap) -> String {
     );
     let shows_numbers = width >= 34.0 && height >= 18.0;
     for row in 0..rows {
-        // The largest ax is at the top.
+        // The first ax is at the bottom.
         let y = bottom - height * (row + 1) as f64;
         for column in 0..columns {
             let x = left + width * column as f64;
@@ -115,7 +116,7 @@ pub(super) fn map(map: &CarMap) -> String {
                 );
                 continue;
             };
-            let opacity = 0.06 + 0.7 * friction / most.max(1e-9);
+            let opacity = 0.06 + 0.64 * friction / most.max(1e-9);
             let _ = write!(
                 svg,
                 "<rect class=\"cell\" x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" opacity=\"{opacity:.3}\"><title>ax {} g, ay {} g: {}</title></rect>",
@@ -144,7 +145,7 @@ pub(super) fn map(map: &CarMap) -> String {
     svg + "</svg>"
 }
 
-/// Labels of ax and ay beside the cells. If there are many values, only some have labels.
+/// Writes the values of ax and ay beside the cells. If there are many values, only some are written.
 fn axes(svg: &mut String, map: &CarMap, [left, bottom, width, height]: [f64; 4]) {
     let every = |count: usize, size: f64, least: f64| {
         ((least / size).ceil() as usize).clamp(1, count.max(1))

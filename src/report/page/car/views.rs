@@ -27,7 +27,7 @@ struct Scale {
 }
 
 impl Scale {
-    /// Fits the scale to these positions (horizontal, vertical).
+    /// Fits the scale to these positions (horizontal, vertical) and to the ground at height 0.
     fn fit(places: impl Iterator<Item = [f64; 2]>, margins: [f64; 2]) -> Self {
         let mut low = [f64::INFINITY, 0.0];
         let mut high = [f64::NEG_INFINITY, 0.0];

@@ -116,6 +116,11 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     } = arguments;
     let path = &arguments.study.study;
     if CarStudy::is_at(path) {
+        if *prices {
+            return Err(Stop::wrong_input(
+                "--prices is not available for a car, because the tuning of a car always searches for the smallest misfit",
+            ));
+        }
         return super::car::optimise(arguments);
     }
     let study = Study::read_elastic(path, &arguments.study.set)?;

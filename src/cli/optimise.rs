@@ -116,12 +116,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     } = arguments;
     let path = &arguments.study.study;
     if CarStudy::is_at(path) {
-        if *prices {
-            return Err(Stop::wrong_input(
-                "--prices is not available for a car, because the tuning of a car always searches for the smallest misfit",
-            ));
-        }
-        return super::car::optimise(arguments);
+        return super::car::optimise(arguments, *prices);
     }
     let study = Study::read_elastic(path, &arguments.study.set)?;
     let Some(optimise) = &study.optimise else {

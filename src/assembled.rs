@@ -178,7 +178,9 @@ impl<'w> Search<'w> {
         visited.map_err(|fault| fault.describe(mechanism))?;
         let all = solver.assemblies(travel, wheel.rack).ok_or_else(|| {
             let topology = mechanism.topology.name;
-            format!("there is no method that finds all assemblies of a {topology}")
+            format!(
+                "assemblies are not available for {topology}, because no method finds all of them"
+            )
         })?;
         Ok(Search {
             wheel,

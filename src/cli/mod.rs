@@ -89,7 +89,7 @@ enum Command {
     Assemblies(AssembliesArguments),
     /// Measure this program on this machine
     Bench(BenchArguments),
-    /// Make one HTML page of a finished run, or pictures of its curves
+    /// Make one HTML page of a finished run; --plots also makes pictures of its curves
     Report(ReportArguments),
     /// Print a study of points from a table (.csv, .xlsx), JSON, YAML or an Adams/Car subsystem
     Import(import::ImportArguments),
@@ -142,7 +142,7 @@ struct RunArguments {
     /// Also write report.html, one self-contained page
     #[arg(long)]
     report: bool,
-    /// Write the curves as pictures (SVG and PNG) into a directory
+    /// Write the curves as pictures (SVG and PNG) into a directory; not for setup, kc and cars
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
 }
@@ -186,7 +186,7 @@ struct LimitsArguments {
     /// Print the smallest limits of the first N builds of [tolerance], with the build that sets each limit
     #[arg(long, value_name = "N")]
     builds: Option<std::num::NonZeroU64>,
-    /// Also write the limits as one self-contained page
+    /// Also write the limits as one self-contained page; not with --builds, not for cars
     #[arg(long, value_name = "PAGE.html", conflicts_with = "builds")]
     report: Option<PathBuf>,
     /// Replace an existing page
@@ -199,7 +199,7 @@ struct LimitsArguments {
 struct OptimiseArguments {
     #[command(flatten)]
     run: RunArguments,
-    /// Print the misfit against the size of the change, for about ten sizes (--report includes it)
+    /// Print the misfit against the size of the change, for about ten sizes (--report includes it); not for cars
     #[arg(long)]
     prices: bool,
 }

@@ -116,7 +116,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     } = arguments;
     let path = &arguments.study.study;
     if CarStudy::is_at(path) {
-        return super::car::optimise(arguments);
+        return super::car::optimise(arguments, *prices);
     }
     let study = Study::read_elastic(path, &arguments.study.set)?;
     let Some(optimise) = &study.optimise else {

@@ -78,8 +78,8 @@ impl Run {
         if !folder.has("report.json") {
             return Err(folder.error(
                 None,
-                "not the directory of a run: there is no report.json, which `hardpoint solve` and \
-                 `hardpoint optimise` write, nor a sweep.json of `hardpoint sweep`",
+                "not the directory of a run: there is no report.json, which `hardpoint solve`, `optimise` \
+                 and `tolerance` write, nor a sweep.json of `hardpoint sweep`",
             ));
         }
         let text = folder.bytes("report.json")?;

@@ -245,7 +245,7 @@ fn contributors(
         written.jig.is_some(),
     ];
     if kinds.iter().filter(|given| **given).count() != 1 {
-        let message = "expected one of the keys \"hardpoint\", \"hardpoints\", \"length\", \"jig\", \"bushing\" and \"link\"";
+        let message = "expected one of the keys \"hardpoint\", \"hardpoints\", \"length\", \"jig\", \"bushing\", \"link\" and \"rate\"";
         return problems.refuse(place, message);
     }
     if let Some(points) = &written.jig {

@@ -23,7 +23,12 @@ const TUNED_NAMES: [&str; 3] = [
     "optimised_rear.toml",
 ];
 
-pub(in crate::cli) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
+pub(in crate::cli) fn optimise(arguments: &RunArguments, with_prices: bool) -> Result<Exit, Stop> {
+    if with_prices {
+        return Err(Stop::wrong_input(
+            "--prices is not available for a car, because the tuning of a car always searches for the smallest misfit",
+        ));
+    }
     let path = &arguments.study.study;
     let study = CarStudy::read(path, &arguments.study.set)?;
     let Some(wanted) = &study.optimise else {

@@ -126,12 +126,7 @@ pub fn lift_limits_table(limits: &[CarLimits], car: &Car) -> Table {
             acceleration(along(limit.way[0])),
             acceleration(along(limit.way[1])),
             lift.map_or("", |lift| lift.wheel.name()).into(),
-            match lift.map(|lift| lift.others_loaded) {
-                None => "",
-                Some(true) => "yes",
-                Some(false) => "no",
-            }
-            .into(),
+            lift.map_or_else(|| "".into(), |lift| lift.others_loaded.into()),
             acceleration(end),
             limit.reason(car).as_str().into(),
             limit.status().into(),

@@ -311,6 +311,20 @@ fn starts_of_a_tuning_are_checked() {
     assert!(said.contains("expected 1 to 10000 starts"), "{said}");
 }
 
+/// A tuning of a car refuses `--prices` instead of ignoring it.
+#[test]
+fn a_tuning_of_a_car_refuses_prices() {
+    let directory = tempfile::tempdir().unwrap();
+    hardpoint(directory.path(), &["new", "car"]).success();
+    let refused = hardpoint(directory.path(), &["optimise", "car.toml", "--prices"]).code(2);
+    let said = text(&refused.get_output().stderr);
+    assert!(
+        said.contains("--prices is not available for a car"),
+        "{said}"
+    );
+    assert!(!directory.path().join("out").exists());
+}
+
 /// The program refuses meaningless inputs of cars, with the location and the reason.
 #[test]
 fn wrong_inputs_of_cars_are_refused() {

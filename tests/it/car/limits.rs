@@ -139,6 +139,9 @@ fn the_command_prints_a_table() {
     );
     let header = "case,direction_deg,g,ax_g,ay_g,wheel,others_loaded,end_g,reason,status";
     assert!(csv.contains(header), "{csv}");
+    // In CSV, yes and no are true and false.
+    assert!(csv.contains(",front_left,true,"), "{csv}");
+    assert!(!csv.contains(",yes,"), "{csv}");
     for case in ["turn,90", "braking,180", "trail_braking,", "fast,90"] {
         assert!(
             csv.contains(&format!("\nlift_limits,{case}")),

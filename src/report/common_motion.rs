@@ -4,7 +4,7 @@ use super::comparison::StationColumn;
 use super::curve_table::CurveTable;
 use crate::model::LengthUnit;
 
-/// Largest difference between equal stations, relative to the largest absolute value in the column.
+/// Largest difference between equal stations, relative to the largest absolute value in the first table's column.
 const SAME: f64 = 1e-9;
 
 /// Columns of angles that can drive a wheel.
@@ -65,7 +65,7 @@ impl CommonMotion {
     ///
     /// # Errors
     ///
-    /// If curves of a wheel are compared with those of an axle, or if two motions are given by different columns.
+    /// If curves of a wheel are compared with curves of an axle, or if different columns give two motions.
     pub(super) fn of(
         tables: &[CurveTable],
         labels: &[&str],
@@ -135,7 +135,7 @@ impl CommonMotion {
     }
 
     /// Station of each row, as a value for each column of the motion. A coordinate that a motion does not have is 0: no roll, or
-    /// the rack in the middle.
+    /// the rack in the middle. An empty cell is NaN, so its row equals no station.
     pub(super) fn places(&self, table: &CurveTable) -> Vec<Vec<f64>> {
         let columns: Vec<_> = self.columns.iter().map(|name| table.column(name)).collect();
         let value = |row: usize, column: &Option<&[Option<f64>]>| match column {

@@ -139,3 +139,19 @@ fn curves_over_different_drives_are_refused() {
         );
     }
 }
+
+/// At time 0, the wheel may be at any travel.
+#[test]
+fn a_motion_over_time_has_no_design_position() {
+    let mm = LengthUnit::Millimetre;
+    let over_time = "travel_mm,time_s,camber_deg,status\n-40,0,1,ok\n0,2,2,ok\n";
+    let over_travel = "travel_mm,camber_deg,status\n-40,1,ok\n0,2,ok\n";
+    for (csv, row) in [
+        (over_time, "\ncamber_deg,a,,1.0,2.0,"),
+        (over_travel, "\ncamber_deg,a,2.0,1.0,2.0,"),
+    ] {
+        let designs = ["a", "b"].map(|label| design(label, mm, csv));
+        let table = Comparison::of(&designs).unwrap().table().csv(None);
+        assert!(table.contains(row), "{table}");
+    }
+}

@@ -2,8 +2,8 @@
 
 use crate::study::Study;
 
-/// Warning about a rack that moves although no part of the suspension is attached to it. The curves are then equal at every
-/// displacement.
+/// Warning about a rack that moves although no part of the suspension is attached to it. The curves are then equal at every rack
+/// displacement. `None` if the rack does not move, or if a part is attached to it.
 pub fn rack_doubt(study: &Study) -> Option<String> {
     let mechanism = &study.wheel().mechanism;
     let motions = study.motions.iter().map(|(_, motion)| motion);

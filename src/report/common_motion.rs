@@ -7,13 +7,16 @@ use crate::model::LengthUnit;
 /// Largest difference between equal stations, relative to the largest absolute value in the first table's column.
 const SAME: f64 = 1e-9;
 
+/// Column of the time.
+pub(super) const TIME: &str = "time_s";
+
 /// Columns of angles that can drive a wheel.
 const ANGLES: [&str; 2] = ["arm_angle_deg", "theta_deg"];
 
 /// Column that identifies the stations of a wheel, together with the rack. It is the time, the angle that drives the wheel, or
 /// the travel.
 fn drive(table: &CurveTable) -> &str {
-    let mut given = ["time_s"].iter().chain(&ANGLES);
+    let mut given = [TIME].iter().chain(&ANGLES);
     let given = given.find(|name| table.column(name).is_some()).copied();
     given.unwrap_or_else(|| table.header.first().map_or("", String::as_str))
 }
@@ -61,7 +64,7 @@ pub(super) struct CommonMotion {
 impl CommonMotion {
     /// Finds the columns of the motion from the headers of tables in one unit. The curves of a wheel are over time, an angle or
     /// the travel, and over the rack. The curves of an axle are over roll and heave, or over both travels; and over the steering
-    /// wheel or the rack. All columns that follow from these are outputs.
+    /// wheel or the rack. If all tables have a time, they are over this time, too. All columns that follow from these are outputs.
     ///
     /// # Errors
     ///
@@ -86,7 +89,7 @@ impl CommonMotion {
             let names = ["travel", "arm_angle", "theta", "rack", "roll", "heave"];
             repeated.extend(names.map(in_unit));
             repeated.extend(names.map(|name| format!("{name}_deg")));
-            repeated.push("time_s".to_owned());
+            repeated.push(TIME.to_owned());
             // If an angle drives the wheel, the travel is a result.
             if ANGLES.iter().any(|angle| has(&tables[0], angle)) {
                 repeated.retain(|name| *name != in_unit("travel"));
@@ -124,6 +127,10 @@ impl CommonMotion {
             columns.push(angle.to_owned());
         } else if any(&rack) {
             columns.push(rack);
+        }
+        // An axle may pass a position twice, in opposite directions. The time tells these stations apart.
+        if is_axle && tables.iter().all(|table| has(table, TIME)) {
+            columns.insert(0, TIME.to_owned());
         }
         Ok(CommonMotion { columns, repeated })
     }

@@ -6,7 +6,7 @@ mod moved;
 mod tests;
 
 use super::column::{ColumnAxes, ColumnConversion, split_unit};
-use super::common_motion::CommonMotion;
+use super::common_motion::{CommonMotion, TIME};
 use super::curve_table::CurveTable;
 use super::files::csv_of_rows;
 use super::record::{Record, readable_unit};
@@ -331,7 +331,7 @@ impl Comparison {
             .map(|k| format!("at {}", self.motion[*k].column));
         let mut table = Table::with_columns(header.chain(further));
         // A motion over time has no design position.
-        let is_over_time = self.motion.iter().any(|m| m.column == "time_s");
+        let is_over_time = self.motion.iter().any(|m| m.column == TIME);
         let is_design = |at: &Vec<f64>| !is_over_time && at.iter().all(|v| *v == 0.0);
         let design_row = self.stations.iter().position(is_design);
         for output in &self.outputs {

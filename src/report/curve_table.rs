@@ -99,7 +99,9 @@ impl CurveTable {
         if rows <= most {
             return self.clone();
         }
-        let kept: Vec<usize> = (0..most).map(|i| i * (rows - 1) / (most - 1).max(1)).collect();
+        let kept: Vec<usize> = (0..most)
+            .map(|i| i * (rows - 1) / (most - 1).max(1))
+            .collect();
         CurveTable {
             header: self.header.clone(),
             columns: self

@@ -115,8 +115,8 @@ fn steering(test: &KcTest) -> &'static str {
     }
 }
 
-/// Directions of the loads on both wheels, in one word: `parallel`, `opposed` or `single`. Empty for a test with a motion, and for
-/// a study of one wheel.
+/// Mode of a test, in one word: `parallel` or `opposed` loads on both wheels, or a load on a `single` wheel. Empty for a test with a
+/// motion, and for a study of one wheel.
 fn mode(test: &KcTest) -> &'static str {
     if test.load.is_motion() {
         ""

@@ -86,3 +86,20 @@ fn the_point_of_the_spin_axis_carries_no_rod() {
     assert_ne!(with_point, text);
     assert_eq!(distance(&with_point), distance(&text));
 }
+
+/// A drop link on the axis of its rocker is at a distance of 0 from the rocker. The message has no decimals of this distance.
+#[test]
+fn a_distance_of_zero_has_no_decimals() {
+    let text = fs::read_to_string(studies().join("double_wishbone_rocker.toml")).unwrap();
+    let without_body = text.replace("drop_link_outer = \"rocker\"", "");
+    assert_ne!(text, without_body);
+    let lines = without_body.lines().map(|line| match line {
+        own if own.starts_with("drop_link_outer ") => "drop_link_outer = [0.0, 205.0, 420.0]",
+        other => other,
+    });
+    let text = lines.collect::<Vec<_>>().join("\n");
+    let study = Study::from_text("own.toml", &text, &studies()).unwrap();
+    let found = plausibility(study.wheel()).unwrap();
+    let is_said = |doubt: &String| doubt.contains("Assumed: rocker (0 mm away)");
+    assert!(found.iter().any(is_said), "{found:?}");
+}

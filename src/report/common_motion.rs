@@ -53,10 +53,12 @@ fn common_drive<'t>(tables: &'t [CurveTable], labels: &[&str]) -> Result<&'t str
     }
 }
 
-/// Columns of the motion that several tables share. Together they identify a station.
+/// Columns of the motion that several tables share. Together they give the position of a station.
 pub(super) struct CommonMotion {
     /// Names of the columns.
     pub columns: Vec<String>,
+    /// Names of the columns that identify a station: `columns`, and the time of axles.
+    matched: Vec<String>,
     /// Names of columns that repeat the motion. They are not compared.
     repeated: Vec<String>,
 }
@@ -64,7 +66,7 @@ pub(super) struct CommonMotion {
 impl CommonMotion {
     /// Finds the columns of the motion from the headers of tables in one unit. The curves of a wheel are over time, an angle or
     /// the travel, and over the rack. The curves of an axle are over roll and heave, or over both travels; and over the steering
-    /// wheel or the rack. If all tables have a time, they are over this time, too. All columns that follow from these are outputs.
+    /// wheel or the rack. All columns that follow from these are outputs.
     ///
     /// # Errors
     ///
@@ -128,11 +130,16 @@ impl CommonMotion {
         } else if any(&rack) {
             columns.push(rack);
         }
+        let mut matched = columns.clone();
         // An axle may pass a position twice, in opposite directions. The time tells these stations apart.
         if is_axle && tables.iter().all(|table| has(table, TIME)) {
-            columns.insert(0, TIME.to_owned());
+            matched.push(TIME.to_owned());
         }
-        Ok(CommonMotion { columns, repeated })
+        Ok(CommonMotion {
+            columns,
+            matched,
+            repeated,
+        })
     }
 
     /// True if a column gives the position of a station. Then it is not an output.
@@ -144,24 +151,18 @@ impl CommonMotion {
     /// Station of each row, as a value for each column of the motion. A coordinate that a motion does not have is 0: no roll, or
     /// the rack in the middle. An empty cell is NaN, so its row equals no station.
     pub(super) fn places(&self, table: &CurveTable) -> Vec<Vec<f64>> {
-        let columns: Vec<_> = self.columns.iter().map(|name| table.column(name)).collect();
-        let value = |row: usize, column: &Option<&[Option<f64>]>| match column {
-            Some(column) => column[row].unwrap_or(f64::NAN),
-            None => 0.0,
-        };
-        let place = |row| columns.iter().map(|column| value(row, column)).collect();
-        (0..table.rows()).map(place).collect()
+        places(table, &self.columns)
     }
 
     /// Rows of the stations that all tables have, in the order of the first table. For each station, the result has one row index
     /// per table.
     pub(super) fn common_rows(&self, tables: &[CurveTable]) -> Vec<Vec<usize>> {
-        let places: Vec<_> = tables.iter().map(|table| self.places(table)).collect();
+        let places: Vec<_> = tables.iter().map(|t| places(t, &self.matched)).collect();
         let size = |k: usize| {
             let values = places[0].iter().map(|at| at[k].abs());
             values.fold(0.0, f64::max)
         };
-        let sizes: Vec<f64> = (0..self.columns.len()).map(size).collect();
+        let sizes: Vec<f64> = (0..self.matched.len()).map(size).collect();
         let is_same = |a: &[f64], b: &[f64]| {
             let mut pairs = a.iter().zip(b).zip(&sizes);
             pairs.all(|((a, b), size)| (a - b).abs() <= SAME * size)
@@ -191,4 +192,15 @@ impl CommonMotion {
         });
         described.collect()
     }
+}
+
+/// Values of the columns with these names, row by row: 0 without the column, and NaN for an empty cell.
+fn places(table: &CurveTable, names: &[String]) -> Vec<Vec<f64>> {
+    let columns: Vec<_> = names.iter().map(|name| table.column(name)).collect();
+    let value = |row: usize, column: &Option<&[Option<f64>]>| match column {
+        Some(column) => column[row].unwrap_or(f64::NAN),
+        None => 0.0,
+    };
+    let place = |row| columns.iter().map(|column| value(row, column)).collect();
+    (0..table.rows()).map(place).collect()
 }

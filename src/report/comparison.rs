@@ -331,7 +331,9 @@ impl Comparison {
             .map(|k| format!("at {}", self.motion[*k].column));
         let mut table = Table::with_columns(header.chain(further));
         // A motion over time has no design position.
-        let is_over_time = self.motion.iter().any(|m| m.column == TIME);
+        let mut columns = self.own_outputs.iter().map(|output| &output.column);
+        let is_over_time =
+            self.motion.iter().any(|m| m.column == TIME) || columns.any(|c| c == TIME);
         let is_design = |at: &Vec<f64>| !is_over_time && at.iter().all(|v| *v == 0.0);
         let design_row = self.stations.iter().position(is_design);
         for output in &self.outputs {

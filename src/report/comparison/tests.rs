@@ -172,7 +172,7 @@ fn stations_of_an_axle_over_time_are_told_apart() {
     let mm = LengthUnit::Millimetre;
     let designs = [design("a", mm, &csv(1.0)), design("b", mm, &csv(0.5))];
     let comparison = Comparison::of(&designs).unwrap();
-    assert_eq!(comparison.motion[0].column, "time_s");
+    assert_eq!(comparison.motion[0].column, "heave_mm");
     assert_eq!(comparison.stations.len(), 5);
     let mut outputs = comparison.outputs.iter();
     let rise = outputs.find(|o| o.column == "rise_d1_mm_per_s");

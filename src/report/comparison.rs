@@ -11,7 +11,7 @@ use super::curve_table::CurveTable;
 use super::files::csv_of_rows;
 use super::record::{Record, readable_unit};
 use super::table::{Cell, Table};
-use super::{counted, optional};
+use super::{counted, optional, resolution};
 use crate::model::{FrameConvention, LengthUnit};
 pub use kc::{ComparedKc, KcComparison};
 use moved::{Moved, moved};
@@ -345,7 +345,7 @@ impl Comparison {
                 let (_, unit) = split_unit(&output.column);
                 let figure = |value: Option<f64>| value.map(|value| Cell::figure(value, unit));
                 let largest = self.largest_difference(output, design);
-                let place = largest.filter(|(difference, _)| *difference != 0.0);
+                let place = largest.filter(|(difference, _)| difference.abs() >= resolution(unit));
                 let head = [
                     match design {
                         0 => Cell::from(output.column.as_str()),

@@ -45,7 +45,8 @@ impl KcResults<'_> {
         (!rows.is_empty()).then(|| csv(header, rows))
     }
 
-    /// Columns of a wheel's state. Angles have the signs of a left wheel; coordinates are in the study's axes.
+    /// Columns of a wheel's state. Its angles have the signs of a left wheel, and its coordinates are in the study's axes. The
+    /// values of a bushing are along and about the axes of the bushing.
     fn wheel_columns(&self) -> Vec<String> {
         let mut header = self.columns(&[
             "vertical_force_N",

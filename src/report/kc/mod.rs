@@ -115,8 +115,8 @@ fn steering(test: &KcTest) -> &'static str {
     }
 }
 
-/// Mode of a test, in one word: `parallel` or `opposed` loads on both wheels, or a load on a `single` wheel. Empty for a test with a
-/// motion, and for a study of one wheel.
+/// Mode of a test, in one word: `parallel` or `opposed` loads on both wheels, or a load on a `single` wheel. Empty for a test with
+/// a motion, and for a study of one wheel.
 fn mode(test: &KcTest) -> &'static str {
     if test.load.is_motion() {
         ""
@@ -303,9 +303,9 @@ impl KcResults<'_> {
         }
     }
 
-    /// Content of `compliance_matrix.csv`: six rows per station, or twelve for an axle. Displacements are in length units, rotations
-    /// in radians, both per newton, or per newton times length unit. `None` if no station has a matrix: there is no equilibrium, or
-    /// the wheel load cannot be kept constant.
+    /// Content of `compliance_matrix.csv`: six rows per station, or twelve for an axle. Displacements are in length units, and
+    /// rotations in radians. Both are per newton, or per newton times length unit. `None` if no station has a matrix: there is no
+    /// equilibrium, or the wheel load cannot be kept constant.
     pub fn matrix_csv(&self) -> Option<Vec<u8>> {
         let u = self.length().symbol();
         let sides: &[&str] = if self.is_axle {

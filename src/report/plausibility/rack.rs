@@ -10,10 +10,11 @@ pub fn rack_doubt(study: &Study) -> Option<String> {
     let racks = motions
         .chain([study.motion()])
         .flat_map(|motion| &motion.rack);
-    let of_axle = study
-        .axle()
-        .into_iter()
-        .flat_map(|both| &both.plan.motion.racks);
+    let of_axle = study.axle().into_iter().flat_map(|both| {
+        let named = both.motions.iter().map(|(_, motion)| motion);
+        let all = named.chain([&both.plan.motion]);
+        all.flat_map(|motion| &motion.racks)
+    });
     let moves = racks.chain(of_axle).any(|rack| *rack != 0.0);
     (moves && !mechanism.is_steered()).then(|| {
         format!(

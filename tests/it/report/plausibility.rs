@@ -1,7 +1,7 @@
 //! Tests of the plausibility warnings for a study without a wheel radius.
 
 use hardpoint::model::Suspension;
-use hardpoint::report::plausibility;
+use hardpoint::report::{plausibility, rack_doubt};
 use hardpoint::study::Study;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -102,4 +102,24 @@ fn a_distance_of_zero_has_no_decimals() {
     let found = plausibility(study.wheel()).unwrap();
     let is_said = |doubt: &String| doubt.contains("Assumed: rocker (0 mm away)");
     assert!(found.iter().any(is_said), "{found:?}");
+}
+
+/// A rack without effect is reported in every motion of an axle.
+#[test]
+fn a_rack_without_effect_in_a_named_motion_is_reported() {
+    let text = fs::read_to_string(studies().join("semi_trailing_arm_solve.toml")).unwrap();
+    let (parts, _) = text.split_once("\n[motion]").unwrap();
+    let doubt = |rack: &str| {
+        let motions = format!("[motion]\nheave = 0.0\n[motions.steer]\nheave = 0.0\n{rack}");
+        let outputs = "[outputs]\ncharacteristics = [\"camber\"]";
+        let text = format!("{parts}\n[axle]\n{motions}\n{outputs}\n");
+        let study = Study::from_text("own.toml", &text, &studies()).unwrap();
+        rack_doubt(&study)
+    };
+    assert_eq!(doubt(""), None);
+    let found = doubt("rack = [0.0, 10.0]").unwrap();
+    assert!(
+        found.contains("no part of a semi_trailing_arm is attached to the rack"),
+        "{found}"
+    );
 }

@@ -22,8 +22,8 @@ impl MotionRecord {
         all.map(String::as_str).collect()
     }
 
-    /// Column for the horizontal axis of an output. For outputs that depend on steering, it is the steering column of a steered
-    /// axle. Otherwise it is the value of the drive.
+    /// Column for the horizontal axis of an output, also for curves over time. For outputs that depend on steering, it is the
+    /// steering column, if the motion of an axle steers. Otherwise it is the column of the drive.
     pub(super) fn natural_abscissa(&self, output: &str) -> &str {
         let name = output.strip_prefix("left_").unwrap_or(output);
         let name = name.strip_prefix("right_").unwrap_or(name);

@@ -1,6 +1,7 @@
 //! Remarks on curves: conditioning, certificates, and missing values.
 
 use super::completeness::Completeness;
+use super::counted;
 use super::figure::brief;
 use super::station_label::{StationLabel, place_in_words};
 use crate::curves::{Curves, Station, Status};
@@ -31,7 +32,7 @@ pub fn remarks_on_motion(
         .collect()
 }
 
-/// Remark on stations at which no part can carry the loads, if there are any.
+/// Remark on stations at which a value is missing because no part can carry the loads, if there are any.
 fn unsupported(curves: &Curves) -> Option<String> {
     let stations = curves.stations.iter().enumerate();
     let lacks = |station: &Station| {
@@ -42,7 +43,7 @@ fn unsupported(curves: &Curves) -> Option<String> {
     let (first, reason) = lacking.next()?;
     Some(format!(
         "warning: loads cannot be carried at {}, the first at {}: {}",
-        stations_in_words(1 + lacking.count()),
+        counted(1 + lacking.count(), "station"),
         place_in_words(curves, first),
         reason.reason(),
     ))
@@ -81,7 +82,7 @@ fn toggled(curves: &Curves) -> Vec<String> {
                     "warning: the {of}{rod} is at toggle or beyond it at {} (nearest to the design \
                      position: {}). Since it cannot turn {} any further there, quantities of the \
                      rocker or bar have no values",
-                    stations_in_words(stuck().count()),
+                    counted(stuck().count(), "station"),
                     place_in_words(curves, nearest),
                     rod.turns()
                 )
@@ -91,25 +92,17 @@ fn toggled(curves: &Curves) -> Vec<String> {
     warnings
 }
 
-/// Number of stations in words.
-pub(super) fn stations_in_words(count: usize) -> String {
-    match count {
-        1 => "1 station".to_owned(),
-        n => format!("{n} stations"),
-    }
-}
-
 /// Conditioning along the motion.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct ConditionSummary {
-    /// Largest condition number. A value below 1000 is only known to within a factor of ten.
+    /// Largest condition number. A value below 1000 may be known only to within a factor of ten.
     worst: f64,
     /// Station of the largest condition number.
     at: StationLabel,
     /// Station of the largest condition number, in words.
     #[serde(skip)]
     at_words: String,
-    /// Stations whose derivatives and sensitivities have fewer than six digits.
+    /// Stations whose derivatives and sensitivities have fewer than six correct digits.
     ill_conditioned: Vec<StationLabel>,
 }
 
@@ -156,14 +149,15 @@ pub(super) struct CertificateSummary {
     unproved: usize,
     /// True if every station is certified. Then the whole curve lies on one solution branch.
     one_branch: bool,
-    /// Largest certified bound on the position error of points of the wheel carrier.
+    /// Largest certified bound on the position error of points of a wheel carrier, in the study's length unit. `None` if no
+    /// station is certified.
     largest_position_error: Option<f64>,
     /// Station with this bound.
     at: Option<StationLabel>,
     /// Station with this bound, in words.
     #[serde(skip)]
     at_words: String,
-    /// Smallest distance within which a certificate excludes any other pose.
+    /// Smallest distance within which a certificate excludes any other pose, in the study's length unit.
     smallest_uniqueness: Option<f64>,
 }
 
@@ -204,7 +198,7 @@ impl CertificateSummary {
         Some(summary)
     }
 
-    /// Summary in words.
+    /// Summary in words, for curves with this number of stations.
     pub(super) fn remark(&self, stations: usize, length_unit: &str) -> String {
         let mut text = format!(
             "certificate: {} of {stations} stations certified",

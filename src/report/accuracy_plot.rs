@@ -7,8 +7,9 @@ use plotters::coord::combinators::WithKeyPoints;
 use plotters::prelude::*;
 use std::ops::Range;
 
+/// Width and height of one diagram, in pixels.
 const PANEL: [u32; 2] = [560, 420];
-/// Height of the caption.
+/// Height of the caption, in pixels.
 const CAPTION: u32 = 34;
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;

@@ -19,7 +19,7 @@ const MOST_FRAMES: [usize; 2] = [41, 9];
 pub type SolvedAxle<'a> = (&'a str, &'a str, &'a Axle, &'a Curves);
 
 impl Record {
-    /// Makes the record of a run of an axle.
+    /// Makes the record of a run of an axle. An error names the wheel whose design position cannot be solved.
     pub fn of_axle(
         command: &str,
         study: &Study,
@@ -173,7 +173,7 @@ fn drawn(
     Ok(places.zip(drawn).map(frame).collect())
 }
 
-/// Target as a value or a curve in the chart of one column. `None` if the motion with this name cannot show it.
+/// Target as a value or a curve in the chart of one column. `None` if the motion with this name cannot show it, and for a band.
 fn target(
     target: &Target,
     name: Option<&str>,

@@ -1,6 +1,6 @@
 //! Bands of tolerances in words, and the share of builds within each band.
 
-use super::figure::as_written;
+use super::figure::{as_written, to_digits};
 use super::given_columns::GivenColumns;
 use super::tolerance_summary::ValueRecord;
 use super::{brief, figure};
@@ -14,14 +14,14 @@ use serde::{Deserialize, Serialize};
 pub struct BandRecord {
     /// Band in words.
     pub band: String,
-    /// Share of builds within the band.
+    /// Share of builds within the band, from 0 to 1.
     pub kept: f64,
-    /// Share of builds within the band, according to the first-order estimate.
+    /// Share of builds within the band, according to the first-order estimate, from 0 to 1.
     pub kept_linear: f64,
     /// Column of the output that the band limits.
     #[serde(default)]
     pub output: String,
-    /// Position on the motion at which the band applies. `None` if it applies everywhere.
+    /// Drive value at which the band applies; for an axle, a value in the column `over`. `None` if the band applies everywhere.
     #[serde(default)]
     pub at: Option<f64>,
     /// For an axle: column of the motion to which `at` refers.
@@ -36,7 +36,7 @@ pub struct BandRecord {
 
 impl BandRecord {
     /// Value that the band limits. If there are several values, it is the value whose 1 % or 99 % percentile has the smallest
-    /// margin to a limit.
+    /// margin to a limit. `None` if no value belongs to the band, and for a band with a column `over`.
     pub fn worst_value<'v>(&self, values: &'v [ValueRecord]) -> Option<&'v ValueRecord> {
         if self.over.is_some() {
             return None;
@@ -103,7 +103,7 @@ pub fn study_bands_missed(study: &Study) -> Vec<String> {
     missed().unwrap_or_default()
 }
 
-/// Coordinates of a station in words, as in `travel 5 mm`. A rack at 0 is left out.
+/// Coordinates of a station in words, as in `travel 5 mm`. For one wheel, a rack at 0 is left out.
 fn place_in_words(problem: &Problem, station: usize) -> String {
     if let Some(AxleStudy { axle, plan, .. }) = problem.study.axle() {
         let columns = GivenColumns { plan, axle };
@@ -127,12 +127,12 @@ fn place_in_words(problem: &Problem, station: usize) -> String {
 
 /// Lowest and highest printed value of a band. `None` without a limit.
 pub(super) fn limits_of(band: &Band) -> [Option<f64>; 2] {
-    let printed = |v: &f64| {
+    let printed = |v: f64| {
         // A limit is shown as in the study file, without the rounding errors of the conversion to radians.
         let printed = v * band.of.factor();
-        printed.is_finite().then(|| (printed * 1e9).round() / 1e9)
+        printed.is_finite().then(|| to_digits(printed, 12))
     };
-    let [low, high] = [&band.between[0], &band.between[1]].map(printed);
+    let [low, high] = band.between.map(printed);
     if band.of.factor() < 0.0 {
         [high, low]
     } else {
@@ -143,15 +143,11 @@ pub(super) fn limits_of(band: &Band) -> [Option<f64>; 2] {
 /// Band in the words of the study file.
 pub(super) fn in_words(band: &Band) -> String {
     let column = &band.of.column;
-    let [low, high] = band.between.map(|v| {
-        let printed = v * band.of.factor();
-        // A limit is shown as in the study file, without the rounding errors of the conversion to radians.
-        (printed * 1e9).round() / 1e9
-    });
-    let wanted = match (low.is_finite(), high.is_finite()) {
-        (true, true) => format!("{} to {}", as_written(low), as_written(high)),
-        (true, false) => format!("at least {}", as_written(low)),
-        _ => format!("at most {}", as_written(high)),
+    let wanted = match limits_of(band).map(|limit| limit.map(as_written)) {
+        [Some(low), Some(high)] => format!("{low} to {high}"),
+        [Some(low), None] => format!("at least {low}"),
+        [None, Some(high)] => format!("at most {high}"),
+        [None, None] => "any value".to_owned(),
     };
     let held = band.site.as_ref().map_or(String::new(), AxleSite::in_words);
     let over = band.site.as_ref().map(|site| site.over.key());
@@ -160,5 +156,35 @@ pub(super) fn in_words(band: &Band) -> String {
         (Some(at), Some(over)) => format!("{column} at {over} {}{held}: {wanted}", as_written(at)),
         (None, Some(over)) => format!("{column} over {over}{held}: {wanted}"),
         (None, None) => format!("{column}: {wanted}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::characteristics::Characteristic;
+    use crate::model::LengthUnit;
+    use crate::study::TargetQuantity;
+
+    /// Limits keep their digits, whatever their size.
+    #[test]
+    fn limits_are_shown_as_in_the_study() {
+        let of = TargetQuantity::characteristic(Characteristic::BumpSteer, LengthUnit::Millimetre);
+        for (limits, words) in [
+            ([-0.018, -0.004], "-0.018 to -0.004"),
+            ([-2e-10, 3e-10], "-2e-10 to 3e-10"),
+            ([f64::NEG_INFINITY, 3.3], "at most 3.3"),
+            ([0.15, f64::INFINITY], "at least 0.15"),
+        ] {
+            let band = Band {
+                between: limits.map(|limit| of.from_printed(limit)),
+                of: of.clone(),
+                at: None,
+                site: None,
+            };
+            assert_eq!(in_words(&band), format!("bump_steer_deg_per_mm: {words}"));
+            let finite = limits.map(|limit| Some(limit).filter(|limit| limit.is_finite()));
+            assert_eq!(limits_of(&band), finite);
+        }
     }
 }

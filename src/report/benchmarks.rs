@@ -21,7 +21,7 @@ pub fn jobs_table(measurements: &[JobTime]) -> Table {
     table
 }
 
-/// Table of poses per second, one row for each output and method.
+/// Table of poses per second, one row for each output, method and number of threads.
 pub fn throughput_table(throughput: &Throughput) -> Table {
     let mut table = Table::new([
         "asked",
@@ -137,7 +137,7 @@ pub fn accuracy_summary(accuracy: &Accuracy) -> Table {
     table
 }
 
-/// Table of computing time against accuracy, one row per method.
+/// Table of computing time against accuracy, one row for each method and setting.
 pub fn accuracy_table(accuracy: &Accuracy) -> Table {
     let mut table = Table::new([
         "family",

@@ -1,7 +1,7 @@
 //! Alternatives to the tuned design, as files and tables: the Pareto front, and the list of misfit against size of change ("price
 //! list").
 
-use super::figure::{brief, without_zeros};
+use super::figure::{brief, with_decimals, without_zeros};
 use super::files::csv_of;
 use super::table::{Cell, Table};
 use super::{CurveTable, shortest};
@@ -19,8 +19,8 @@ fn column(variable: &Variable, unit: &str) -> String {
 }
 
 /// Content of `front.csv`: one row per point of the Pareto front. It has the misfit of each goal as a multiple of its
-/// tolerance, the weights, and the offsets of the variables. The last column is "yes" if the Pareto front has a gap after this
-/// point.
+/// tolerance, the weights, and the offsets of the variables. The weights are empty at a point without a trade-off. The last column
+/// is "yes" if the Pareto front has a gap after this point.
 pub fn front_csv(study: &Study, optimise: &Optimise, front: &Front) -> Vec<u8> {
     let unit = study.wheel().length_unit.symbol();
     csv_of(|writer| {
@@ -46,7 +46,8 @@ pub fn front_csv(study: &Study, optimise: &Optimise, front: &Front) -> Vec<u8> {
     })
 }
 
-/// Table of a Pareto front: some of its points, including the first and the last.
+/// Table of a Pareto front: misfits of some of its points, including the first and the last. With two goals, the last column is the
+/// change of the second misfit per change of the first.
 pub fn front_table(optimise: &Optimise, front: &Front) -> Table {
     let names: Vec<&str> = optimise
         .front
@@ -113,14 +114,13 @@ pub fn front_remarks(optimise: &Optimise, front: &Front) -> Vec<String> {
     remarks
 }
 
-/// Formats a number with three digits.
+/// Formats a number with three digits, and at most nine decimals.
 fn brief3(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
     let decimals = (2.0 - value.abs().log10().floor()).clamp(0.0, 9.0);
-    let text = format!("{value:.*}", decimals as usize);
-    without_zeros(&text).to_owned()
+    without_zeros(&with_decimals(value, decimals as usize)).to_owned()
 }
 
 /// Selects at most [`PRINTED`] indices below `count`, evenly spaced, including the first and the last.
@@ -154,9 +154,9 @@ pub struct FrontRecord {
 pub struct FrontPoint {
     /// Misfit of each goal, as a multiple of its tolerance.
     pub misfits: Vec<f64>,
-    /// Weight of each goal.
+    /// Weight of each goal. All weights are 0 if there is no trade-off.
     pub weights: Vec<f64>,
-    /// Offset of each variable, in the study's axes.
+    /// Offset of each variable, in the study's axes and length unit. Degrees for a rotation.
     pub offsets: Vec<f64>,
     /// Lines of this point's study that differ from the study of the first point: index of the line, from 0, and the line.
     pub lines: Vec<(usize, String)>,
@@ -217,9 +217,9 @@ pub struct PriceRecord {
     pub gain: Option<f64>,
     /// Variable that moves most, relative to its range.
     pub most: Option<String>,
-    /// Offset of that variable.
+    /// Offset of that variable, in the study's axes and length unit. Degrees for a rotation.
     pub most_by: Option<f64>,
-    /// Offset of each variable.
+    /// Offset of each variable, in the same units.
     pub offsets: Vec<f64>,
     /// True if the tuning keeps this design.
     pub kept: bool,
@@ -282,6 +282,7 @@ mod tests {
             (12.345, "12.3"),
             (-1234.5, "-1234"),
             (0.1, "0.1"),
+            (-1e-12, "0"),
         ] {
             assert_eq!(brief3(value), text);
         }

@@ -169,6 +169,20 @@ const UNIT_WORDS: [&str; 12] = [
     "deg", "percent", "N", "kN", "lbf", "ft", "per", "rad", "s", "Hz", "g", "kg",
 ];
 
+/// Parts of the names of test results whose unit is N/mm in every study.
+const STIFFNESSES: [&str; 4] = [
+    "compliant_wheel_rate",
+    "compliant_ride_rate",
+    "lateral_stiffness_",
+    "longitudinal_stiffness_",
+];
+
+/// True for a column whose unit is the same in every study.
+fn has_fixed_unit(stem: &str, unit: &str) -> bool {
+    let is_stiffness = || STIFFNESSES.iter().any(|part| stem.contains(part));
+    unit == "deg_per_100_N_m" || (unit == "N_per_mm" && is_stiffness())
+}
+
 /// Splits the name of a column into the part before its unit, and the unit. The unit of a dimensionless number is empty.
 pub fn split_unit(name: &str) -> (&str, &str) {
     let start = unit_start(name);
@@ -196,9 +210,12 @@ fn unit_start(name: &str) -> usize {
 }
 
 /// Name of a column in another unit, and the powers in its unit. The length unit in a torque depends only on the unit of force:
-/// newton metres stay in metres for every unit of length.
+/// newton metres stay in metres for every unit of length. A unit that is the same in every study does not change.
 fn in_unit(name: &str, from: LengthUnit, to: LengthUnit) -> (String, Powers) {
     let (stem, unit) = split_unit(name);
+    if has_fixed_unit(stem, unit) {
+        return (name.to_owned(), Powers::default());
+    }
     let (mut renamed, mut powers) = (stem.to_owned(), Powers::default());
     let (mut sign, mut before) = (1, "");
     let forces = [from, to].map(LengthUnit::force_symbol);
@@ -294,6 +311,21 @@ mod tests {
                 pound / 25.4,
             ),
             ("a_mm_per_kN", Millimetre, Inch, "a_in_per_kN", 1.0 / 25.4),
+            (
+                "left_wheel_rate_N_per_mm",
+                Millimetre,
+                Inch,
+                "left_wheel_rate_N_per_in",
+                25.4,
+            ),
+            // A study in inches has this column, too.
+            (
+                "left_compliant_wheel_rate_N_per_mm",
+                Millimetre,
+                Inch,
+                "left_compliant_wheel_rate_N_per_mm",
+                1.0,
+            ),
             (
                 "a_deg_per_100_N_m",
                 Metre,

@@ -4,8 +4,11 @@ use super::comparison::StationColumn;
 use super::curve_table::CurveTable;
 use crate::model::LengthUnit;
 
-/// Largest difference between equal stations, relative to the largest absolute value in the column.
+/// Largest difference between equal stations, relative to the largest absolute value in the first table's column.
 const SAME: f64 = 1e-9;
+
+/// Column of the time.
+pub(super) const TIME: &str = "time_s";
 
 /// Columns of angles that can drive a wheel.
 const ANGLES: [&str; 2] = ["arm_angle_deg", "theta_deg"];
@@ -13,7 +16,7 @@ const ANGLES: [&str; 2] = ["arm_angle_deg", "theta_deg"];
 /// Column that identifies the stations of a wheel, together with the rack. It is the time, the angle that drives the wheel, or
 /// the travel.
 fn drive(table: &CurveTable) -> &str {
-    let mut given = ["time_s"].iter().chain(&ANGLES);
+    let mut given = [TIME].iter().chain(&ANGLES);
     let given = given.find(|name| table.column(name).is_some()).copied();
     given.unwrap_or_else(|| table.header.first().map_or("", String::as_str))
 }
@@ -50,10 +53,12 @@ fn common_drive<'t>(tables: &'t [CurveTable], labels: &[&str]) -> Result<&'t str
     }
 }
 
-/// Columns of the motion that several tables share. Together they identify a station.
+/// Columns of the motion that several tables share. Together they give the position of a station.
 pub(super) struct CommonMotion {
     /// Names of the columns.
     pub columns: Vec<String>,
+    /// Names of the columns that identify a station: `columns`, and the time of axles.
+    matched: Vec<String>,
     /// Names of columns that repeat the motion. They are not compared.
     repeated: Vec<String>,
 }
@@ -65,7 +70,7 @@ impl CommonMotion {
     ///
     /// # Errors
     ///
-    /// If curves of a wheel are compared with those of an axle, or if two motions are given by different columns.
+    /// If curves of a wheel are compared with curves of an axle, or if different columns give two motions.
     pub(super) fn of(
         tables: &[CurveTable],
         labels: &[&str],
@@ -86,7 +91,7 @@ impl CommonMotion {
             let names = ["travel", "arm_angle", "theta", "rack", "roll", "heave"];
             repeated.extend(names.map(in_unit));
             repeated.extend(names.map(|name| format!("{name}_deg")));
-            repeated.push("time_s".to_owned());
+            repeated.push(TIME.to_owned());
             // If an angle drives the wheel, the travel is a result.
             if ANGLES.iter().any(|angle| has(&tables[0], angle)) {
                 repeated.retain(|name| *name != in_unit("travel"));
@@ -125,7 +130,16 @@ impl CommonMotion {
         } else if any(&rack) {
             columns.push(rack);
         }
-        Ok(CommonMotion { columns, repeated })
+        let mut matched = columns.clone();
+        // An axle may pass a position twice, in opposite directions. The time tells these stations apart.
+        if is_axle && tables.iter().all(|table| has(table, TIME)) {
+            matched.push(TIME.to_owned());
+        }
+        Ok(CommonMotion {
+            columns,
+            matched,
+            repeated,
+        })
     }
 
     /// True if a column gives the position of a station. Then it is not an output.
@@ -135,26 +149,20 @@ impl CommonMotion {
     }
 
     /// Station of each row, as a value for each column of the motion. A coordinate that a motion does not have is 0: no roll, or
-    /// the rack in the middle.
+    /// the rack in the middle. An empty cell is NaN, so its row equals no station.
     pub(super) fn places(&self, table: &CurveTable) -> Vec<Vec<f64>> {
-        let columns: Vec<_> = self.columns.iter().map(|name| table.column(name)).collect();
-        let value = |row: usize, column: &Option<&[Option<f64>]>| match column {
-            Some(column) => column[row].unwrap_or(f64::NAN),
-            None => 0.0,
-        };
-        let place = |row| columns.iter().map(|column| value(row, column)).collect();
-        (0..table.rows()).map(place).collect()
+        places(table, &self.columns)
     }
 
     /// Rows of the stations that all tables have, in the order of the first table. For each station, the result has one row index
     /// per table.
     pub(super) fn common_rows(&self, tables: &[CurveTable]) -> Vec<Vec<usize>> {
-        let places: Vec<_> = tables.iter().map(|table| self.places(table)).collect();
+        let places: Vec<_> = tables.iter().map(|t| places(t, &self.matched)).collect();
         let size = |k: usize| {
             let values = places[0].iter().map(|at| at[k].abs());
             values.fold(0.0, f64::max)
         };
-        let sizes: Vec<f64> = (0..self.columns.len()).map(size).collect();
+        let sizes: Vec<f64> = (0..self.matched.len()).map(size).collect();
         let is_same = |a: &[f64], b: &[f64]| {
             let mut pairs = a.iter().zip(b).zip(&sizes);
             pairs.all(|((a, b), size)| (a - b).abs() <= SAME * size)
@@ -184,4 +192,15 @@ impl CommonMotion {
         });
         described.collect()
     }
+}
+
+/// Values of the columns with these names, row by row: 0 without the column, and NaN for an empty cell.
+fn places(table: &CurveTable, names: &[String]) -> Vec<Vec<f64>> {
+    let columns: Vec<_> = names.iter().map(|name| table.column(name)).collect();
+    let value = |row: usize, column: &Option<&[Option<f64>]>| match column {
+        Some(column) => column[row].unwrap_or(f64::NAN),
+        None => 0.0,
+    };
+    let place = |row| columns.iter().map(|column| value(row, column)).collect();
+    (0..table.rows()).map(place).collect()
 }

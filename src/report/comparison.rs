@@ -6,12 +6,12 @@ mod moved;
 mod tests;
 
 use super::column::{ColumnAxes, ColumnConversion, split_unit};
-use super::common_motion::CommonMotion;
+use super::common_motion::{CommonMotion, TIME};
 use super::curve_table::CurveTable;
 use super::files::csv_of_rows;
 use super::record::{Record, readable_unit};
 use super::table::{Cell, Table};
-use super::{counted, optional};
+use super::{counted, optional, resolution};
 use crate::model::{FrameConvention, LengthUnit};
 pub use kc::{ComparedKc, KcComparison};
 use moved::{Moved, moved};
@@ -79,7 +79,7 @@ pub struct Comparison {
     own_stations: Vec<Vec<Vec<f64>>>,
     /// All curves at the stations of each design, including curves that some designs do not have.
     own_outputs: Vec<OwnOutput>,
-    /// Columns that some designs do not have, with the designs that have them.
+    /// Columns that some designs do not have, with the labels of the designs that have them.
     #[serde(skip)]
     pub partial: Vec<(String, Vec<String>)>,
     #[serde(skip)]
@@ -128,7 +128,8 @@ impl Comparison {
     ///
     /// # Errors
     ///
-    /// If the designs have no common station or no common column, or if unknown axes determine the sign of a value.
+    /// If the designs have no common station or no common column, or if different coordinates give their motions. Also if an axle
+    /// is compared with a wheel, or if unknown axes determine the sign of a value.
     pub fn of(designs: &[Compared]) -> Result<Self, String> {
         let all: Vec<&Compared> = designs.iter().collect();
         let labels: Vec<&str> = designs.iter().map(|d| d.label.as_str()).collect();
@@ -220,7 +221,8 @@ impl Comparison {
         })
     }
 
-    /// Note on the stations at which some designs lack values. `None` if every design has all its values.
+    /// Note on the stations at which some designs lack values, by the statuses of the stations. `None` if every station has all
+    /// its defined values.
     pub fn unsolved_stations(&self, designs: &[Compared]) -> Option<String> {
         let lacking = designs.iter().filter_map(|design| {
             let (rows, lacking) = (design.curves.rows(), design.curves.incomplete_rows());
@@ -263,7 +265,7 @@ impl Comparison {
             .collect()
     }
 
-    /// Title, column and unit of every output.
+    /// Title, column and readable unit of every output, including outputs that some designs do not have.
     pub(super) fn compared_columns(&self) -> impl Iterator<Item = (&str, &str, &str)> {
         let outputs = self.own_outputs.iter();
         outputs.map(|o| (o.title.as_str(), o.column.as_str(), o.unit.as_str()))
@@ -315,7 +317,8 @@ impl Comparison {
         own.chain(differences).collect()
     }
 
-    /// Table with one row for each output and design: values, and difference from the first design.
+    /// Table with one row for each output and design: value in the design position, minimum, maximum, and largest difference
+    /// from the first design.
     pub fn table(&self) -> Table {
         let moving = self.moving();
         let header = ["output", "of", "at design", "min", "max"].map(str::to_owned);
@@ -327,20 +330,22 @@ impl Comparison {
             .iter()
             .map(|k| format!("at {}", self.motion[*k].column));
         let mut table = Table::with_columns(header.chain(further));
+        // A motion over time has no design position.
+        let mut columns = self.own_outputs.iter().map(|output| &output.column);
+        let is_over_time =
+            self.motion.iter().any(|m| m.column == TIME) || columns.any(|c| c == TIME);
+        let is_design = |at: &Vec<f64>| !is_over_time && at.iter().all(|v| *v == 0.0);
+        let design_row = self.stations.iter().position(is_design);
         for output in &self.outputs {
             for (design, values) in output.values.iter().enumerate() {
                 let known = || values.iter().flatten().copied();
                 let least = known().reduce(f64::min);
                 let most = known().reduce(f64::max);
-                let at_design = self
-                    .stations
-                    .iter()
-                    .position(|at| at.iter().all(|v| *v == 0.0));
-                let at_design = at_design.and_then(|row| values[row]);
+                let at_design = design_row.and_then(|row| values[row]);
                 let (_, unit) = split_unit(&output.column);
                 let figure = |value: Option<f64>| value.map(|value| Cell::figure(value, unit));
                 let largest = self.largest_difference(output, design);
-                let place = largest.filter(|(difference, _)| *difference != 0.0);
+                let place = largest.filter(|(difference, _)| difference.abs() >= resolution(unit));
                 let head = [
                     match design {
                         0 => Cell::from(output.column.as_str()),

@@ -15,7 +15,7 @@ pub struct Completeness {
     #[serde(default)]
     statuses: Vec<StatusCount>,
     /// Columns with empty cells. Neighbouring columns are listed together if they have equal numbers of empty stations and the same
-    /// reason.
+    /// reason, and if all or none of them lack values at every station.
     #[serde(default)]
     empty: Vec<EmptyCells>,
 }
@@ -26,7 +26,7 @@ struct StatusCount {
     stations: usize,
 }
 
-/// Empty cells at solved stations.
+/// Empty cells at stations with a pose, except cells that are empty because of a toggle or a missing support.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct EmptyCells {
     columns: Vec<String>,
@@ -80,8 +80,10 @@ impl Completeness {
         }
         let mut empty: Vec<EmptyCells> = Vec::new();
         for column in empty_columns(curves) {
-            let alike =
-                |e: &&mut EmptyCells| e.stations == column.stations && e.reason == column.reason;
+            let alike = |e: &&mut EmptyCells| {
+                let [own, other] = [&**e, &column].map(|c| (c.stations, c.throughout, &c.reason));
+                own == other
+            };
             match empty.last_mut().filter(alike) {
                 Some(cells) => cells.columns.extend(column.columns),
                 None => empty.push(column),
@@ -90,8 +92,8 @@ impl Completeness {
         Completeness { statuses, empty }
     }
 
-    /// Sentence with the number of solved stations and the statuses of the other stations. `None` if there are no
-    /// stations.
+    /// Words for the number of solved stations and the statuses of the other stations. Only stations with all defined values
+    /// count as solved. `None` if there are no stations.
     pub fn headline(&self) -> Option<String> {
         let all: usize = self.statuses.iter().map(|count| count.stations).sum();
         let is_solved = |count: &&StatusCount| {

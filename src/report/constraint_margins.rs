@@ -11,7 +11,7 @@ use serde::Serialize;
 pub(crate) struct ConstraintMargin {
     /// Name, with the limits.
     pub name: String,
-    /// Smallest margin to a limit in `unit`. Negative if the constraint is violated.
+    /// Smallest margin to a limit in `unit`. Negative if the constraint is violated, NaN if a value is missing.
     pub margin: f64,
     /// Unit of the margin.
     pub unit: String,
@@ -35,8 +35,8 @@ pub(crate) fn constraint_margins(optimise: &Optimise, margins: &[Margin]) -> Vec
         .collect()
 }
 
-/// Remarks on the constraints that the design of a study violates, one per line. A tuning may start outside its constraints. An
-/// error explains why the design cannot be solved.
+/// Remarks on the constraints that the design of a study violates, one per line. A tuning may start outside its constraints. The
+/// list is empty if the constraints cannot be computed along the motion. An error explains why the design cannot be solved.
 pub fn violated_constraints(study: &Study) -> Result<Vec<String>, DesignFault> {
     let Some(optimise) = study
         .optimise

@@ -11,12 +11,12 @@ pub struct CurveTable {
     pub header: Vec<String>,
     /// Values of each column. `None` for an empty cell.
     pub columns: Vec<Vec<Option<f64>>>,
-    /// Status of each row.
+    /// Status of each row. Empty without the column `status`.
     pub status: Vec<String>,
 }
 
 impl CurveTable {
-    /// Reads a CSV file that a run has written.
+    /// Reads a CSV file that a run has written. The error names the line and the column of a cell that is not a finite number.
     pub fn read(text: &[u8]) -> Result<Self, String> {
         let mut reader = csv::Reader::from_reader(text);
         let names: Vec<String> = reader
@@ -66,7 +66,7 @@ impl CurveTable {
         self.columns.first().map_or(0, Vec::len)
     }
 
-    /// Number of rows whose station is not solved, or lacks a defined value.
+    /// Number of rows whose station is not solved, or lacks a defined value. 0 without the column `status`.
     pub fn incomplete_rows(&self) -> usize {
         let whole = Status::WHOLE.map(|status| status.word());
         let incomplete = |word: &&String| !whole.contains(&word.as_str());
@@ -93,13 +93,15 @@ impl CurveTable {
         }
     }
 
-    /// Selects at most `most` rows, evenly spaced, including the first and the last.
+    /// Selects at most `most` rows, evenly spaced. From two rows on, they include the first and the last.
     pub fn thinned(&self, most: usize) -> Self {
         let rows = self.rows();
         if rows <= most {
             return self.clone();
         }
-        let kept: Vec<usize> = (0..most).map(|i| i * (rows - 1) / (most - 1)).collect();
+        let kept: Vec<usize> = (0..most)
+            .map(|i| i * (rows - 1) / (most - 1).max(1))
+            .collect();
         CurveTable {
             header: self.header.clone(),
             columns: self
@@ -139,6 +141,7 @@ mod tests {
     fn thinning_keeps_the_ends() {
         let text: String = (0..100).map(|i| format!("{i},ok\n")).collect();
         let table = CurveTable::read(format!("travel_mm,status\n{text}").as_bytes()).unwrap();
+        assert_eq!(table.thinned(1).columns[0], [Some(0.0)]);
         let few = table.thinned(10);
         assert_eq!((few.rows(), few.status.len()), (10, 10));
         assert_eq!(

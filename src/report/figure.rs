@@ -15,7 +15,7 @@ const WRITTEN_DIGITS: usize = 9;
 /// Differences up to this fraction of the inputs of a number are rounding errors. Rates are accurate to 1e-11.
 const ROUNDING: f64 = 1e-11;
 
-/// Formats with six significant digits.
+/// Formats with six significant digits, and at most nine decimals. Below 1e-5 and from 1e7, the number has an exponent.
 pub fn brief(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -23,7 +23,10 @@ pub fn brief(value: f64) -> String {
     let magnitude = magnitude(value);
     if !(-5..7).contains(&magnitude) {
         let text = format!("{value:.5e}");
-        let (digits, power) = text.split_once('e').unwrap_or((&text, "0"));
+        // An infinite number has no exponent.
+        let Some((digits, power)) = text.split_once('e') else {
+            return text;
+        };
         return format!("{}e{power}", without_zeros(digits));
     }
     let decimals = (DIGITS - 1 - magnitude).clamp(0, 9) as usize;
@@ -31,7 +34,7 @@ pub fn brief(value: f64) -> String {
 }
 
 /// Compares the end of a range with its wanted value: `ends at 7.5, not 8`. If both values have the same six digits, the text
-/// states the difference: `ends 0.000002 below 8`. A rounding error does not count: `reaches 8`.
+/// states the difference: `ends 2e-6 below 8`. A difference of at most 1e-9 is a rounding error: `reaches 8`.
 pub fn ends_at(value: f64, wanted: f64) -> String {
     let (reached, target) = (brief(value), brief(wanted));
     if reached != target {
@@ -55,7 +58,7 @@ pub fn figure(value: f64, unit: &str) -> String {
 }
 
 /// Formats values side by side, with the decimals of the largest value. A value that would have fewer than two digits gets its
-/// own decimals. An unknown value is empty.
+/// own decimals. The text of an unknown value is empty.
 pub fn figures<const N: usize>(values: [Option<f64>; N], unit: &str) -> [String; N] {
     let largest = values
         .iter()
@@ -153,13 +156,14 @@ pub fn to_digits(value: f64, digits: usize) -> f64 {
 /// from a conversion of units, gets six significant digits.
 pub fn as_written(value: f64) -> String {
     let text = shortest(value);
-    let digits = text.split('e').next().unwrap_or(&text);
+    let text = text.strip_suffix(".0").unwrap_or(&text);
+    let digits = text.split('e').next().unwrap_or(text);
     let digits = digits.chars().filter(char::is_ascii_digit);
     let digits = digits.skip_while(|digit| *digit == '0').count();
     if digits > WRITTEN_DIGITS {
         return brief(value);
     }
-    text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
+    text.to_owned()
 }
 
 /// Size of a rounding error in a unit. The unit is named as in columns: `deg`, `deg_per_mm2`, `N_mm`.
@@ -219,6 +223,8 @@ mod tests {
             (-1.23456789e-9, "-1.23457e-9"),
             (300.0, "300"),
             (9.9999999, "10"),
+            (1.23456789e-5, "0.000012346"),
+            (f64::NEG_INFINITY, "-inf"),
         ] {
             assert_eq!(brief(value), text);
         }
@@ -231,6 +237,8 @@ mod tests {
             (60.0, "60"),
             (-0.000123, "-0.000123"),
             (123456.789, "123456.789"),
+            (123456789.0, "123456789"),
+            (1234567890.0, "1.23457e9"),
             (0.1 + 0.2, "0.3"),
             (60.0 / 25.4, "2.3622"),
             (-15.0 / 25.4, "-0.590551"),

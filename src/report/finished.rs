@@ -37,7 +37,8 @@ impl NotARun {
     }
 }
 
-/// Reads the record of a run of a `kind`, if this version can read its format.
+/// Reads the record of a run, if it has the format `form`. Error messages name the command that writes such records (`writer`) and
+/// the `kind` of run.
 pub(super) fn in_form<T: DeserializeOwned>(
     text: &[u8],
     form: u32,
@@ -62,7 +63,8 @@ pub(super) fn in_form<T: DeserializeOwned>(
 }
 
 impl FinishedRun {
-    /// Reads the directory of a solve, an optimisation or a sweep. If several commands wrote there, it reads the last run.
+    /// Reads the directory of a sweep, or of another run that wrote `report.json`. If several commands wrote there, it reads the
+    /// last run.
     pub fn read(directory: &Path) -> Result<Self, NotARun> {
         if is_sweep(directory) {
             return Ok(FinishedRun::Sweep(Box::new(SweepRun::read(directory)?)));

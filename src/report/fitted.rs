@@ -81,8 +81,8 @@ impl FittedOffset {
         }
     }
 
-    /// Number of useful decimals of the offset. They show two digits of a quarter of the interval's width. `None` if the
-    /// interval has no limit.
+    /// Number of useful decimals of the offset. They show two digits of a quarter of the interval's width. The width of an
+    /// interval with one end is the distance of this end from the offset. `None` if there is no width.
     pub(super) fn decimals(&self, offset: Option<f64>) -> Option<usize> {
         let width = match (self.ends(), offset) {
             ([Some(lower), Some(upper)], _) => upper - lower,
@@ -93,7 +93,7 @@ impl FittedOffset {
         (error > 0.0).then(|| (1.0 - error.log10().floor()).clamp(0.0, 12.0) as usize)
     }
 
-    /// Interval in words, with this number of decimals.
+    /// Interval in words, with this number of decimals, or with six digits.
     fn in_words(&self, decimals: Option<usize>) -> String {
         let show = |value: f64| {
             let text = decimals.map_or_else(|| brief(value), |d| with_decimals(value, d));

@@ -33,7 +33,7 @@ impl GivenColumns<'_> {
         self.coordinates().into_iter().map(value).collect()
     }
 
-    /// Values of the given coordinates at a position that may be outside the motion.
+    /// Values of the given coordinates at a position that may be outside the motion, in the same units and axes.
     pub(super) fn values_anywhere(&self, placement: &Placement) -> Vec<f64> {
         let value = |coordinate: Coordinate| match coordinate {
             Coordinate::SteeringWheel | Coordinate::Roll => {

@@ -14,7 +14,7 @@ pub use axle::{axle_plausibility, both_wheels_plausibility};
 pub use rack::rack_doubt;
 pub use spring::spring_doubts;
 
-use super::figure::with_decimals;
+use super::figure::{as_written, with_decimals};
 use super::{Directions, Reading};
 use crate::axle::axle_curves;
 use crate::characteristics::{Characteristic, Constants, WheelReading};
@@ -26,7 +26,7 @@ use crate::solve::Solver;
 use crate::study::{AxleStudy, Designs, Move, Study};
 use track::track_doubt;
 
-/// Largest plausible camber, toe and inclination of a steering axis (degrees).
+/// Largest plausible camber, toe, and caster or kingpin inclination, in degrees.
 const CAMBER: f64 = 15.0;
 const TOE: f64 = 5.0;
 const STEERING_AXIS_ANGLE: f64 = 30.0;
@@ -77,7 +77,8 @@ fn doubts(suspension: &Suspension) -> Result<Vec<String>, DesignFault> {
     Ok(remarks.found)
 }
 
-/// Warnings about a study, one per line: about its wheel, or its axle over the motion, and about its variables.
+/// Warnings about a study, one per line: about its wheel, or its axle over the motion; about its rack, its variables and its
+/// targets.
 pub fn study_doubts(study: &Study) -> Result<Vec<String>, (Side, DesignFault)> {
     let mut found = match study.axle() {
         None => plausibility(study.wheel()).map_err(|fault| (Side::Left, fault))?,
@@ -190,8 +191,12 @@ impl<'a> PlausibilityRemarks<'a> {
         } = self.suspension;
         let away = |seat: &Seat| {
             let (body, unit) = (seat.name.replace('_', " "), length_unit.symbol());
-            // Two digits of a distance are enough to show which body is nearer.
-            let decimals = (1.0 - seat.distance.log10().floor()).clamp(0.0, 12.0) as usize;
+            // Two digits of a distance are enough to show which body is nearer. A distance of 0 has no first digit.
+            let decimals = if seat.distance > 0.0 {
+                (1.0 - seat.distance.log10().floor()).clamp(0.0, 12.0) as usize
+            } else {
+                0
+            };
             format!(
                 "{body} ({} {unit} away)",
                 with_decimals(seat.distance, decimals)
@@ -255,22 +260,24 @@ impl<'a> PlausibilityRemarks<'a> {
         };
         let designed = self.suspension.frame.vector(self.at(point));
         let coordinate = designed[axis];
+        let shown = as_written(coordinate);
         let (name, axis) = (self.name(point), axis.name());
         let holds = |value: f64| (low..=high).contains(&value);
         let width = high - low;
         if absolute && holds(0.0) && (coordinate < low - width || coordinate > high + width) {
             self.say(format!(
-                "{axis} of {name} is {coordinate} in the design, and its range is {low} to \
+                "{axis} of {name} is {shown} in the design, and its range is {low} to \
                  {high}, with absolute = true. Are these offsets?"
             ));
         } else if !absolute && holds(coordinate) && low.abs().min(high.abs()) > width {
             self.say(format!(
-                "{axis} of {name}, which is {coordinate} in the design, has offsets from {low} to \
+                "{axis} of {name}, which is {shown} in the design, has offsets from {low} to \
                  {high}. Are these coordinates? In a sweep, coordinates need absolute = true"
             ));
         }
     }
 
+    /// Warnings about a steering axis that points down, or whose caster or kingpin inclination is unusually large.
     fn steering_axis(&mut self) {
         let axis = self.suspension.mechanism.steering_axis;
         let Some(SteeringAxis::Through { lower, upper }) = axis else {
@@ -295,6 +302,7 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
+    /// Warnings about lengths in `[wheel]` and `[vehicle]`.
     fn figures(&mut self) {
         let Suspension {
             vehicle,
@@ -315,6 +323,7 @@ impl<'a> PlausibilityRemarks<'a> {
             if let Some(length) = length
                 && !(least * metre..=most * metre).contains(&length)
             {
+                let length = as_written(length);
                 self.say(format!(
                     "{name} is {length} {unit}. Every length in the study must be in length_unit"
                 ));
@@ -339,6 +348,7 @@ impl<'a> PlausibilityRemarks<'a> {
                 && (in_metres[0] * metre..=in_metres[1] * metre).contains(&length)
                 && !(least * radius..=most * radius).contains(&length)
             {
+                let [length, radius] = [length, radius].map(as_written);
                 self.say(format!(
                     "[vehicle] {name} is {length} {unit} at a wheel radius of {radius} {unit}. Is one of them in another unit?"
                 ));
@@ -347,9 +357,9 @@ impl<'a> PlausibilityRemarks<'a> {
         if let (Some(rim), Some(radius)) = (*rim_diameter, *wheel_radius)
             && rim >= 2.0 * radius
         {
+            let [rim, diameter] = [rim, 2.0 * radius].map(as_written);
             self.say(format!(
-                "[wheel] rim_diameter is {rim} {unit}, but the wheel with its tyre has a diameter of {} {unit}",
-                2.0 * radius
+                "[wheel] rim_diameter is {rim} {unit}, but the wheel with its tyre has a diameter of {diameter} {unit}"
             ));
         }
     }

@@ -112,7 +112,7 @@ impl Table {
         self
     }
 
-    /// Adds a row with one cell per column.
+    /// Adds a row with one cell for each column, including columns for people only and for programs only.
     pub fn push_row(&mut self, row: impl IntoIterator<Item: Into<Cell>>) {
         let row: Vec<Cell> = row.into_iter().map(Into::into).collect();
         assert_eq!(row.len(), self.columns.len());
@@ -125,7 +125,7 @@ impl Table {
     }
 
     /// Appends the rows of tables with equal columns. If the tables have names, a first column with the title `name` contains
-    /// the name of each row's table. A table without a name must be the only one; it stays unchanged.
+    /// the name of each row's table. A table without a name must be the only one; it stays unchanged. `None` without tables.
     pub fn stacked<'n>(
         name: &str,
         tables: impl IntoIterator<Item = (Option<&'n str>, Table)>,

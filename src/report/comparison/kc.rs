@@ -27,7 +27,7 @@ pub struct KcComparison {
     figures: Vec<Figure>,
 }
 
-/// A result of a test, with value and secant in each run.
+/// A result of a test, with value and secant in each run. `None` if a run does not have the result.
 struct Figure {
     keys: Vec<String>,
     unit: String,
@@ -107,7 +107,7 @@ impl KcComparison {
         csv_of_rows(std::iter::once(header).chain(rows))
     }
 
-    /// Table of the results that differ between the runs after rounding to four digits.
+    /// Table of the results whose values differ between the runs after rounding to four digits. Secants are not compared.
     pub fn table(&self) -> Table {
         let shown: Vec<&Figure> = self.figures.iter().filter(|f| f.differs()).collect();
         // A column with the same cell in all rows contains no information. The last column names the quantity.
@@ -141,7 +141,7 @@ impl KcComparison {
         table
     }
 
-    /// Number of results with the same four-digit value in all runs.
+    /// Number of results with the same four-digit value in all runs. Secants are not compared.
     pub fn equal(&self) -> usize {
         self.figures.iter().filter(|f| !f.differs()).count()
     }
@@ -168,7 +168,8 @@ impl Sheet {
             let found = header.iter().position(|column| column == name);
             found.ok_or_else(|| format!("there is no column {name}"))
         };
-        let (value, secant, unit) = (place("value")?, place("secant")?, place("unit")?);
+        let [quantity, value, secant, unit] = ["quantity", "value", "secant", "unit"].map(place);
+        let (quantity, value, secant, unit) = (quantity?, value?, secant?, unit?);
         let mut rows = Vec::new();
         for record in reader.records() {
             let record = record.map_err(|e| e.to_string())?;
@@ -180,7 +181,7 @@ impl Sheet {
                 },
             };
             // A station without equilibrium has rows without results.
-            if record[value - 1].is_empty() {
+            if record[quantity].is_empty() {
                 continue;
             }
             let keys = record.iter().take(value).map(str::to_owned).collect();

@@ -4,18 +4,20 @@ use super::super::table::{Cell, Table};
 use super::{Compared, ComparedPoints, Comparison};
 use crate::model::{Axis, Side};
 
-/// A point whose position differs from that in the first design.
+/// A point whose position differs from its position in the first design.
 #[derive(Clone, Debug)]
 pub(super) struct Moved {
-    /// Side of the wheel. `None` unless the wheels of an axle differ.
+    /// Side of the wheel. `None` unless a design has points of its own for the right wheel.
     side: Option<Side>,
     point: String,
     label: String,
+    /// Displacement from the first design, in its axes and unit.
     by: [f64; 3],
 }
 
 impl Comparison {
-    /// Table of the points that differ from the first design, in its axes and unit.
+    /// Table of the points that differ from the first design, in its axes and unit. Points that only one of both designs has are
+    /// left out.
     pub fn moved_table(&self) -> Table {
         let unit = self.unit.symbol();
         let axes = ["x", "y", "z"].map(|axis| format!("d{axis} {unit}"));

@@ -139,3 +139,44 @@ fn curves_over_different_drives_are_refused() {
         );
     }
 }
+
+/// At time 0, the wheel may be at any travel.
+#[test]
+fn a_motion_over_time_has_no_design_position() {
+    let mm = LengthUnit::Millimetre;
+    let over_time = "travel_mm,time_s,camber_deg,status\n-40,0,1,ok\n0,2,2,ok\n";
+    let over_travel = "travel_mm,camber_deg,status\n-40,1,ok\n0,2,ok\n";
+    for (csv, row) in [
+        (over_time, "\ncamber_deg,a,,1.0,2.0,"),
+        (over_travel, "\ncamber_deg,a,2.0,1.0,2.0,"),
+    ] {
+        let designs = ["a", "b"].map(|label| design(label, mm, csv));
+        let table = Comparison::of(&designs).unwrap().table().csv(None);
+        assert!(table.contains(row), "{table}");
+    }
+}
+
+/// The same motion with fewer and with more stations: the axle passes each height twice, in opposite directions.
+#[test]
+fn stations_of_an_axle_over_time_are_told_apart() {
+    let csv = |step: f64| {
+        let mut csv =
+            "heave_mm,travel_left_mm,travel_right_mm,time_s,rise_d1_mm_per_s,status\n".to_owned();
+        for k in 0..=(4.0 / step) as u32 {
+            let time = step * f64::from(k);
+            let (heave, rise) = (20.0 * time - 5.0 * time * time, 20.0 - 10.0 * time);
+            csv += &format!("{heave},{heave},{heave},{time},{rise},ok\n");
+        }
+        csv
+    };
+    let mm = LengthUnit::Millimetre;
+    let designs = [design("a", mm, &csv(1.0)), design("b", mm, &csv(0.5))];
+    let comparison = Comparison::of(&designs).unwrap();
+    assert_eq!(comparison.motion[0].column, "heave_mm");
+    assert_eq!(comparison.stations.len(), 5);
+    let mut outputs = comparison.outputs.iter();
+    let rise = outputs.find(|o| o.column == "rise_d1_mm_per_s");
+    let rise = &rise.unwrap().values;
+    assert_eq!(rise[0], [20.0, 10.0, 0.0, -10.0, -20.0].map(Some));
+    assert_eq!(rise[0], rise[1]);
+}

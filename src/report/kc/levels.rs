@@ -14,7 +14,7 @@ const WHEEL_CELLS: usize = 12;
 const BUSHING_CELLS: usize = 12;
 
 impl KcResults<'_> {
-    /// Content of `levels.csv`: one row per load level. `None` if no test has load levels.
+    /// Content of `levels.csv`: one row per load level. `None` if no test has load levels, or if no station has an equilibrium.
     pub fn levels_csv(&self) -> Option<Vec<u8>> {
         let mut header = self.station_columns();
         header.extend(self.columns(&["load", "trail_U", "mode", "hold", "anti_roll_bar"]));
@@ -42,10 +42,11 @@ impl KcResults<'_> {
                 }
             }
         }
-        (!rows.is_empty()).then(|| csv(&header, rows))
+        (!rows.is_empty()).then(|| csv(header, rows))
     }
 
-    /// Columns of a wheel's state.
+    /// Columns of a wheel's state. Its angles have the signs of a left wheel, and its coordinates are in the study's axes. The
+    /// values of a bushing are along and about the axes of the bushing.
     fn wheel_columns(&self) -> Vec<String> {
         let mut header = self.columns(&[
             "vertical_force_N",

@@ -12,7 +12,8 @@ pub use names::OtherProgram;
 pub use parts::elastic_parts;
 pub(in crate::report) use tables::four_figures;
 
-use super::shortest;
+use super::files::csv_of_rows;
+use super::{optional, shortest};
 use crate::ask::Unit;
 use crate::compliance::{
     HeldQuantity, KcFigure, KcOutcome, KcStation, KcSubject, KcTest, Lack, Motion, NoEquilibrium,
@@ -29,13 +30,14 @@ pub struct KcResults<'a> {
     pub bushings: Vec<String>,
     /// Names of the links, in the order of the link tensions in the results.
     pub links: Vec<String>,
-    /// Vertical force at each contact point in the design position. Empty if the design position is not an equilibrium.
+    /// Vertical force at each contact point in the design position, in newtons. Empty if the design position is not an
+    /// equilibrium.
     pub design_loads: Vec<f64>,
     /// True for an axle with both wheels, false for a single wheel.
     pub is_axle: bool,
     /// Stations of the tests.
     pub stations: Vec<KcStation>,
-    /// Rate of the tyre, force per length.
+    /// Rate of the tyre, in newtons per length unit.
     pub tyre_rate: Option<f64>,
     /// Program whose results are added, with their names and definitions, to the results of hardpoint.
     pub other: Option<OtherProgram>,
@@ -113,8 +115,8 @@ fn steering(test: &KcTest) -> &'static str {
     }
 }
 
-/// Wheels on which the load of a test acts, in one word: `parallel`, `opposed` or `single`. Empty for a test with a motion, and for
-/// a study of one wheel.
+/// Mode of a test, in one word: `parallel` or `opposed` loads on both wheels, or a load on a `single` wheel. Empty for a test with
+/// a motion, and for a study of one wheel.
 fn mode(test: &KcTest) -> &'static str {
     if test.load.is_motion() {
         ""
@@ -140,19 +142,9 @@ fn held(test: &KcTest) -> &'static str {
     }
 }
 
-fn optional(value: Option<f64>) -> String {
-    value.map_or_else(String::new, shortest)
-}
-
 /// Makes a CSV file from rows of text.
-fn csv(header: &[String], rows: impl IntoIterator<Item = Vec<String>>) -> Vec<u8> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let written = "written to memory";
-    writer.write_record(header).expect(written);
-    for row in rows {
-        writer.write_record(&row).expect(written);
-    }
-    writer.into_inner().expect(written)
+fn csv(header: Vec<String>, rows: Vec<Vec<String>>) -> Vec<u8> {
+    csv_of_rows(std::iter::once(header).chain(rows))
 }
 
 impl KcResults<'_> {
@@ -196,7 +188,7 @@ impl KcResults<'_> {
         }
     }
 
-    /// Content of `kc.csv`: one row for each station, test and quantity.
+    /// Content of `kc.csv`: one row for each station, test and quantity. A station without equilibrium has one row for each test.
     pub fn kc_csv(&self) -> Vec<u8> {
         let mut header = self.station_columns();
         header.extend(self.columns(&["load", "at", "trail_U", "mode", "hold", "anti_roll_bar"]));
@@ -224,7 +216,7 @@ impl KcResults<'_> {
                 }
             }
         }
-        csv(&header, rows)
+        csv(header, rows)
     }
 
     /// Cells of a row, from the columns of the station to the column `wheel`.
@@ -248,13 +240,14 @@ impl KcResults<'_> {
         cells
     }
 
-    /// Printed value of a result.
+    /// Value of a result in its printed unit.
     fn printed(&self, figure: &KcFigure, value: Option<f64>) -> Option<f64> {
         value.map(|value| value * figure.unit.printed_factor(self.length()))
     }
 
-    /// Result by the definition of another program. `None` if the anti-roll bar or the steering has another state in the test
-    /// than in the compliance matrix.
+    /// Result by the definition of another program. `None` if that program has no such result, or if an input is missing: the
+    /// compliance matrix, or the wheel radius. Also `None` if the anti-roll bar or the steering has another state in the test than
+    /// in the compliance matrix.
     fn other_figure(
         &self,
         program: OtherProgram,
@@ -310,8 +303,9 @@ impl KcResults<'_> {
         }
     }
 
-    /// Content of `compliance_matrix.csv`: six rows per station, or twelve for an axle. `None` if the wheel load cannot be kept
-    /// constant at any station.
+    /// Content of `compliance_matrix.csv`: six rows per station, or twelve for an axle. Displacements are in length units, and
+    /// rotations in radians. Both are per newton, or per newton times length unit. `None` if no station has a matrix: there is no
+    /// equilibrium, or the wheel load cannot be kept constant.
     pub fn matrix_csv(&self) -> Option<Vec<u8>> {
         let u = self.length().symbol();
         let sides: &[&str] = if self.is_axle {
@@ -345,7 +339,7 @@ impl KcResults<'_> {
                 rows.push(row);
             }
         }
-        (!rows.is_empty()).then(|| csv(&header, rows))
+        (!rows.is_empty()).then(|| csv(header, rows))
     }
 
     /// Name of a test in words: `lateral, trail 30 mm`, `braking, wheel load held`.

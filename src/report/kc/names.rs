@@ -71,11 +71,11 @@ pub(super) struct StationMatrix<'a> {
     pub(super) matrix: &'a [Vec<f64>],
     pub(super) frame: Frame,
     pub(super) length: LengthUnit,
-    /// Loaded radius of the wheel.
+    /// Loaded radius of the wheel, in the study's length unit.
     pub(super) radius: f64,
-    /// Rate of the tyre, force per length.
+    /// Rate of the tyre, in newtons per length unit.
     pub(super) tyre_rate: Option<f64>,
-    /// Distance of both wheel centres across the vehicle, for an axle.
+    /// Distance of both wheel centres across the vehicle, in the study's length unit. `None` for a single wheel.
     pub(super) centre_distance: Option<f64>,
 }
 
@@ -83,6 +83,7 @@ pub(super) struct StationMatrix<'a> {
 type Defined = (&'static str, f64, &'static str);
 
 impl StationMatrix<'_> {
+    /// Millimetres per length unit of the study.
     fn mm(&self) -> f64 {
         1000.0 / self.length.per_metre()
     }
@@ -218,6 +219,7 @@ impl LoadedWheel<'_> {
         self.of.entry(row, column) + self.sign * self.of.entry(row, column + 6)
     }
 
+    /// Loaded radius of the wheel, in mm.
     fn radius(&self) -> f64 {
         self.of.radius * self.of.mm()
     }

@@ -10,8 +10,8 @@ impl KcResults<'_> {
         self.failures().is_empty()
     }
 
-    /// Stations and load levels without equilibrium, one per line. For each test, only the failed level nearest to 0 in each
-    /// direction is listed.
+    /// Stations and load levels without equilibrium, one per line. For each test, the list has only the failed level nearest to 0
+    /// in each direction.
     pub fn failures(&self) -> Vec<String> {
         let u = self.length().symbol();
         let mut failures = Vec::new();
@@ -49,7 +49,8 @@ impl KcResults<'_> {
         failures
     }
 
-    /// Warnings: values that come from an extrapolated bushing curve, and wheels that lift.
+    /// Warnings about load levels: values that come from an extrapolated bushing curve, and wheels that lift. A remark without the
+    /// word "warning" states how often a stop is in contact. The counts of an axle contain the states of both wheels.
     pub fn warnings(&self) -> Vec<String> {
         let outcomes = self
             .stations

@@ -1,7 +1,6 @@
 //! `sensitivities.csv` of `kc` tests: derivatives of every result with respect to hardpoints, rates, preloads and the spring.
 
-use super::super::shortest;
-use super::{KcResults, bar, csv, held, mode, steering, subject};
+use super::{KcResults, bar, csv, held, mode, optional, steering, subject};
 use crate::axle::Law;
 use crate::compliance::{
     AxialStiffness, AxleCompliance, AxleKcRun, Compliance, FigureGradients, KcOutcome, KcRun,
@@ -192,7 +191,8 @@ impl KcResults<'_> {
         (!points.is_empty()).then(|| self.sensitivity_rows(&inputs, gradients))
     }
 
-    /// Rows for each station, test, result and input. `gradients` gives the derivatives of the results of a station's tests.
+    /// CSV file with a row for each station, test, result and input. `gradients` gives the derivatives of the results of a
+    /// station's tests.
     fn sensitivity_rows(
         &self,
         inputs: &[Input],
@@ -208,7 +208,6 @@ impl KcResults<'_> {
         }
         let last = ["quantity", "parameter", "axis", "value", "secant", "unit"];
         header.extend(last.map(str::to_owned));
-        let number = |value: Option<f64>| value.map_or_else(String::new, shortest);
         let mut rows = Vec::new();
         for station in &self.stations {
             let Ok(outcomes) = &station.outcomes else {
@@ -235,7 +234,7 @@ impl KcResults<'_> {
                             (false, false) => format!("{of}_per_{}", input.unit),
                         };
                         let mut row = self.station(station);
-                        row.extend([test.load.name().to_owned(), number(trail)]);
+                        row.extend([test.load.name().to_owned(), optional(trail)]);
                         row.extend(self.is_axle.then(|| mode(&test).to_owned()));
                         row.push(held(&test).to_owned());
                         if self.is_axle {
@@ -246,8 +245,8 @@ impl KcResults<'_> {
                             figure.quantity.to_owned(),
                             input.name.clone(),
                             input.axis.clone(),
-                            number(slope(&found[0])),
-                            number(slope(&found[1])),
+                            optional(slope(&found[0])),
+                            optional(slope(&found[1])),
                             unit,
                         ]);
                         rows.push(row);
@@ -255,6 +254,6 @@ impl KcResults<'_> {
                 }
             }
         }
-        csv(&header, rows)
+        csv(header, rows)
     }
 }

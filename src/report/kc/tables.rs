@@ -56,7 +56,7 @@ impl KcResults<'_> {
         table
     }
 
-    /// Tables for the text output and the page. Each station with results has a table of the tests with their results, and the
+    /// Tables for the text output and the page. Each station with an equilibrium has a table of its results, test by test, and the
     /// position of the station in words.
     pub fn tables_for_readers(&self) -> Vec<(String, Table)> {
         let mut tables = Vec::new();
@@ -87,7 +87,8 @@ impl KcResults<'_> {
         tables
     }
 
-    /// Stations sorted by their distance from the design position, nearest first.
+    /// Stations sorted by their distance from the design position, nearest first. The distance is the sum of the magnitudes of
+    /// travels and rack displacement.
     pub(in crate::report) fn nearest_stations(&self) -> Vec<&KcStation> {
         let far = |station: &KcStation| {
             let right = station.right_travel.unwrap_or(0.0);
@@ -99,7 +100,8 @@ impl KcResults<'_> {
         stations.into_iter().map(|(_, station)| station).collect()
     }
 
-    /// Value and unit of a result. Among the stations that have the result, the nearest to the design position is used.
+    /// Value and unit of a result at the station nearest to the design position that has the result. `None` if no station has it,
+    /// or if it has no value there.
     pub(in crate::report) fn first_figure(&self, quantity: &str) -> Option<[String; 2]> {
         let stations = self.nearest_stations();
         let outcomes = stations

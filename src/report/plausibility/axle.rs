@@ -9,8 +9,7 @@ use crate::car::GRAVITY;
 use crate::curves::Column;
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, LengthUnit, PointId, Side, Suspension};
-use crate::report::figure::brief;
-use crate::report::shortest;
+use crate::report::figure::{as_written, brief};
 use crate::report::station_label::place_in_words;
 
 /// Largest plausible difference between two forces in the design position: the load that the springs carry, and the weight of the
@@ -45,7 +44,8 @@ pub fn both_wheels_plausibility(
     Ok(found)
 }
 
-/// Warning if the springs carry a clearly different load in the design position than the weight of `sprung_mass`.
+/// Warning if the springs carry a clearly different load in the design position than the weight of `sprung_mass`. An error names
+/// the wheel whose design position cannot be solved.
 fn off_balance(axle: &Axle, plan: &AxlePlan) -> Result<Option<String>, (Side, DesignFault)> {
     let loads = axle.quantities("wheel_load");
     let (true, Some(mass)) = (
@@ -71,7 +71,8 @@ fn off_balance(axle: &Axle, plan: &AxlePlan) -> Result<Option<String>, (Side, De
     )))
 }
 
-/// Warning about a soft spring, for an axle with lengths in inches. The rate of the spring may be in pounds-force per inch.
+/// Warning about a soft spring, for an axle with lengths in inches and forces in newtons. The rate of the spring may be in
+/// pounds-force per inch.
 fn soft_spring(axle: &Axle) -> Option<String> {
     // 40 lbf/in, converted to N/in (7 N/mm). Springs of cars are stiffer.
     const LEAST: f64 = 40.0 * 4.448_221_615_260_5;
@@ -81,12 +82,13 @@ fn soft_spring(axle: &Axle) -> Option<String> {
     let is_soft = axle.left.length_unit == LengthUnit::Inch && *rate < LEAST;
     is_soft.then(|| {
         format!(
-            "please check: the rate of [spring] is {rate} N/in. For rates in lbf/in give force_unit = \"lbf\" in [suspension]"
+            "please check: the rate of [spring] is {} N/in. For rates in lbf/in give force_unit = \"lbf\" in [suspension]",
+            as_written(*rate)
         )
     })
 }
 
-/// Warnings about the curves of an axle, one per line.
+/// Warnings about the curves of an axle, one per line. `turns_against` is true if the wheels turn against the steering wheel.
 pub fn axle_plausibility(
     axle: &Axle,
     plan: &AxlePlan,
@@ -114,12 +116,13 @@ pub fn axle_plausibility(
 fn turned_against(axle: &Axle) -> String {
     let c_factor = axle.setup.c_factor.unwrap_or(0.0);
     let printed = c_factor * axle.left.frame.sign(Axis::Y);
+    let shown = as_written(printed);
     let (to, sign) = (
         if c_factor < 0.0 { "left" } else { "right" },
         if printed < 0.0 { "above" } else { "below" },
     );
     format!(
-        "please check: with c_factor = {printed} the wheels turn against the steering wheel. In a left turn this rack must \
+        "please check: with c_factor = {shown} the wheels turn against the steering wheel. In a left turn this rack must \
          move to the {to}: give a c_factor {sign} 0"
     )
 }
@@ -160,7 +163,7 @@ fn lifted(plan: &AxlePlan, found: &AxleCurves) -> Option<String> {
         format!(
             "warning: the load of the {side} wheel falls to {} {} at {}: the wheel would lift off \
              the ground there",
-            shortest(load.round()),
+            brief(load),
             curves.columns[column].unit,
             place_in_words(curves, station)
         )

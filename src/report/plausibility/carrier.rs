@@ -19,9 +19,9 @@ const PIVOTS_APART: f64 = 3.0;
 const BEYOND_CENTRE: f64 = 0.1;
 
 impl PlausibilityRemarks<'_> {
-    /// Warnings about joints of arms and links of which one coordinate may have a wrong sign or decimal place. There are three
+    /// Warnings about joints of arms and links. One of their coordinates may have a wrong sign or decimal place. There are three
     /// cases. An outer joint is far from the wheel centre, an inner joint is on the other side of the car, or the pivots of one arm
-    /// are far apart. Solid axles are left out.
+    /// are far apart. Rigid axles are left out.
     pub(super) fn joints(&mut self) {
         let Suspension {
             mechanism,
@@ -74,7 +74,7 @@ impl PlausibilityRemarks<'_> {
     }
 
     /// Warning about a wheel centre well above, below, ahead of or behind all points of its carrier. Probably its coordinates
-    /// have another unit or origin. Axles are left out: their points may all be high above the wheel centres.
+    /// have another unit or origin. Rigid axles are left out: their points may all be high above the wheel centres.
     pub(super) fn wheel_centre_off_its_carrier(&mut self) {
         let Suspension {
             mechanism,

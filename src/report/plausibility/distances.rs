@@ -3,7 +3,7 @@
 use super::PlausibilityRemarks;
 use crate::model::Body;
 use crate::number::Vector3;
-use crate::report::figure::brief;
+use crate::report::figure::{as_written, brief};
 
 /// Smallest plausible distance of a wheel from the centre plane, relative to the distance between the wheel and the points on
 /// the body.
@@ -17,11 +17,11 @@ const REACH: [f64; 2] = [0.05, 4.0];
 const HALF_TRACK_IN_RADII: f64 = 2.4;
 
 impl PlausibilityRemarks<'_> {
-    /// Warning if the wheel centre is at the centre plane and the points of the body are beyond that plane. Probably the file's
-    /// origin is at the wheel.
+    /// Warning if the wheel centre is near the centre plane, compared with its distance from the points of the body. Probably the
+    /// file's origin is at the wheel.
     pub(super) fn wheel_at_the_centre_plane(&mut self) {
         if self.is_at_the_centre_plane() {
-            let wheel = self.at(self.suspension.mechanism.wheel_centre).y;
+            let wheel = as_written(self.at(self.suspension.mechanism.wheel_centre).y);
             let unit = self.suspension.length_unit.symbol();
             self.say(format!(
                 "the wheel centre is {wheel} {unit} from the centre plane, y = 0. Is the origin \
@@ -57,7 +57,8 @@ impl PlausibilityRemarks<'_> {
         self.suspension.wheel_radius.or(usual)
     }
 
-    /// Warnings about points far from the wheel or below the ground. Probably a coordinate has another unit or the wrong sign.
+    /// Warnings about the point farthest from the wheel centre, and about the lowest point if it is below the ground. Probably a
+    /// coordinate has another unit or the wrong sign.
     pub(super) fn distances(&mut self) {
         let suspension = self.suspension;
         let centre = self.at(suspension.mechanism.wheel_centre);

@@ -5,9 +5,11 @@ use super::cell::Cell;
 
 /// Layout of a column.
 pub(super) struct Layout {
+    /// True if the cells are aligned to the right.
     to_the_right: bool,
     /// True if some cell has several words.
     pub(super) prose: bool,
+    /// Width without breaks.
     pub(super) natural: usize,
     /// Smallest width. Numbers and short names are never broken; names longer than half of the line may be broken.
     pub(super) least: usize,

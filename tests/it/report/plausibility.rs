@@ -1,7 +1,7 @@
 //! Tests of the plausibility warnings for a study without a wheel radius.
 
 use hardpoint::model::Suspension;
-use hardpoint::report::plausibility;
+use hardpoint::report::{plausibility, rack_doubt};
 use hardpoint::study::Study;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -85,4 +85,41 @@ fn the_point_of_the_spin_axis_carries_no_rod() {
     let with_point = text.replace(own, far);
     assert_ne!(with_point, text);
     assert_eq!(distance(&with_point), distance(&text));
+}
+
+/// A drop link on the axis of its rocker is at a distance of 0 from the rocker. The message has no decimals of this distance.
+#[test]
+fn a_distance_of_zero_has_no_decimals() {
+    let text = fs::read_to_string(studies().join("double_wishbone_rocker.toml")).unwrap();
+    let without_body = text.replace("drop_link_outer = \"rocker\"", "");
+    assert_ne!(text, without_body);
+    let lines = without_body.lines().map(|line| match line {
+        own if own.starts_with("drop_link_outer ") => "drop_link_outer = [0.0, 205.0, 420.0]",
+        other => other,
+    });
+    let text = lines.collect::<Vec<_>>().join("\n");
+    let study = Study::from_text("own.toml", &text, &studies()).unwrap();
+    let found = plausibility(study.wheel()).unwrap();
+    let is_said = |doubt: &String| doubt.contains("Assumed: rocker (0 mm away)");
+    assert!(found.iter().any(is_said), "{found:?}");
+}
+
+/// A rack without effect is reported in every motion of an axle.
+#[test]
+fn a_rack_without_effect_in_a_named_motion_is_reported() {
+    let text = fs::read_to_string(studies().join("semi_trailing_arm_solve.toml")).unwrap();
+    let (parts, _) = text.split_once("\n[motion]").unwrap();
+    let doubt = |rack: &str| {
+        let motions = format!("[motion]\nheave = 0.0\n[motions.steer]\nheave = 0.0\n{rack}");
+        let outputs = "[outputs]\ncharacteristics = [\"camber\"]";
+        let text = format!("{parts}\n[axle]\n{motions}\n{outputs}\n");
+        let study = Study::from_text("own.toml", &text, &studies()).unwrap();
+        rack_doubt(&study)
+    };
+    assert_eq!(doubt(""), None);
+    let found = doubt("rack = [0.0, 10.0]").unwrap();
+    assert!(
+        found.contains("no part of a semi_trailing_arm is attached to the rack"),
+        "{found}"
+    );
 }

@@ -227,3 +227,25 @@ fn right_wheel(axle: &Axle) -> String {
         [most @ .., last] => format!("own {} and {last} on the right", most.join(", ")),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::SolveSummary;
+    use serde_json::{from_value, json};
+
+    /// A failed station without coordinates, as in an edited summary, has empty cells.
+    #[test]
+    fn a_failed_station_without_coordinates_has_empty_cells() {
+        let failed = json!({ "at": "travel 5 mm", "status": "unreachable", "reason": "too far" });
+        let summary: SolveSummary = from_value(json!({
+            "command": "solve", "version": "", "study": "", "topology": "macpherson", "stations": 1,
+            "failed": [failed], "outputs": []
+        }))
+        .unwrap();
+        let csv = summary.failures_table().csv(None);
+        assert!(
+            csv.ends_with("\n0,travel 5 mm,,,,,unreachable,too far\n"),
+            "{csv}"
+        );
+    }
+}

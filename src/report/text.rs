@@ -175,7 +175,10 @@ mod tests {
     fn a_terminal_obeys_nothing() {
         let hostile = "a\u{1b}[31mb\u{7}\r\u{9b}c\u{202e}d\u{61c}\n\té";
         let shown = printable(hostile);
-        assert_eq!(shown, "a\\u{1b}[31mb\\u{7}\\u{d}\\u{9b}c\\u{202e}d\\u{61c}\n\té");
+        assert_eq!(
+            shown,
+            "a\\u{1b}[31mb\\u{7}\\u{d}\\u{9b}c\\u{202e}d\\u{61c}\n\té"
+        );
         assert!(is_printable(&shown) && !is_printable(hostile));
         let json = serde_json::to_string(hostile).unwrap();
         let shown = printable_json(&json);

@@ -170,9 +170,9 @@ impl CarResults<'_> {
                     Some(outcome.targets[number].rms)
                 });
                 let tolerance = (target.tolerance * target.of.factor()).abs();
-                let name = format!("{}_rms_deviation", target.name(length));
+                let output = format!("{}_rms_deviation", target.name(length));
                 records.push(CarTargetRecord {
-                    output: with_unit(name, &target.of.unit.suffix(length)),
+                    output: with_unit(output, &target.of.unit.suffix(length)),
                     case: format!("{name} axle alone"),
                     wanted: [Some(0.0); 2],
                     tolerance,

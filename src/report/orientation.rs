@@ -6,13 +6,13 @@
 //! | direction | differences |
 //! |---|---|
 //! | forward | front pivot minus rear pivot of an arm, front minus rear link; pivots of a trailing arm minus wheel centre |
-//! | outboard | joint at the wheel carrier minus joint at the body; wheel centre minus a point of the spin axis |
-//! | up | upper joint minus lower joint; the spring's upper end minus its lower end, if no rocker is between them |
+//! | outboard | joint at the wheel carrier minus joint at the body; wheel centre minus spin axis, axle link or shear centre |
+//! | up | upper joint minus lower joint; without such a pair, upper end minus lower end of a spring without a rocker |
 //!
 //! A [`Reading`] assigns a coordinate and a sign to each direction. There are 48 readings. The score of a reading is the sum of
-//! the three cosines between the directions and their coordinates. The best reading is accepted under two conditions: its score
-//! exceeds the second best by [`LEAD`], and each of its cosines is at least [`LEAST_COSINE`]. Otherwise the points do not
-//! determine the axes.
+//! the cosines between the known directions and their coordinates. The best reading is accepted under two conditions: its score
+//! exceeds the second best by at least [`LEAD`], and each of its cosines is at least [`LEAST_COSINE`]. Otherwise the points do
+//! not determine the axes.
 
 /// Smallest lead of the best reading's score over the second best. An error of 90 degrees in one direction reduces the score by
 /// 1.
@@ -88,7 +88,7 @@ const OUTBOARD: &[(&str, &str)] = &[
 /// Index of a coordinate, and the sign of a direction along this coordinate.
 pub(crate) type Signed = (usize, f64);
 
-/// Coordinates that point forward, outboard and up.
+/// Assignment of a coordinate and a sign to each of the directions forward, outboard and up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Reading {
     pub(crate) forward: Signed,
@@ -138,7 +138,7 @@ pub(crate) enum Verdict {
 }
 
 impl Directions {
-    /// Computes the directions from named points.
+    /// Computes the directions from named points. A direction is unknown without a pair of points for it.
     pub(crate) fn of(points: &[(&str, [f64; 3])]) -> Self {
         let at = |name: &str| {
             let found = points.iter().find(|(known, _)| *known == name);
@@ -178,7 +178,7 @@ impl Directions {
         ]
     }
 
-    /// Sum of the cosines.
+    /// Sum of the cosines of the known directions.
     pub(crate) fn score(&self, reading: &Reading) -> f64 {
         self.cosines(reading).into_iter().flatten().sum()
     }
@@ -208,7 +208,7 @@ impl Directions {
         }
     }
 
-    /// Returns a reading that is clearly better, if the points show that the given reading is wrong.
+    /// Returns the best reading if the points contradict the given reading. `None` if the given reading may be right.
     pub(crate) fn contradict(&self, reading: &Reading) -> Option<Reading> {
         match self.judge(|_| true) {
             Verdict::Clear(other) if other != *reading => Some(other),
@@ -223,7 +223,7 @@ impl Directions {
         }
     }
 
-    /// Reading in words, as in "x points forward, y outboard, z up".
+    /// Known directions of a reading in words, as in "x points forward, y points outboard, z points up".
     pub(crate) fn describe(&self, reading: &Reading) -> String {
         let known = [self.forward, self.outboard, self.up];
         let mut words: Vec<(usize, &str)> = [
@@ -244,6 +244,7 @@ impl Directions {
     }
 }
 
+/// Unit vector in this direction. `None` without a finite length above 0.
 fn unit(vector: [f64; 3]) -> Option<[f64; 3]> {
     let length = vector[0].hypot(vector[1]).hypot(vector[2]);
     (length > 0.0 && length.is_finite()).then(|| vector.map(|x| x / length))

@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 /// Number of corners of a circle.
 const ROUND: usize = 36;
 
-/// Regions of constraints in the study's axes. The regions apply to the point itself, so they already include the
-/// clearances.
+/// Regions of constraints, in the study's axes and length unit. Inner regions, spheres and planes include the clearance of their
+/// constraint. Boxes and cylinders that a point must avoid are drawn without the clearance.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Places {
     /// Boxes, spheres, cylinders and planes.
@@ -29,20 +29,21 @@ pub struct Shape {
     pub name: String,
     /// Index of the point that the constraint limits.
     pub point: usize,
-    /// Lines of the outline.
+    /// Lines of the outline, in the study's axes.
     pub lines: Vec<Vec<[f64; 3]>>,
 }
 
-/// Inner space of a rim, about the spin axis.
+/// Inner space of a rim, about the spin axis. If a constraint limits several points, the space belongs to the first one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rim {
     /// Name of the constraint.
     pub name: String,
     /// Index of the point that the constraint limits.
     pub point: usize,
-    /// Radius of the space.
+    /// Radius of the space for this point: radius of the rim minus clearance.
     pub radius: f64,
-    /// Start and end of the space, as distances outboard of the wheel centre.
+    /// Start and end of the space, as distances outboard of the wheel centre. Without limits of the constraint, values suited to
+    /// the size of the wheel.
     pub ends: [f64; 2],
 }
 
@@ -69,6 +70,8 @@ impl Places {
         places
     }
 
+    /// Adds the region of a constraint. Constraints without a region add nothing. `size` is the wheel radius, or half the size of
+    /// the suspension if the radius is unknown.
     fn add(&mut self, constraint: &Constraint, frame: &Frame, design: &[Vector3<f64>], size: f64) {
         let name = || constraint.name.clone();
         let Some(first) = constraint.parts.first() else {

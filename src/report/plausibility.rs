@@ -14,7 +14,7 @@ pub use axle::{axle_plausibility, both_wheels_plausibility};
 pub use rack::rack_doubt;
 pub use spring::spring_doubts;
 
-use super::figure::{as_written, with_decimals};
+use super::figure::{as_written, resolution, with_decimals};
 use super::{Directions, Reading};
 use crate::axle::axle_curves;
 use crate::characteristics::{Characteristic, Constants, WheelReading};
@@ -38,26 +38,26 @@ const TYRE_WIDTH: [f64; 2] = [0.005, 2.0];
 const RIM_DIAMETER: [f64; 2] = [0.02, 2.0];
 const WHEELBASE: [f64; 2] = [0.1, 20.0];
 const CG_HEIGHT: [f64; 2] = [0.01, 5.0];
-/// Plausible ranges in wheel radii. Wheels of a wheelbase below two radii would overlap.
+/// Plausible ranges in wheel radii. With a wheelbase below two radii, front and rear wheels would overlap.
 const WHEELBASE_IN_RADII: [f64; 2] = [2.0, 30.0];
 const CG_HEIGHT_IN_RADII: [f64; 2] = [0.4, 6.0];
 
 /// Warnings about a suspension in its design position, one line each. If one coordinate with a wrong sign or decimal place
-/// explains all warnings, the first warning names it.
+/// explains all warnings except the one about the track, the first warning names it. An error if the design cannot be solved.
 pub fn plausibility(suspension: &Suspension) -> Result<Vec<String>, DesignFault> {
     let mut found = wheel_plausibility(suspension)?;
     found.extend(track_doubt([suspension; 2])?);
     Ok(found)
 }
 
-/// Warnings about a suspension, without those that concern both wheels.
+/// Warnings about a suspension, without the warning about the track, which concerns both wheels.
 fn wheel_plausibility(suspension: &Suspension) -> Result<Vec<String>, DesignFault> {
     let doubts = doubts(suspension)?;
     let slip = (!doubts.is_empty()).then(|| slip::explains(suspension));
     Ok(slip.flatten().into_iter().chain(doubts).collect())
 }
 
-/// All warnings about a suspension in its design position.
+/// Warnings of all checks of one wheel in its design position.
 fn doubts(suspension: &Suspension) -> Result<Vec<String>, DesignFault> {
     let mut remarks = PlausibilityRemarks {
         suspension,
@@ -78,7 +78,7 @@ fn doubts(suspension: &Suspension) -> Result<Vec<String>, DesignFault> {
 }
 
 /// Warnings about a study, one per line: about its wheel, or its axle over the motion; about its rack, its variables and its
-/// targets.
+/// targets. An error states the wheel whose design cannot be solved.
 pub fn study_doubts(study: &Study) -> Result<Vec<String>, (Side, DesignFault)> {
     let mut found = match study.axle() {
         None => plausibility(study.wheel()).map_err(|fault| (Side::Left, fault))?,
@@ -92,8 +92,8 @@ pub fn study_doubts(study: &Study) -> Result<Vec<String>, (Side, DesignFault)> {
     Ok(found)
 }
 
-/// Warnings about the variables and targets of a study, one per line. They report coordinates where the key expects offsets,
-/// offsets where it expects coordinates, and points far beyond the motion.
+/// Warnings about the variables and targets of a study, one per line. They report ranges of coordinates where the key expects
+/// offsets, ranges of offsets where it expects coordinates, and target points far beyond the motion.
 pub fn variable_plausibility(study: &Study) -> Vec<String> {
     let mut remarks = PlausibilityRemarks {
         suspension: study.wheel(),
@@ -156,8 +156,8 @@ impl<'a> PlausibilityRemarks<'a> {
         ));
     }
 
-    /// Warnings about the direction of rods. Rods usually lead outboard from the body to the wheel carrier, and inboard from
-    /// the wheel carrier to a rocker.
+    /// Warnings about the direction of rods. The inner end of a rod is at the body or at a rocker, and is usually inboard of the
+    /// outer end.
     fn rods(&mut self) {
         let mechanism = &self.suspension.mechanism;
         if mechanism.rigid_axle.is_some() {
@@ -180,8 +180,8 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Warnings about points for which the study does not name a body. If a rocker moves the spring, one warning is about the outer
-    /// point of the drop link. Other warnings are about points that are clearly nearer to a different body.
+    /// Warnings about points for which the study does not name a body. One warning states the assumed body of the drop link, if the
+    /// drop link could be on a rocker. Other warnings are about points that are clearly nearer to a different body.
     fn seats(&mut self) {
         let Suspension {
             mechanism,
@@ -191,11 +191,11 @@ impl<'a> PlausibilityRemarks<'a> {
         } = self.suspension;
         let away = |seat: &Seat| {
             let (body, unit) = (seat.name.replace('_', " "), length_unit.symbol());
-            // Two digits of a distance are enough to show which body is nearer. A distance of 0 has no first digit.
-            let decimals = if seat.distance > 0.0 {
-                (1.0 - seat.distance.log10().floor()).clamp(0.0, 12.0) as usize
-            } else {
+            // Two digits of a distance are enough to show which body is nearer. A rounding error becomes 0.
+            let decimals = if seat.distance < resolution(unit) {
                 0
+            } else {
+                (1.0 - seat.distance.log10().floor()).clamp(0.0, 12.0) as usize
             };
             format!(
                 "{body} ({} {unit} away)",
@@ -252,8 +252,8 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Warning about the range of a variable. A range of coordinates must be near the design; a range of offsets must contain
-    /// small numbers around zero.
+    /// Warning about the range of a variable that moves a single coordinate. Coordinates (`absolute`) are doubtful if the range
+    /// contains 0 and is far from the design. Offsets are doubtful if the range contains the design and is far from 0.
     fn range(&mut self, moves: &[Move], absolute: bool, [low, high]: [f64; 2]) {
         let [Move { point, axis, .. }] = *moves else {
             return;
@@ -277,7 +277,7 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Warnings about a steering axis that points down, or whose caster or kingpin inclination is unusually large.
+    /// Warnings about a steering axis through two points: its direction, kingpin inclination and caster.
     fn steering_axis(&mut self) {
         let axis = self.suspension.mechanism.steering_axis;
         let Some(SteeringAxis::Through { lower, upper }) = axis else {
@@ -302,7 +302,7 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Warnings about lengths in `[wheel]` and `[vehicle]`.
+    /// Warnings about lengths of wheel and vehicle that are not plausible in the study's unit, or beside the wheel radius.
     fn figures(&mut self) {
         let Suspension {
             vehicle,

@@ -3,7 +3,7 @@
 use super::table::{Cell, Column, Table};
 use serde::{Deserialize, Serialize};
 
-/// Range of a column over the motion.
+/// Range of a column over the motion, in the unit of the column.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Range {
     output: String,
@@ -12,6 +12,7 @@ pub(super) struct Range {
     unit: String,
     /// Value in the design position, if it is known.
     at_design: Option<f64>,
+    /// Smallest and largest value. `None` if no station has a value.
     min: Option<f64>,
     max: Option<f64>,
 }
@@ -32,7 +33,7 @@ impl Range {
         }
     }
 
-    /// Table of the ranges. Machine-readable formats also have a column with the unit.
+    /// Table of the ranges. CSV and JSON also have a column with the unit.
     pub(super) fn table(ranges: &[Range]) -> Table {
         let unit = Column::for_programs("unit");
         let columns = ["output", "at design", "min", "max"].map(Column::from);

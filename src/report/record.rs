@@ -41,7 +41,7 @@ pub struct Record {
     pub places: Places,
     /// Parts of the drawing that do not move.
     pub scene: Scene,
-    /// Influence of each coordinate on the last design.
+    /// Influence of each hardpoint coordinate on the curves of the last design.
     pub influences: Vec<Influence>,
     /// Pareto front: alternatives to the tuned design.
     #[serde(default)]
@@ -51,9 +51,10 @@ pub struct Record {
 /// Curves over one motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MotionRecord {
-    /// Column of the drive value.
+    /// Column of the drive value. For an axle: column of the first coordinate that moves.
     pub drive: String,
-    /// Other columns that can be on the horizontal axis.
+    /// Other columns that can be on the horizontal axis. For a wheel: travel if an angle drives the motion, and time. For an axle:
+    /// the other coordinates that change.
     pub abscissae: Vec<String>,
     /// Column of the rack displacement, if the rack moves.
     pub rack: Option<String>,
@@ -88,13 +89,13 @@ pub struct OutputRecord {
     pub column: String,
     /// Readable title: `camber`, `camber, 1st derivative`.
     pub title: String,
-    /// Readable unit: `deg/mm`. Empty for a dimensionless number.
+    /// Readable unit: `°/mm`. Empty for a dimensionless number.
     pub unit: String,
     /// Meaning of a positive value.
     pub positive: Option<String>,
 }
 
-/// A target, at the stations at which it is compared.
+/// A target at its stations, sorted by drive value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TargetRecord {
     /// Column of the target.
@@ -116,7 +117,7 @@ pub struct TargetRecord {
 pub struct BandCurve {
     /// Column of the band.
     pub column: String,
-    /// Drive value, lower limit and upper limit, in the units of the CSV files. `None` without a limit.
+    /// Drive value, lower limit and upper limit, in the units of the CSV files, sorted by drive value. `None` without a limit.
     pub limits: Vec<(f64, Option<f64>, Option<f64>)>,
     /// Tolerance in the column's unit.
     #[serde(default)]
@@ -126,7 +127,7 @@ pub struct BandCurve {
 /// One design of the run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DesignRecord {
-    /// Label of the design: `design`, `before` or `after`.
+    /// Label of the design, such as `design`, `before` or `after`.
     pub label: String,
     /// Name of the file with its curves.
     pub curves: String,
@@ -137,7 +138,7 @@ pub struct DesignRecord {
     pub remarks: Vec<String>,
     /// Failed stations.
     pub failures: Vec<FailureRange>,
-    /// Poses at some stations. Empty if they equal those of the last design.
+    /// Poses at some stations. Empty if they equal the poses of the last design.
     pub frames: Vec<Frame>,
 }
 
@@ -149,12 +150,13 @@ pub struct DrawnDesign<'a> {
     pub file: &'a str,
     /// Curves of the design.
     pub curves: &'a Curves,
-    /// Poses along the motion of the design. Empty if the mechanism equals that of the last design.
+    /// Poses along the motion of the design. Empty if they equal the poses of the last design.
     pub frames: Vec<Frame>,
 }
 
 impl Record {
-    /// Makes the record of a run: its designs, and the effect of each coordinate in the last design.
+    /// Makes the record of a run from its designs, and from the influence of each coordinate on the last design. The record has no
+    /// named motions and no Pareto front.
     pub fn with(
         command: &str,
         study: &Study,
@@ -189,8 +191,8 @@ impl Record {
 }
 
 impl MotionRecord {
-    /// Records the curves of a wheel over a motion of a study. `name` is the name of the motion. In `study`, this motion has
-    /// replaced the study's own motion.
+    /// Records the curves of a wheel over a motion. `name` is the name of the motion; `None` for `[motion]`. The motion of `study`
+    /// must be this motion.
     pub fn of_wheel(
         study: &Study,
         name: Option<&str>,
@@ -226,8 +228,8 @@ impl MotionRecord {
     }
 }
 
-/// Target values and target curves that charts can show with the curves of a motion. Targets with a rack displacement of
-/// their own are left out.
+/// Target values and target curves of the motion with this name, for charts. Bands and targets with a rack displacement of their
+/// own are left out.
 fn targets(study: &Study, name: Option<&str>) -> Vec<TargetRecord> {
     let targets = study.optimise.iter().flat_map(|o| &o.targets);
     let record = |target: &Target| {
@@ -241,13 +243,18 @@ fn targets(study: &Study, name: Option<&str>) -> Vec<TargetRecord> {
 }
 
 impl BandCurve {
-    /// Curve of a tolerance band over the drive values of a motion.
+    /// Curve of a tolerance band. `drives` has the printed drive values of the motion, in any order. Without a drive value of its
+    /// own, the band extends from the smallest to the largest of them.
     pub fn of_tolerance(band: &Band, drives: &[f64]) -> Self {
         let [low, high] = limits_of(band);
-        let ends = [drives.first(), drives.last()].into_iter().flatten();
+        let drives = || drives.iter().copied();
+        let ends = [
+            drives().min_by(f64::total_cmp),
+            drives().max_by(f64::total_cmp),
+        ];
         let places: Vec<f64> = match band.at {
             Some(at) => vec![at],
-            None => ends.copied().collect(),
+            None => ends.into_iter().flatten().collect(),
         };
         BandCurve {
             column: band.of.column.clone(),
@@ -258,7 +265,8 @@ impl BandCurve {
 }
 
 impl TargetRecord {
-    /// Record of a target at these stations. `printed` converts drive values to printed values.
+    /// Record of a target at these stations (drive values in radians or length units). `printed` converts a drive value to the
+    /// printed value.
     pub(super) fn of(target: &Target, stations: &[f64], printed: impl Fn(f64) -> f64) -> Self {
         let factor = target.of.factor();
         let points = target.wanted.at_stations(stations).into_iter();
@@ -274,7 +282,7 @@ impl TargetRecord {
         }
     }
 
-    /// Values of the coordinates that move, but that have one value at the stations of the target: `heave 0 mm`.
+    /// Coordinates in `held` with their values, in words: `heave 0 mm`. `None` if there are none.
     pub(super) fn held_in_words(&self) -> Option<String> {
         let held = self.held.iter();
         let words: Vec<String> = held.map(|(column, at)| in_words(column, *at)).collect();
@@ -282,7 +290,7 @@ impl TargetRecord {
     }
 }
 
-/// Bands that charts can show with the curves of a motion. Bands with a rack displacement of their own are left out.
+/// Target bands of the motion with this name, for charts. Bands with a rack displacement of their own are left out.
 fn bands(study: &Study, name: Option<&str>) -> Vec<BandCurve> {
     let targets = study.optimise.iter().flat_map(|o| &o.targets);
     let bands = targets.filter(|target| {
@@ -343,16 +351,15 @@ impl OutputRecord {
     }
 }
 
-/// Readable unit: `deg_per_mm2` -> `deg/mm²`.
+/// Readable form of a unit of columns: `deg_per_mm2` -> `°/mm²`.
 pub(crate) fn readable_unit(unit: &str) -> String {
-    let unit = unit.replace("N_m", "N m").replace("lbf_ft", "lbf ft");
     let unit = match unit.strip_prefix("per_") {
         Some(below) => format!("1/{below}"),
         None => unit.replace("_per_", "/"),
     };
     match unit.as_str() {
         "percent" => "%".to_owned(),
-        _ => unit.replace('2', "²").replace("deg", "°"),
+        _ => unit.replace('2', "²").replace("deg", "°").replace('_', " "),
     }
 }
 
@@ -368,6 +375,9 @@ mod tests {
             ("percent", "%"),
             ("per_mm", "1/mm"),
             ("mm_per_s2", "mm/s²"),
+            ("N_mm_per_rad", "N mm/rad"),
+            ("lbf_in_per_rad", "lbf in/rad"),
+            ("deg_per_100_N_m", "°/100 N m"),
             ("", ""),
         ] {
             assert_eq!(readable_unit(unit), readable);

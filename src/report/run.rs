@@ -24,7 +24,7 @@ pub struct Run {
     pub interrupted: bool,
     /// Convergence history of an optimisation.
     pub history: Option<CurveTable>,
-    /// Names of the run's files with results: the curves first, then those other files that exist.
+    /// Names of the run's files with results: the curves first, then the other files.
     pub files: Vec<String>,
 }
 
@@ -50,7 +50,8 @@ impl Summary {
         }
     }
 
-    /// Tables of a solve: ranges of columns, number of stations for each status, and failed stations. `None` for another command.
+    /// Tables of a solve: ranges of columns, number of stations for each status, and stations without a pose. `None` for another
+    /// command.
     pub fn tables(&self) -> Option<[Table; 3]> {
         match self {
             Summary::Solve(s) => Some([s.table(), s.stations_table(), s.failures_table()]),
@@ -115,6 +116,7 @@ impl Run {
             "history.csv",
             "side_effects.csv",
             "front.csv",
+            "kc.csv",
             "summary.json",
             "optimised.toml",
             "tolerance.csv",
@@ -133,7 +135,7 @@ impl Run {
     }
 }
 
-/// Part of the summary that states how the run ended, and the rest of the summary.
+/// State of a run in `summary.json`, and the other keys of this file.
 #[derive(Deserialize)]
 struct State {
     #[serde(default)]
@@ -143,6 +145,7 @@ struct State {
 }
 
 impl State {
+    /// True if the summary has a key that is not part of the run's state.
     fn has_results(&self) -> bool {
         let own = ["finished", "command"];
         self.others.keys().any(|key| !own.contains(&key.as_str()))
@@ -172,6 +175,7 @@ impl Folder<'_> {
         }
     }
 
+    /// Content of a file with this name in the folder itself.
     fn bytes(&self, name: &str) -> Result<Cow<'_, [u8]>, NotARun> {
         // The names come from a file, so they could lead out of the directory.
         if Path::new(name).file_name() != Some(name.as_ref()) {
@@ -198,7 +202,7 @@ impl Folder<'_> {
         serde_json::from_slice(&self.bytes(name)?).map_err(|e| self.error(Some(name), &problem(e)))
     }
 
-    /// Curves of the designs over a motion.
+    /// Curves of the designs over a motion. An error if a file has other stations than the record, or lacks a column.
     fn tables(&self, motion: &MotionRecord) -> Result<Vec<CurveTable>, NotARun> {
         let table = |design: &DesignRecord| {
             let table = self.table(&design.curves)?;
@@ -206,7 +210,7 @@ impl Folder<'_> {
             let columns = motion.outputs.iter().map(|o| &o.column);
             let moving = [&motion.drive].into_iter().chain(&motion.rack);
             let mut needed = columns.chain(moving).chain(&motion.further);
-            if table.rows() != design.stations || table.status.len() != design.stations {
+            if table.rows() != design.stations {
                 let message = format!(
                     "expected the {} stations listed in report.json, found {}; run the study again",
                     design.stations,
@@ -214,7 +218,9 @@ impl Folder<'_> {
                 );
                 return Err(self.error(Some(&design.curves), &message));
             }
-            if let Some(name) = needed.find(absent) {
+            let absent = needed.find(absent).map(String::as_str);
+            let has_status = table.status.len() == design.stations;
+            if let Some(name) = absent.or((!has_status).then_some("status")) {
                 let message = format!(
                     "there is no column {name}, which report.json lists; run the study again"
                 );

@@ -17,9 +17,10 @@ pub struct Scene {
     pub bodies: Vec<SceneBody>,
     /// Index of the wheel's centre.
     pub wheel_centre: usize,
-    /// Loaded radius of the wheel, if it is known.
+    /// Loaded radius of the wheel in the study's length unit, if it is known.
     pub wheel_radius: Option<f64>,
-    /// Signs of the study's axes: forward, outboard and up.
+    /// Signs of the study's axes x, y and z: 1 if the axis points forward, outboard or up, and -1 if it points the other way.
+    /// Outboard refers to the wheel of the study, or to the left wheel of an axle.
     pub signs: [f64; 3],
     /// For an axle: index of the right wheel's centre. The points and bodies of the right wheel follow those of the left wheel.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -68,7 +69,7 @@ pub struct SceneBody {
 pub enum BodyKind {
     /// A control arm.
     Arm,
-    /// A link, tie rod, pushrod or drop link.
+    /// A link, tie rod, pushrod, pullrod or drop link.
     Link,
     /// A strut.
     Strut,
@@ -76,7 +77,7 @@ pub enum BodyKind {
     Spring,
     /// A rocker, or the lever of an anti-roll bar.
     Rocker,
-    /// The wheel carrier.
+    /// The wheel carrier, or a knuckle of a steered solid axle.
     Knuckle,
 }
 
@@ -95,7 +96,8 @@ impl Scene {
         }
     }
 
-    /// Axes of a view that point to the right and up: index of the study's axis, and sign of its direction.
+    /// Axes of the study that point to the right and up in a view: index of the axis, and 1 or -1 if the axis points that way or
+    /// the opposite way.
     pub(super) fn axes(&self, sight: Sight) -> [(usize, f64); 2] {
         let [forward, outboard, up] = self.signs;
         // Sign of the car's left along the study's lateral axis. It follows from the other two axes, because both frames
@@ -108,7 +110,7 @@ impl Scene {
         }
     }
 
-    /// Drawing of an axle.
+    /// Drawing of an axle. The names of points begin with `left_` or `right_`.
     pub fn of_axle(axle: &Axle) -> Scene {
         let mut scene = Scene::of(&axle.left);
         let right = Scene::of(axle.suspension(Side::Right));
@@ -197,6 +199,7 @@ impl Parts {
         });
     }
 
+    /// Adds each arm as a line from its front pivot through its joints to its rear pivot.
     fn arms(&mut self, mechanism: &Mechanism) {
         for arm in &mechanism.arms {
             let constraints = mechanism.constraints.iter();
@@ -212,6 +215,7 @@ impl Parts {
         }
     }
 
+    /// Adds links and struts, and collects the joints on the wheel carrier.
     fn constraints(&mut self, mechanism: &Mechanism) {
         let of_an_arm = |from, to| {
             let mut arms = mechanism.arms.iter();
@@ -244,14 +248,15 @@ impl Parts {
         }
     }
 
+    /// Adds the rod of a rocker, and the rocker as a line through its axis and all points on it.
     fn rocker(&mut self, mechanism: &Mechanism, id: RockerId) {
         let rocker = mechanism.rocker(id);
         let rod = [rocker.inner, rocker.outer];
         self.add(BodyKind::Link, rocker.rod.to_string(), &[&rod]);
-        let ends = mechanism.spring.map(|spring| spring.lower);
+        let spring_end = mechanism.spring.map(|spring| spring.lower);
         let far_centre = mechanism.rigid_axle.as_ref().map(|rigid| rigid.far_centre);
         let links = mechanism.constraints.iter().filter_map(Constraint::link);
-        let further = ends
+        let further = spring_end
             .into_iter()
             .chain(mechanism.rockers.iter().map(|r| r.outer))
             .chain([mechanism.wheel_centre])
@@ -274,8 +279,8 @@ impl Parts {
         }
     }
 
-    /// Adds the wheel carrier: a line from each joint to the wheel centre. The wheels of a steered axle are on its knuckles,
-    /// and the axle ends at the kingpins.
+    /// Adds the wheel carrier: a line from each joint to the wheel centre. On a steered solid axle, the lines lead to the origin of
+    /// the mechanism instead, because its wheels are on knuckles.
     fn carrier(&mut self, mechanism: &Mechanism) {
         let centre = match mechanism.axle_steering() {
             Some(_) => mechanism.origin,

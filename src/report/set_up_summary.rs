@@ -55,13 +55,14 @@ pub struct SetUpSummary {
     /// Wheels that are set up, if the study describes an axle.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub side: Option<SetUpSide>,
-    /// True if every target is met, both with the computed and with the rounded amounts. An error of at most half an adjustment
-    /// step counts as met.
+    /// True if every target is met, both with the computed and with the rounded amounts. Errors up to `allowed` and
+    /// `allowed_rounded` count as met.
     pub met: bool,
-    /// Static values.
+    /// Static values, with their targets and results.
     pub statics: Vec<StaticRecord>,
     /// Adjustments in the order of the mechanic's work.
     pub adjustments: Vec<AdjustmentRecord>,
+    /// Symbol of the length unit.
     unit: String,
     /// True if an adjustment moves a point.
     #[serde(skip)]
@@ -75,23 +76,22 @@ pub struct StaticRecord {
     pub column: String,
     /// Value of the nominal design.
     pub drawn: Option<f64>,
-    /// Value with the computed amounts.
+    /// Value with the computed amounts. For a shim, the computed amount is a whole number of shims.
     pub set: Option<f64>,
-    /// Target value, if there is one.
+    /// Target value, or the nominal value that the set-up keeps (see `kept`). `None` without a target.
     pub wanted: Option<f64>,
-    /// True if the study has no target for this value, so the set-up keeps the nominal value. Then `wanted` is the nominal
-    /// value.
+    /// True if the study has no target for this value, but the set-up keeps it at its nominal value.
     pub kept: bool,
     /// Computed value minus target value.
     pub miss: Option<f64>,
-    /// Allowed error: effect of half a step of each shim adjustment. If `miss` is not larger, the target counts as met.
+    /// Allowed size of `miss`: effect of half a step of each shim adjustment. 0 for a value that a thread sets.
     pub allowed: f64,
     /// Value with the rounded amounts.
     pub set_rounded: Option<f64>,
     /// Rounded value minus target value.
     pub miss_rounded: Option<f64>,
-    /// Allowed error: effect of half a step of each shim adjustment and of half a sixteenth of a turn of each threaded adjuster. If
-    /// `miss_rounded` is not larger, the target counts as met.
+    /// Allowed size of `miss_rounded`: `allowed`, plus the effect of half a sixteenth of a turn of each threaded adjuster. For
+    /// lengths without a thread or shims, half the smallest change counts.
     pub allowed_rounded: f64,
     /// True if the target counts as met with the computed amounts.
     pub met: bool,
@@ -104,21 +104,22 @@ pub struct StaticRecord {
 pub struct AdjustmentRecord {
     /// Name of the adjustment.
     pub adjustment: String,
-    /// Instruction for a mechanic with the rounded amount, such as "shorten 1/16 turn".
+    /// Instruction for a mechanic with the rounded amount, such as "shorten by 1/16 turn".
     pub instruction: String,
-    /// Computed amount, in the length unit.
+    /// Computed amount, in the length unit. Positive: the part becomes longer, or the point moves along the positive axis of the
+    /// study (for a right wheel: of its mirror image).
     pub amount: f64,
     /// Computed amount in turns, for a threaded adjuster.
     pub turns: Option<f64>,
-    /// Number of shims. Positive: add; negative: remove.
+    /// Number of shims of the computed amount, with the sign of `amount`. `None` without shims.
     pub shims: Option<f64>,
     /// Amount that a mechanic can set, in the length unit.
     pub amount_rounded: f64,
-    /// Amount that a mechanic can set, in turns.
+    /// Amount that a mechanic can set, in turns, for a threaded adjuster.
     pub turns_rounded: Option<f64>,
     /// Change of each static value per length unit of this adjustment, at the nominal design.
     pub by_length: Vec<Option<f64>>,
-    /// Change of each static value per turn of this adjustment.
+    /// Change of each static value per turn of this adjustment, for a threaded adjuster.
     pub by_turn: Option<Vec<Option<f64>>>,
     /// Static values after this step, with the computed amounts.
     pub after: Vec<Option<f64>>,
@@ -129,7 +130,7 @@ pub struct AdjustmentRecord {
 }
 
 impl SetUpSummary {
-    /// Summarises the set-up that was found for a study.
+    /// Summarises a set-up of a study. `found` may also be a nominal design without a set-up; then all amounts are 0.
     pub fn of(study: &Study, setup: &Setup, side: Option<SetUpSide>, found: &SetUp) -> Self {
         let length = study.wheel().length_unit;
         let (misses, rounded) = (found.misses(), found.misses_rounded());
@@ -227,13 +228,21 @@ impl SetUpSummary {
 
     /// Explains the signs and the meaning of shims in the tables of effects. `None` if the set-up moves no points.
     pub fn effects_note(&self) -> Option<&'static str> {
-        self.moves_points.then_some(
-            "A positive amount of a shim moves the point along the positive axis of the study, relative to the part that \
-             carries the point.",
-        )
+        self.moves_points.then_some(match self.side {
+            Some(SetUpSide::Both | SetUpSide::Right) => {
+                "A positive amount of a shim moves the point along the positive axis of the study, relative to the part that \
+                 carries the point. At the right wheel, the direction along y is reversed, because this wheel is treated as \
+                 its mirror image."
+            }
+            None | Some(SetUpSide::Left) => {
+                "A positive amount of a shim moves the point along the positive axis of the study, relative to the part that \
+                 carries the point."
+            }
+        })
     }
 
-    /// Machine-readable table of the steps: the adjustments in order, with the static values after each.
+    /// Machine-readable table of the steps: the adjustments in order, with the static values after each. Further rows have the
+    /// static values of the nominal design, their targets, and their values with the rounded amounts.
     pub fn steps_table(&self) -> Table {
         let amount = format!("amount {}", self.unit);
         let columns = ["step".to_owned(), amount, "turns".into(), "shims".into()];
@@ -355,16 +364,18 @@ impl SetUpSummary {
         table.keyed(2)
     }
 
-    /// Static values that miss the target by more than half a step of the adjustments.
+    /// Static values whose error exceeds the allowed error, with the computed or with the rounded amounts.
     pub fn not_met(&self) -> impl Iterator<Item = &StaticRecord> {
         self.statics.iter().filter(|s| !(s.met && s.met_rounded))
     }
 }
 
+/// Value without a negative zero. `None` if it is not finite.
 fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value + 0.0)
 }
 
+/// Record of the `k`-th adjustment of a study without its effect. `after` has the static values after the adjustment.
 fn adjustment_record(
     adjustment: &Adjustment,
     k: usize,
@@ -403,7 +414,7 @@ pub fn static_column(value: Static, length: LengthUnit) -> String {
     with_unit(static_name(value), &value.unit().suffix(length))
 }
 
-/// Name of a static value.
+/// Name of a static value without its unit.
 fn static_name(value: Static) -> String {
     match value {
         Static::Characteristic(c) => c.info().name.to_owned(),
@@ -412,7 +423,7 @@ fn static_name(value: Static) -> String {
     }
 }
 
-/// Number with a few digits for people. A rounding error becomes 0.
+/// Number with six digits for people. A value below 1e-9 becomes 0.
 fn figure(value: Option<f64>) -> Cell {
     Cell::by(value, |value| {
         if value.abs() < 1e-9 {

@@ -10,7 +10,8 @@ const DIGITS: f64 = 3.0;
 /// Largest number of rows on the terminal, unless more are flagged.
 const MOST_ROWS: usize = 10;
 
-/// Decimals for the values of a side effect: one more than its tolerance needs.
+/// Decimals for the values of a side effect: one more than the first digit of its tolerance needs. Without a tolerance, the largest
+/// value has three significant digits.
 fn decimals(effect: &SideEffect) -> usize {
     let ends = [
         effect.before_min,
@@ -36,19 +37,19 @@ fn in_three_digits(tolerance: f64) -> String {
     brief((tolerance * digits).round() / digits)
 }
 
-/// Largest change that no target requests, with its sign.
+/// Largest change that no target requests, as text with its sign.
 fn change(effect: &SideEffect) -> Option<String> {
     let change = effect.largest_change?;
     let text = with_decimals(change, decimals(effect));
     Some(with_plus(change, text))
 }
 
-/// True if the printed values show a change that no target requests.
+/// True if a side effect is flagged, or if the printed text shows a change that no target requests.
 pub(super) fn is_visible(effect: &SideEffect) -> bool {
     effect.flagged || has_digits(&change(effect).unwrap_or_default())
 }
 
-/// True if the printed values change, but only as targets request.
+/// True if the printed text shows a change that targets request, and no other change.
 fn is_as_asked(effect: &SideEffect) -> bool {
     !is_visible(effect) && has_digits(&with_decimals(effect.asked_change, decimals(effect)))
 }
@@ -66,8 +67,8 @@ fn place(effect: &SideEffect) -> String {
     coordinates.chain(wheel).collect::<Vec<_>>().join(", ")
 }
 
-/// Station of the largest change in a short form. If wheel travel is the only coordinate, its name is left out. Otherwise,
-/// coordinates that are 0 are left out.
+/// Station of the largest change in a short form. If wheel travel is the only coordinate of a single wheel, its name is left out.
+/// Otherwise, coordinates that are 0 are left out. If all coordinates are 0, the first one remains.
 fn short_place(effect: &SideEffect) -> String {
     match (effect.at.as_slice(), &effect.wheel) {
         ([only], None) if only.name == "travel" => {
@@ -155,15 +156,15 @@ pub fn side_effects_table(effects: &[SideEffect]) -> Table {
     table
 }
 
-/// Side effects whose printed values show a change that no target requests, the flagged ones first.
+/// Side effects that are flagged, then others whose printed text shows a change that no target requests.
 pub fn visible_side_effects(effects: &[SideEffect]) -> Vec<SideEffect> {
     let mut changed: Vec<SideEffect> = effects.iter().filter(|e| is_visible(e)).cloned().collect();
     changed.sort_by_key(|effect| !effect.flagged);
     changed
 }
 
-/// Side effects that tables show: first the flagged ones, then other visible changes. Also returns the number of visible changes
-/// that are left out.
+/// Side effects that tables show: first all flagged ones, then other visible changes up to [`MOST_ROWS`]. Also returns the number of
+/// visible changes that are left out.
 pub fn shown_side_effects(effects: &[SideEffect]) -> (Vec<SideEffect>, usize) {
     let changed = visible_side_effects(effects);
     let flagged = changed.iter().filter(|e| e.flagged).count();
@@ -172,7 +173,7 @@ pub fn shown_side_effects(effects: &[SideEffect]) -> (Vec<SideEffect>, usize) {
     (changed.into_iter().take(shown).collect(), more)
 }
 
-/// Number of side effects beyond their tolerance, in words. `None` if no output was compared.
+/// Number of flagged side effects, in words. `None` if no output was compared.
 pub fn side_effects_in_words(effects: &[SideEffect]) -> Option<String> {
     if effects.is_empty() {
         return None;
@@ -185,8 +186,8 @@ pub fn side_effects_in_words(effects: &[SideEffect]) -> Option<String> {
     })
 }
 
-/// Lists in words: outputs that change only as targets request, and outputs without a visible change. An empty list gives no
-/// line.
+/// One line with the outputs that change only as targets request, and one line with the outputs without a visible change. A line
+/// without outputs is left out.
 pub fn further_in_words(effects: &[SideEffect]) -> Vec<String> {
     let line = |heading: &str, is_in: &dyn Fn(&SideEffect) -> bool| {
         let names = effects.iter().filter(|e| is_in(e)).map(SideEffect::column);

@@ -15,9 +15,9 @@ pub(crate) struct Slip {
 
 impl Slip {
     /// Finds the coordinate whose correction removes all warnings. `fits` returns true if points cause no warning. A correction
-    /// changes the sign or the decimal place of one coordinate. It must bring the point much nearer to the other points.
-    /// Corrections of the sign have priority, because they keep all digits. Returns `None` if corrections of different points
-    /// are possible, because then any of these points may be wrong.
+    /// changes the sign or the decimal place of one coordinate. It must bring the point much nearer to the mean of the others.
+    /// Corrections of the sign have priority, because they keep all digits. Returns `None` without a correction. Also returns
+    /// `None` if corrections of different points remain, because then any of these points may be wrong.
     pub(crate) fn of(points: &[[f64; 3]], fits: impl Fn(&[[f64; 3]]) -> bool) -> Option<Slip> {
         const NEARER: f64 = 0.75;
         let mut found: Vec<(f64, Slip)> = Vec::new();
@@ -66,7 +66,7 @@ impl Slip {
     }
 }
 
-/// Number with its decimal point moved. The digits stay exactly the same. A multiplication by 10 could change them, because it is
+/// Finite number with its decimal point moved by `places` to the right. The digits stay exactly the same. A multiplication by 10 could change them, because it is
 /// rounded.
 fn shifted(number: f64, places: i32) -> f64 {
     let text = format!("{number:e}");

@@ -25,12 +25,15 @@ pub struct SolveSummary {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     axle: Option<String>,
     stations: usize,
+    /// Number of stations with a pose.
     #[serde(default)]
     solved: usize,
     /// Stations by status, and empty cells by reason.
     #[serde(default)]
     completeness: Completeness,
+    /// Stations without a pose.
     failed: Vec<FailedStation>,
+    /// Range of each column of the curves.
     outputs: Vec<Range>,
     /// Accuracy, if at least one pose exists.
     #[serde(default)]
@@ -71,8 +74,8 @@ struct FailedStation {
 }
 
 impl SolveSummary {
-    /// Summarises curves. `design` has the curves of the design position alone. Without these curves, the values come from the
-    /// station at the design position, if there is one.
+    /// Summarises curves. `design` has the curves of the design position alone. Without `design`, the values at the design come from
+    /// the station at the design position, if there is one.
     pub fn of(study: &Study, curves: &Curves, design: Option<&Curves>) -> Self {
         let wheel = study.wheel();
         let stations = curves.stations.iter().enumerate();
@@ -130,7 +133,7 @@ impl SolveSummary {
         Range::table(&self.outputs)
     }
 
-    /// Table of the values at the first station, for curves of the design position only.
+    /// Table of the values at the design position. `design` has only this station.
     pub fn design_table(design: &Curves) -> Table {
         let unit = Column::for_programs("unit");
         let columns = ["output", "at design"].map(Column::from);
@@ -153,8 +156,10 @@ impl SolveSummary {
         let mut table = Table::with_columns(columns.into_iter().chain(["status", "reason"]));
         for failed in &self.failed {
             let mut row = vec![Cell::from(failed.station), failed.at.as_str().into()];
-            let place = failed.place.as_ref().and_then(StationLabel::cells);
-            row.extend(place.into_iter().flatten());
+            if self.axle.is_none() {
+                let place = failed.place.as_ref().and_then(StationLabel::cells);
+                row.extend(place.unwrap_or_else(|| [None::<f64>; 4].map(Cell::from)));
+            }
             row.extend([failed.status.as_str().into(), failed.reason.as_str().into()]);
             table.push_row(row);
         }
@@ -169,7 +174,7 @@ impl SolveSummary {
     /// Result of the solve in one line.
     pub fn headline(&self) -> String {
         let stations = self.completeness.headline().unwrap_or_else(|| {
-            let solved = self.stations - self.failed.len();
+            let solved = self.stations.saturating_sub(self.failed.len());
             format!("{solved} of {} stations solved", self.stations)
         });
         match &self.axle {
@@ -183,14 +188,15 @@ impl SolveSummary {
     }
 }
 
-/// True if all given coordinates are 0 at a station. A motion over time has no design position.
+/// True if all given coordinates are 0 at a station. False for a motion over time.
 fn is_design(curves: &Curves, station: &Station) -> bool {
     let all = || curves.motion.iter().zip(&station.at);
     let is_zero = all().all(|(column, value)| !column.is_given || *value == Some(0.0));
     is_zero && all().all(|(column, _)| column.key != "time")
 }
 
-/// Parts in which the right wheel is not the mirror image of the left wheel.
+/// Parts in which the right wheel is not the mirror image of the left wheel, in words: `own hardpoints and spring on the right`.
+/// `mirrored` if there are none.
 fn right_wheel(axle: &Axle) -> String {
     let (left, right) = (&axle.left, axle.suspension(Side::Right));
     let springs = axle.setup.springs.as_ref();
@@ -219,5 +225,27 @@ fn right_wheel(axle: &Axle) -> String {
         [] => "mirrored".to_owned(),
         [one] => format!("own {one} on the right"),
         [most @ .., last] => format!("own {} and {last} on the right", most.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::SolveSummary;
+    use serde_json::{from_value, json};
+
+    /// A failed station without coordinates, as in an edited summary, has empty cells.
+    #[test]
+    fn a_failed_station_without_coordinates_has_empty_cells() {
+        let failed = json!({ "at": "travel 5 mm", "status": "unreachable", "reason": "too far" });
+        let summary: SolveSummary = from_value(json!({
+            "command": "solve", "version": "", "study": "", "topology": "macpherson", "stations": 1,
+            "failed": [failed], "outputs": []
+        }))
+        .unwrap();
+        let csv = summary.failures_table().csv(None);
+        assert!(
+            csv.ends_with("\n0,travel 5 mm,,,,,unreachable,too far\n"),
+            "{csv}"
+        );
     }
 }

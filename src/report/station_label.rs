@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub(super) enum StationLabel {
-    /// A station in a study of one wheel. An angle is `None` unless that angle drives the motion.
+    /// A station in a study of one wheel: travel and rack in the study's length unit. An angle is `None` unless that angle drives the
+    /// motion. `travel` is `None` if an angle drives the motion and the station has no pose.
     Corner {
         travel: Option<f64>,
         arm_angle_deg: Option<f64>,
@@ -41,7 +42,7 @@ impl StationLabel {
         matches!(self, StationLabel::Corner { .. })
     }
 
-    /// Travel, arm angle, theta and rack displacement of a station in a study of one wheel, as table cells.
+    /// Travel, arm angle, theta and rack displacement of a station in a study of one wheel, as table cells. `None` for an axle.
     pub(super) fn cells(&self) -> Option<[Cell; 4]> {
         match *self {
             StationLabel::Corner {
@@ -55,7 +56,7 @@ impl StationLabel {
     }
 }
 
-/// Coordinates of a station in words, as in `roll 2 deg, heave 0 mm`. A rack at 0 is left out.
+/// Coordinates that the study gives for a station, in words, as in `roll 2 deg, heave 0 mm`. A rack at 0 is left out.
 pub(super) fn place_in_words(curves: &Curves, station: usize) -> String {
     let at = &curves.stations[station].at;
     let part = |(column, value): (&MotionColumn, &Option<f64>)| {

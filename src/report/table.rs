@@ -27,10 +27,13 @@ pub enum Format {
 /// A column of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
+    /// Heading for people.
     title: String,
     /// Name for programs, if it differs from the title.
     name: Option<&'static str>,
+    /// True if text output and pages have the column.
     readers: bool,
+    /// True if CSV and JSON have the column.
     programs: bool,
 }
 
@@ -59,7 +62,7 @@ impl Column {
         }
     }
 
-    /// Name for programs: `at design` becomes `at_design`.
+    /// Name for programs. Spaces and hyphens become underscores: `at design` -> `at_design`.
     fn key(&self) -> String {
         self.name.unwrap_or(&self.title).replace([' ', '-'], "_")
     }
@@ -153,14 +156,14 @@ impl Table {
         self.rows.is_empty()
     }
 
-    /// Keeps the first rows, and returns the number of omitted rows.
+    /// Keeps the first `most` rows, and returns the table and the number of omitted rows.
     pub fn first(mut self, most: usize) -> (Self, usize) {
         let more = self.rows.len().saturating_sub(most);
         self.rows.truncate(most);
         (self, more)
     }
 
-    /// Names of the columns for people.
+    /// Headings of the columns for people.
     pub fn header(&self) -> Vec<&str> {
         let columns = self.columns.iter().filter(|c| c.readers);
         columns.map(|c| c.title.as_str()).collect()
@@ -272,11 +275,11 @@ impl Tables {
     /// Text of all tables. In CSV, empty lines separate the tables, and the first column `table` contains their name. Empty
     /// tables are left out of CSV if another table has rows. In JSON, the tables are lists in one object.
     pub fn render(&self, format: Format, width: usize) -> String {
-        let is_nameless = |table: &Table| format == Format::Csv && table.rows.is_empty();
+        let is_omissible = |table: &Table| format == Format::Csv && table.rows.is_empty();
         let has_rows = self.0.iter().any(|(_, table)| !table.rows.is_empty());
         let each = |render: &dyn Fn(&'static str, &Table) -> String| {
             let tables = self.0.iter();
-            let shown = tables.filter(|(_, table)| !(has_rows && is_nameless(table)));
+            let shown = tables.filter(|(_, table)| !(has_rows && is_omissible(table)));
             let all: Vec<String> = shown.map(|(name, table)| render(name, table)).collect();
             all.join("\n")
         };

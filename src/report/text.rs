@@ -22,8 +22,8 @@ pub fn unit_in_words(symbol: &str) -> &str {
 /// Characters after which a line may break within a word.
 const JOINTS: [char; 4] = ['_', '/', ',', '.'];
 
-/// Splits a text into lines of at most `width` characters, at least one line. Lines break at spaces; or after an underscore,
-/// slash, comma or dot; or, if necessary, anywhere in a word.
+/// Splits a text into lines of at most `width` characters (at least one), and into at least one line. Lines break at spaces; or
+/// after an underscore, slash, comma or dot; or, if necessary, anywhere in a word.
 pub(super) fn broken(text: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split(' ') {
@@ -49,11 +49,12 @@ pub(super) fn broken(text: &str, width: usize) -> Vec<String> {
     lines
 }
 
+/// Number of characters in the last line.
 fn last(lines: &[String]) -> usize {
     lines.last().map_or(0, |line| line.chars().count())
 }
 
-/// Length of the longest unbreakable part of a text.
+/// Number of characters in the longest part of a text that breaks at spaces and joints only.
 pub(super) fn widest(text: &str) -> usize {
     let parts = text
         .split(' ')
@@ -62,7 +63,7 @@ pub(super) fn widest(text: &str) -> usize {
 }
 
 /// Wraps the lines of a text to at most `width` characters. Continued lines are indented by two more spaces. Short lines stay
-/// unchanged.
+/// unchanged. Words stay whole, so a line with a long word or a deep indent may be wider.
 pub fn wrapped(text: &str, width: usize) -> String {
     let mut wrapped = String::with_capacity(text.len());
     for line in text.split_inclusive('\n') {
@@ -121,8 +122,8 @@ pub fn printable(text: &str) -> String {
     printable
 }
 
-/// Replaces characters that control a terminal by JSON escapes. In JSON they only occur within strings, so the meaning stays the
-/// same.
+/// Replaces characters that control a terminal or change the direction of reading by JSON escapes. In JSON they only occur within
+/// strings, so the meaning stays the same. Line breaks stay.
 pub(super) fn printable_json(json: &str) -> String {
     let mut printable = String::with_capacity(json.len());
     for c in json.chars() {
@@ -143,7 +144,7 @@ pub fn is_printable(text: &str) -> bool {
 
 /// True for marks, embeddings, overrides and isolates of bidirectional text, and for line separators.
 fn turns(c: char) -> bool {
-    matches!(c, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
 #[cfg(test)]
@@ -172,9 +173,12 @@ mod tests {
 
     #[test]
     fn a_terminal_obeys_nothing() {
-        let hostile = "a\u{1b}[31mb\u{7}\r\u{9b}c\u{202e}d\n\té";
+        let hostile = "a\u{1b}[31mb\u{7}\r\u{9b}c\u{202e}d\u{61c}\n\té";
         let shown = printable(hostile);
-        assert_eq!(shown, "a\\u{1b}[31mb\\u{7}\\u{d}\\u{9b}c\\u{202e}d\n\té");
+        assert_eq!(
+            shown,
+            "a\\u{1b}[31mb\\u{7}\\u{d}\\u{9b}c\\u{202e}d\\u{61c}\n\té"
+        );
         assert!(is_printable(&shown) && !is_printable(hostile));
         let json = serde_json::to_string(hostile).unwrap();
         let shown = printable_json(&json);

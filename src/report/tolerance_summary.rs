@@ -31,7 +31,7 @@ pub struct ToleranceSummary {
     pub builds: u64,
     /// Seed of the random builds.
     pub seed: u32,
-    /// True if toe and camber were set again after assembly.
+    /// True if the adjustments of `[setup]` set toe and camber again after assembly.
     pub aligned: bool,
     /// Number of builds that could not be assembled.
     pub rejected: u64,
@@ -39,23 +39,23 @@ pub struct ToleranceSummary {
     pub rejects: Vec<RejectRecord>,
     /// Number of builds that have no pose somewhere in the motion.
     pub incomplete: u64,
-    /// Number of the first build without a pose at some station.
+    /// Number of the first build that has no pose somewhere in the motion.
     pub first_incomplete: Option<u64>,
     /// For an axle: columns of the coordinates that give the position of a value on the motion.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub places: Vec<String>,
     /// All evaluated values.
     pub values: Vec<ValueRecord>,
-    /// Bands of the values.
+    /// Bands of the values, with their yields.
     pub bands: Vec<BandRecord>,
     /// Sentences about the bands that the nominal design misses.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub nominal_outside: Vec<String>,
-    /// Share of builds within all bands. `None` without bands.
+    /// Fraction of the builds within all bands. `None` without bands.
     pub yield_of_all: Option<f64>,
-    /// Share of builds within all bands, according to the first-order estimate.
+    /// Fraction of the builds within all bands, according to the first-order estimate.
     pub yield_of_all_linear: Option<f64>,
-    /// Contributors, sorted by the yield gained by halving their tolerance.
+    /// Contributors, sorted by the yield gained by halving their tolerance, largest first. Empty without bands.
     pub ranking: Vec<RankingRecord>,
 }
 
@@ -99,7 +99,8 @@ pub fn rejected(side: Option<Side>, why: &AssemblyError) -> String {
 }
 
 impl ToleranceSummary {
-    /// Summarises the first-order estimate, the Monte Carlo builds and the yields. `drawn` has the values of the nominal design.
+    /// Summarises the first-order estimate, the Monte Carlo builds and the yields. `drawn` has all values of the nominal design, in
+    /// the kernel's units.
     pub fn of(
         problem: &Problem,
         drawn: &[f64],
@@ -229,7 +230,7 @@ impl ToleranceSummary {
         lines
     }
 
-    /// Table of every value at the design position, and at the position with the largest scatter.
+    /// Table of every output at the design position, and at the position with the largest sigma.
     pub fn values_table(&self) -> Table {
         let rack_moves = self.values.iter().any(|v| v.rack != self.values[0].rack);
         let of_wheel = self.places.is_empty();
@@ -269,7 +270,7 @@ impl ToleranceSummary {
                     Some(true) => "",
                     _ => words,
                 };
-                // Numbers from random builds are rounded to the reliable digits of sigma.
+                // Numbers from builds, and the linear sigma, are rounded to the reliable digits of sigma.
                 let digits = value
                     .sigma_error
                     .filter(|error| *error > 0.0 && words != "does not scatter");
@@ -300,7 +301,7 @@ impl ToleranceSummary {
         table
     }
 
-    /// Names of the columns with the position of a value.
+    /// Names of the columns with the position of a value. `length` is the symbol of the length unit.
     fn place_columns(&self, length: &str) -> Vec<String> {
         if self.places.is_empty() {
             vec![format!("travel_{length}"), format!("rack_{length}")]
@@ -328,7 +329,8 @@ impl ToleranceSummary {
         table
     }
 
-    /// Table of the contributors: the tolerances to tighten, and those that can be relaxed.
+    /// Table of the contributors: their shares in the variance, the yields at half and double tolerance, and whether the tolerance
+    /// can be relaxed.
     pub fn ranking_table(&self) -> Table {
         let yields = [
             Column::named("yield at half tolerance", "yield_halved"),
@@ -360,8 +362,8 @@ impl ToleranceSummary {
         table
     }
 
-    /// Table of the shares of the builds' variance at the design position, with the remainder. This table is used if there are
-    /// no bands for a ranking.
+    /// Table of the contributors' shares in the builds' variance at the design position, with the remainder. Its use is a study
+    /// without bands, which has no ranking. `contributors` has the names in the order of the study.
     pub fn shares_table(&self, contributors: &[String]) -> Table {
         let rest: Vec<&ValueRecord> = self.values.iter().filter(|v| v.at_rest).collect();
         let outputs = rest.iter().map(|v| v.output.clone());
@@ -381,7 +383,7 @@ impl ToleranceSummary {
         table
     }
 
-    /// Content of `tolerance.csv`: one row per value.
+    /// Content of `tolerance.csv`: one row per value. `length` is the symbol of the length unit.
     pub fn csv(&self, length: &str) -> Vec<u8> {
         let mut header = vec!["output".to_owned()];
         header.extend(self.place_columns(length));
@@ -443,10 +445,10 @@ impl ToleranceSummary {
     }
 }
 
-/// Share in percent with three digits. It is never rounded up to 100 %.
+/// Share in percent with at most two decimals. A share below 1 is never rounded up to 100 %. Shares above 1 and below 0 occur for
+/// shares in the variance of builds, because of sampling errors.
 pub(super) fn percent(share: f64) -> String {
     match share {
-        s if s >= 1.0 => "100 %".to_owned(),
         s if s < 1.0 && s > 0.9999 => "99.99 %".to_owned(),
         s if s.abs() < 5e-5 => "0 %".to_owned(),
         s => format!("{} %", brief((s * 1e4).round() / 1e2)),
@@ -459,4 +461,24 @@ fn places(problem: &Problem) -> Vec<String> {
     both.map_or_else(Vec::new, |AxleStudy { axle, plan, .. }| {
         GivenColumns { plan, axle }.names()
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::percent;
+
+    /// Shares beyond 0 and 100 % stay as they are. Only a share of 1 is 100 %.
+    #[test]
+    fn shares_are_not_clipped() {
+        for (share, text) in [
+            (1.0, "100 %"),
+            (0.99999, "99.99 %"),
+            (1.031, "103.1 %"),
+            (-0.03, "-3 %"),
+            (0.123_456, "12.35 %"),
+            (0.0, "0 %"),
+        ] {
+            assert_eq!(percent(share), text);
+        }
+    }
 }

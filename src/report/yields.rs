@@ -1,6 +1,7 @@
-//! Yields before and after a robust tuning: shares of builds within the bands.
+//! Yields before and after a robust tuning: shares of builds within the bands, as fractions of 1.
 
 use super::bands::in_words;
+use super::figure::{with_decimals, with_plus};
 use super::table::{Cell, Column, Table};
 use super::text::counted;
 use super::tolerance_summary::percent;
@@ -12,12 +13,12 @@ use serde::{Deserialize, Serialize};
 /// Yields before and after a tuning.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct YieldRecord {
-    /// Number of builds.
+    /// Number of builds of each design.
     pub builds: u64,
     /// Share of builds within all bands: for the design before the tuning, and for the tuned design. `None` if the design cannot be
     /// built.
     pub all: [Option<f64>; 2],
-    /// Share of builds within all bands, at the optimum without scatter.
+    /// Share of builds within all bands, for the optimum without scatter. `None` if it cannot be built or was not computed.
     #[serde(default)]
     pub plain: Option<f64>,
     /// Yields of the single bands.
@@ -30,11 +31,11 @@ pub struct YieldRecord {
 /// Smooth surrogate of a yield at the tuned design.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Surrogate {
-    /// Number of builds whose mean is the surrogate.
+    /// Number of builds over which the surrogate is a mean.
     pub builds: usize,
     /// Value of the surrogate.
     pub value: f64,
-    /// Surrogate minus the yield of builds that the tuning has not used.
+    /// Surrogate minus the yield after the tuning. `None` if this yield is unknown.
     pub error: Option<f64>,
     /// True if the search found no design with a larger yield than the optimum without scatter. Then that optimum is the
     /// result.
@@ -48,14 +49,14 @@ pub struct BandShares {
     pub band: String,
     /// Share of builds within the band, before and after the tuning.
     pub shares: [Option<f64>; 2],
-    /// Share of builds within the band, at the optimum without scatter.
+    /// Share of builds within the band, for the optimum without scatter.
     #[serde(default)]
     pub plain: Option<f64>,
 }
 
 impl YieldRecord {
     /// Compares the builds of three designs: `before` is the given design, `plain` the optimum without scatter, and `after` the
-    /// tuned design.
+    /// tuned design. `None` for a design that cannot be built.
     pub fn of(
         tolerance: &Tolerance,
         before: Option<MonteCarlo>,
@@ -94,7 +95,7 @@ impl YieldRecord {
         }
     }
 
-    /// Yields of all bands in percent, for people.
+    /// Yields of all bands together, before and after, in percent for people.
     pub fn percentages(&self) -> [String; 2] {
         let share = |share: Option<f64>| share.map_or("unknown".to_owned(), percent);
         self.all.map(share)
@@ -116,10 +117,9 @@ impl YieldRecord {
     pub fn surrogate_in_words(&self) -> Option<String> {
         let surrogate = self.surrogate.as_ref()?;
         let error = surrogate.error.map_or(String::new(), |error| {
-            format!(
-                ", {:+.1} percentage points relative to the yield",
-                100.0 * error
-            )
+            let points = 100.0 * error;
+            let points = with_plus(points, with_decimals(points, 1));
+            format!(", {points} percentage points relative to the yield")
         });
         let kept = if surrogate.keeps_plain {
             "; the search found no larger yield than the optimum without scatter, which is kept"
@@ -133,7 +133,8 @@ impl YieldRecord {
         ))
     }
 
-    /// Remark if the optimum without scatter has a significantly higher yield.
+    /// Remark if the yield of the optimum without scatter is higher by more than a standard error. `None` for a tuning that
+    /// maximised the yield.
     pub fn remark(&self) -> Option<String> {
         if self.surrogate.is_some() {
             return None;

@@ -96,6 +96,15 @@ fn a_drop_link_beside_a_rocker_is_never_assumed_silently() {
     ] {
         assert!(doubt.contains(words), "{doubt}");
     }
+    // A point on the body itself has the distance 0.
+    let at_rod = named
+        .replace(said, "")
+        .replace("[ -30.0,  160.0,  420.0]", "[   0.0,  265.0,  455.0]");
+    let (_, doubts) = ratio(&at_rod);
+    assert!(
+        doubts.iter().any(|d| d.contains("rocker (0 mm away)")),
+        "{doubts:?}"
+    );
     let on_arm = named.replace(said, "drop_link_outer = \"lower_arm\"");
     let (arm, doubts) = ratio(&on_arm);
     assert!(

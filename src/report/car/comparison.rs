@@ -32,8 +32,8 @@ pub struct CarComparison {
 }
 
 impl CarComparison {
-    /// Compares cars in the load cases and results of the first car, in the units and axes of the first car. If a car does not
-    /// have a case or a result, the cells are empty.
+    /// Compares cars, each with its label. The comparison has the load cases, results and units of the first car, and parameters in
+    /// its axes. If a car does not have a case or a result, the cells are empty.
     ///
     /// # Errors
     /// No cars were given.
@@ -91,8 +91,8 @@ impl CarComparison {
         csv_of_rows(std::iter::once(header).chain(rows))
     }
 
-    /// Table of wheel loads and results of the whole car that differ by more than rounding errors. `comparison.csv` has all
-    /// results.
+    /// Table of wheel loads and results of the whole car that differ by more than rounding errors, or that a car lacks.
+    /// `comparison.csv` has all results.
     pub fn table(&self) -> Table {
         let is_key = |row: &&Row| {
             matches!(
@@ -113,7 +113,7 @@ impl CarComparison {
         table
     }
 
-    /// Table of parameters, rates and coordinates that differ.
+    /// Table of parameters, rates and coordinates of left wheels that differ.
     pub fn changes_table(&self) -> Table {
         let head = ["changed", "unit"].map(str::to_owned);
         let mut table = Table::with_columns(head.into_iter().chain(self.labels.iter().cloned()));
@@ -128,7 +128,7 @@ impl CarComparison {
 }
 
 impl CarResults<'_> {
-    /// Value of a result in the case with this name.
+    /// Printed value of a result in the case with this name. `None` if the car lacks the case, its equilibrium or the result.
     fn value(&self, case: &str, quantity: CarQuantity) -> Option<f64> {
         let number = self.study.cases.iter().position(|own| own.name == case)?;
         match &self.states[number] {
@@ -140,7 +140,7 @@ impl CarResults<'_> {
     }
 }
 
-/// True if values differ by more than rounding errors in their unit.
+/// True if values differ by more than rounding errors in their unit, or if some of them are missing.
 fn differ(values: &[Option<f64>], unit: &str) -> bool {
     let mut known = values.iter().flatten();
     let Some(first) = known.next() else {
@@ -190,7 +190,7 @@ fn in_first_units(moves: &Moves, first: &Car, car: &Car, value: f64) -> f64 {
     }
 }
 
-/// Largest relative difference of equal values in different units. It comes from rounding in the conversion.
+/// Largest relative difference of equal values in different units, which comes from rounding in the conversion.
 const ROUNDING: f64 = 1e-12;
 
 /// Returns true if a value differs from the value of the first car. Values in the same units must be equal bit for bit.
@@ -201,7 +201,8 @@ fn is_changed(first: Option<f64>, other: Option<f64>, in_same_units: bool) -> bo
     }
 }
 
-/// Parameters, rates and coordinates of the first car that differ in another car, in the units and axes of the first car.
+/// Parameters, rates and coordinates of the first car that differ in another car, in the units and axes of the first car. Of each
+/// axle, only the points of the left wheel are compared.
 fn changes(cars: &[&Car]) -> Vec<Change> {
     let mut changes = Vec::new();
     let units = |car: &Car| (car.length_unit, car.mass_unit);

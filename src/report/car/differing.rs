@@ -11,6 +11,7 @@ const ROUNDED: f64 = 0.01;
 
 /// A value in the study of an axle, and the same value in the study of the car.
 struct Compared {
+    /// Key in the study of the axle.
     key: &'static str,
     own: Option<f64>,
     of_car: Option<f64>,
@@ -53,7 +54,7 @@ impl CarResults<'_> {
         axles.filter_map(remark).collect()
     }
 
-    /// Values of `[vehicle]` of an axle, and the same values of the car at rest.
+    /// Values of `[vehicle]` of an axle (0 front, 1 rear), and the same values of the car at rest.
     fn compared_values(&self, end: usize) -> [Compared; 5] {
         let car = &self.study.car;
         let vehicle = &self.study.axles[end].wheel().vehicle;

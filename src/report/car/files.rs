@@ -22,7 +22,7 @@ pub struct GgResults {
     pub csv: Vec<u8>,
     /// States in the form for the page.
     pub map: CarMap,
-    /// Number of states without equilibrium.
+    /// Number of states without equilibrium in the finished rows.
     pub failures: usize,
     /// Number of finished rows, and total number of rows. In an interrupted map, rows are missing.
     pub rows: [usize; 2],
@@ -39,6 +39,7 @@ impl GgResults {
 }
 
 impl<'s> CarResults<'s> {
+    /// Columns of the requested results.
     fn columns(&self) -> Vec<String> {
         let unit = self.study.car.length_unit;
         self.study
@@ -48,6 +49,7 @@ impl<'s> CarResults<'s> {
             .collect()
     }
 
+    /// Cells of the requested results in a state. Undefined results, and all results without a state, are empty.
     fn values(&self, state: &CarState<'_>, case: &Case) -> Vec<String> {
         let quantities = self.study.quantities.iter();
         match state {
@@ -69,6 +71,7 @@ impl<'s> CarResults<'s> {
         }
     }
 
+    /// Rack displacement of a case, in the study's axes.
     fn rack(&self, case: &Case) -> f64 {
         self.study.frame().sign(Axis::Y) * case.racks[0]
     }

@@ -18,18 +18,19 @@ pub struct CarLimits {
     pub degrees: f64,
     /// Acceleration of 1 g in this direction: forward and left components.
     way: [f64; 2],
-    /// Limits, or the name of a key that is missing in the study.
+    /// Limits, or the name of a key that is missing in `[car]`.
     pub found: Result<RayLimits, &'static str>,
 }
 
 impl CarLimits {
-    /// True if the car has an equilibrium without acceleration, from which limits can be searched.
+    /// False if the car has no equilibrium without acceleration, so that limits cannot be searched.
     pub fn has_start(&self) -> bool {
         self.found
             .as_ref()
             .map_or(true, |found| found.end > 0.0 || found.why.is_none())
     }
 
+    /// Word for programs: `ok` if the limits are known.
     fn status(&self) -> &'static str {
         match &self.found {
             Err(_) => "unsupported",
@@ -38,6 +39,7 @@ impl CarLimits {
         }
     }
 
+    /// Reason why limits or equilibria end. Empty if equilibria exist up to the end of the search.
     fn reason(&self, car: &Car) -> String {
         match &self.found {
             Err(key) => format!("needs {key} in [car]"),
@@ -49,7 +51,8 @@ impl CarLimits {
     }
 }
 
-/// Limits in eight directions, and in the direction of each case with a horizontal acceleration.
+/// Limits in eight directions, and in the direction of each case with a horizontal acceleration. Each limit needs the share of the
+/// front axle in the braking or drive force, also if there is no longitudinal acceleration.
 pub fn car_limits(study: &CarStudy, solver: &mut CarSolver<'_>) -> Vec<CarLimits> {
     let rest = &study.cases[0];
     let directions = (0..8).map(|eighth| {

@@ -31,6 +31,7 @@ use crate::car::{
     CarQuantity, CarSolver, Case, Equilibrium, NoEquilibrium, Solved, WheelPlace, WheelResult,
 };
 use crate::model::MassUnit;
+use crate::report::{as_written, to_digits};
 use crate::study::CarStudy;
 
 /// State of a load case, or the reason why there is none.
@@ -51,11 +52,11 @@ pub struct CarResults<'s> {
     study: &'s CarStudy,
     /// States in the order of the cases.
     pub states: Vec<CarState<'s>>,
-    /// Forces in the members for each case. Empty if unknown or not requested.
+    /// Forces in the members for each case, in newtons. Empty if unknown or not requested.
     members: Vec<Vec<f64>>,
 }
 
-/// Computes the state of a load case with its derivatives.
+/// Makes the state of a load case from its equilibrium `found`, with the derivatives.
 fn state<'s>(
     solver: &mut CarSolver<'s>,
     case: &Case,
@@ -69,14 +70,14 @@ fn state<'s>(
     solved.unwrap_or_else(CarState::Failed)
 }
 
-/// Names of lifted wheels, separated by blanks.
+/// Names of lifted wheels, separated by spaces. Empty if no wheel is lifted.
 fn lifted_wheels(lifted: &[bool; 4]) -> String {
     let names = WheelPlace::ALL.into_iter().filter(|place| lifted[place.0]);
     names.map(WheelPlace::name).collect::<Vec<_>>().join(" ")
 }
 
 impl<'s> CarResults<'s> {
-    /// Solves the first `count` load cases.
+    /// Solves the first `count` load cases, and the forces in their members if the study requests them.
     pub fn solve(study: &'s CarStudy, solver: &mut CarSolver<'s>, count: usize) -> Self {
         let cases = study.cases.iter().take(count);
         let mut members = Vec::new();
@@ -100,7 +101,8 @@ impl<'s> CarResults<'s> {
         }
     }
 
-    /// Remarks on the static position, and on values for which the study of an axle and the study of the car differ.
+    /// Remarks on the static position, on lifted wheels and friction demands, on masses without a unit, and on values for which the
+    /// study of an axle and the study of the car differ.
     pub fn remarks(&self) -> Vec<String> {
         let study = self.study;
         let mut remarks = Vec::new();
@@ -109,9 +111,9 @@ impl<'s> CarResults<'s> {
             let travels = &solved.now.unknowns[3..7];
             let far = travels.iter().fold(0.0_f64, |far, z| far.max(z.abs()));
             if far > limit {
-                let unit = study.car.length_unit.symbol();
+                let (far, unit) = (as_written(to_digits(far, 3)), self.unit());
                 remarks.push(format!(
-                    "warning: the static position is {far:.1} {unit} of travel from the design position: the spring forces do not \
+                    "warning: the static position is {far} {unit} of travel from the design position: the spring forces do not \
                      fit the masses"
                 ));
             }
@@ -151,7 +153,7 @@ impl<'s> CarResults<'s> {
         self.failures().is_empty()
     }
 
-    /// Warnings about solved load cases.
+    /// Warnings about solved load cases: lifted wheels, and friction demands above 2.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         for (case, state) in self.study.cases.iter().zip(&self.states) {

@@ -6,9 +6,9 @@ use crate::car::{
     AxleEnd, AxleResult, CarQuantity, CarSolver, Case, Equilibrium, WheelPlace, WheelResult,
     WholeResult,
 };
-use crate::report::misfit_in_words;
 use crate::report::scene::Scene;
 use crate::report::tuning_summary::{ConstraintStatus, StartSummary};
+use crate::report::{misfit_in_words, split_unit};
 use serde::{Deserialize, Serialize};
 
 /// Version of the record's format. The program reads no records of other versions.
@@ -32,7 +32,7 @@ pub struct CarRecord {
     /// Unit of all forces.
     #[serde(default = "newtons")]
     pub force_unit: String,
-    /// True if tyres act as springs.
+    /// True if the car has tyre springs.
     pub elastic_tyres: bool,
     /// Warnings and notes.
     pub remarks: Vec<String>,
@@ -92,19 +92,19 @@ pub struct CarCase {
 pub struct CarStateRecord {
     /// Roll and pitch, degrees.
     pub attitude: [f64; 2],
-    /// Loads of the wheels: front left, front right, rear left, rear right.
+    /// Loads of the wheels in the unit of forces: front left, front right, rear left, rear right.
     pub loads: [f64; 4],
     /// Camber of each wheel relative to the road, degrees.
     pub camber: [f64; 4],
     /// True for each lifted wheel.
     pub lifted: [bool; 4],
-    /// Lateral load transfer of each axle: elastic, geometric, longitudinal and unsprung part.
+    /// Lateral load transfer of each axle in the unit of forces: elastic, geometric, longitudinal and unsprung part.
     pub transfer: [[f64; 4]; 2],
-    /// Share of the front axle in the lateral load transfer, percent.
+    /// Share of the front axle in the lateral load transfer, percent. `None` without lateral acceleration.
     pub front_share: Option<f64>,
-    /// Height of the roll axis at each axle.
+    /// Height of the roll axis above the ground at each axle.
     pub roll_axis: [Option<f64>; 2],
-    /// Height of the kinematic roll centre of each axle.
+    /// Height of the kinematic roll centre of each axle above the ground.
     pub roll_centre: [Option<f64>; 2],
     /// Points of both axles above the ground: forward, left, up.
     pub points: [Vec<[f64; 3]>; 2],
@@ -125,7 +125,7 @@ pub struct CarMap {
     pub ay: Vec<f64>,
     /// Largest friction demand among the wheels. `None` without an equilibrium.
     pub friction: Vec<Option<f64>>,
-    /// Number of lifted wheels in each state.
+    /// Number of lifted wheels in each state. 0 without an equilibrium.
     pub lifted: Vec<usize>,
 }
 
@@ -138,11 +138,11 @@ pub struct CarTargetRecord {
     pub case: String,
     /// Lowest and highest target value. `None` without a limit.
     pub wanted: [Option<f64>; 2],
-    /// Tolerance of the target.
+    /// Tolerance of the target, in the unit of `output`.
     pub tolerance: f64,
     /// Values before and after.
     pub values: [Option<f64>; 2],
-    /// Deviation after the tuning, as a multiple of the tolerance.
+    /// Deviation after the tuning, as a multiple of the tolerance. For a target of a single axle: largest deviation.
     pub deviation: Option<f64>,
     /// For a target of a single axle: lowest and highest value of its curve or band. `wanted` and `values` are then root mean
     /// square deviations from this curve or band.
@@ -175,7 +175,7 @@ pub struct CarTuningRecord {
 pub struct CarVariableRecord {
     /// Name of the variable.
     pub name: String,
-    /// Value before the tuning.
+    /// Value before the tuning; 0 for an offset. `None` if the car has no such value.
     pub before: Option<f64>,
     /// Tuned value.
     pub after: f64,
@@ -187,7 +187,7 @@ pub struct CarVariableRecord {
 }
 
 impl CarTuningRecord {
-    /// Misfits in words: `3.1 -> 0.4`.
+    /// Misfits before and after in words: `3.10 -> 0.40`. Without a misfit before: only the misfit after.
     pub fn misfits_in_words(&self) -> String {
         let [before, after] = self.misfits.map(|misfit| misfit.map(misfit_in_words));
         let after = after.unwrap_or_else(|| "unknown".to_owned());
@@ -200,7 +200,7 @@ impl CarTuningRecord {
 pub struct CarConstraintRecord {
     /// Name of the constraint.
     pub name: String,
-    /// Load case, or the axle if the constraint applies to an axle alone.
+    /// Load case, or `front axle alone` or `rear axle alone`.
     pub place: String,
     /// Lowest and highest value. `None` without a limit, and for constraints with several different limits.
     pub limits: [Option<f64>; 2],
@@ -269,7 +269,7 @@ impl<'s> CarResults<'s> {
         }
     }
 
-    /// Key values in the static position.
+    /// Key values in the static position. Empty if it has no equilibrium.
     fn facts(&self) -> Vec<CarFact> {
         let (Some(CarState::Solved { solved, .. }), Some(case)) =
             (self.states.first(), self.study.cases.first())
@@ -296,6 +296,7 @@ impl<'s> CarResults<'s> {
         shown.into_iter().filter_map(fact).collect()
     }
 
+    /// Record of a solved state. `None` if the mechanism cannot be drawn.
     fn state_record(
         &self,
         case: &Case,
@@ -373,7 +374,7 @@ impl CarMap {
 }
 
 impl CarStateRecord {
-    /// Names of lifted wheels, separated by blanks.
+    /// Names of lifted wheels, separated by spaces.
     pub fn lifted_in_words(&self) -> String {
         lifted_wheels(&self.lifted)
     }
@@ -388,7 +389,7 @@ impl CarTargetRecord {
         }
     }
 
-    /// Size of the deviation in words, if the target is missed by more than its tolerance.
+    /// Size of the deviation in words. `None` if the target is met, or if its value is unknown.
     pub fn missed_by(&self) -> Option<String> {
         let deviation = self.deviation.filter(|_| !self.is_met())?.abs();
         let up_to = self.curve.map_or("", |_| "up to ");
@@ -401,13 +402,36 @@ impl CarTargetRecord {
             .is_some_and(|deviation| deviation.abs() <= 1.0)
     }
 
-    /// Unit in the result's name.
-    pub fn unit(&self) -> &'static str {
-        let ends = ["deg_per_g", "percent", "deg", "N", "lbf", "mm", "in"];
-        let found = ends.into_iter().find(|unit| {
-            let stem = self.output.strip_suffix(unit);
-            stem.is_some_and(|stem| stem.ends_with('_'))
-        });
-        found.unwrap_or("")
+    /// Unit at the end of the result's name. Empty for a plain number.
+    pub fn unit(&self) -> &str {
+        split_unit(&self.output).1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::CarTargetRecord;
+
+    /// The unit of a rate is the whole unit, not its last part.
+    #[test]
+    fn units_come_from_the_end_of_names() {
+        for (output, unit) in [
+            ("roll_deg", "deg"),
+            ("roll_gradient_deg_per_g", "deg_per_g"),
+            ("bump_steer_rms_deviation_deg_per_mm", "deg_per_mm"),
+            ("axle_ride_rate_front_N_per_mm", "N_per_mm"),
+            ("front_left_friction_demand", ""),
+        ] {
+            let target = CarTargetRecord {
+                output: output.to_owned(),
+                case: String::new(),
+                wanted: [None; 2],
+                tolerance: 1.0,
+                values: [None; 2],
+                deviation: None,
+                curve: None,
+            };
+            assert_eq!(target.unit(), unit);
+        }
     }
 }

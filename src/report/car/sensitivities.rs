@@ -10,7 +10,7 @@ use crate::report::optional;
 
 impl<'s> CarResults<'s> {
     /// Content of `sensitivities.csv`, if the study requests it: derivatives of the results with respect to hardpoints and
-    /// parameters.
+    /// parameters. Cases without an equilibrium or without derivatives have no rows.
     pub fn sensitivities_csv(&self, solver: &mut CarSolver<'s>) -> Option<Vec<u8>> {
         if !self.study.sensitivities {
             return None;
@@ -61,6 +61,8 @@ impl<'s> CarResults<'s> {
         Some(csv(&header.map(str::to_owned), rows))
     }
 
+    /// Derivatives of a result with respect to the parameters of both axles and of the body. `push` takes axle, parameter, axis,
+    /// value, and unit of the parameter.
     fn push_gradient(
         &self,
         gradient: &CarGradient,
@@ -125,7 +127,7 @@ impl<'s> CarResults<'s> {
         }
     }
 
-    /// Derivatives with respect to the parameters of the body and to the wheelbase.
+    /// Derivatives with respect to the parameters of the body and the case, and to the wheelbase.
     fn push_body(
         &self,
         gradient: &CarGradient,

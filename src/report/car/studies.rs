@@ -1,6 +1,10 @@
 //! Studies of a tuned car.
 
-use crate::car::{BodyParameter, Car, CarVariable, Masses, Moves, body_key, rate_key};
+use crate::axle::Law;
+use crate::car::{
+    AxleParameter, BodyParameter, Car, CarVariable, Masses, Moves, body_key, rate_key,
+};
+use crate::model::Suspension;
 use crate::number::Vector3;
 use crate::report::shortest;
 use crate::study::{CarStudy, edited};
@@ -13,14 +17,15 @@ pub fn car_with_axles(text: &str, front: &str, rear: &str) -> String {
     )
 }
 
-/// Edits of three studies: the car, its front axle and its rear axle. They set rates and other values of the car to the values of
-/// the variables, but do not move hardpoints.
+/// Edits of three studies: the car, its front axle and its rear axle. They set rates and other values to the values of the
+/// variables, but do not move hardpoints.
 struct Edits {
     of_car: Vec<String>,
     of_axles: [Vec<String>; 2],
 }
 
 impl Edits {
+    /// Edits for the values `x` of the variables. `car` is the car with these values.
     fn of(study: &CarStudy, car: &Car, variables: &[CarVariable], x: &[f64]) -> Self {
         let mut of_car = Vec::new();
         let mut of_axles = [Vec::new(), Vec::new()];
@@ -33,6 +38,9 @@ impl Edits {
                 Moves::Hardpoints(_) => {}
                 Moves::Rate { axle, parameter } => {
                     of_axles[axle].push(format!("{}={}", rate_key(parameter), shortest(*value)));
+                    if parameter == AxleParameter::SpringRate {
+                        of_axles[axle].extend(right_spring_edit(study, car, axle));
+                    }
                 }
                 Moves::Body(BodyParameter::CgX | BodyParameter::CgY | BodyParameter::CgZ) => {
                     let cg = study.frame().vector(car.cg).to_array().map(shortest);
@@ -46,7 +54,7 @@ impl Edits {
                 }
                 Moves::Wheelbase => {
                     let offset = study.frame().vector(car.rear_offset);
-                    of_car.push(wheelbase_edit(&study.text, *value, offset));
+                    of_car.push(wheelbase_edit(study, *value, offset));
                 }
             }
         }
@@ -54,20 +62,23 @@ impl Edits {
     }
 }
 
-/// Texts of a tuned car's studies: the car, its front axle and its rear axle.
+/// Texts of a tuned car's studies: the car, its front axle and its rear axle. `car` is the tuned car, and `x` has the values of the
+/// variables of `[optimise]`.
 pub fn optimised_car(study: &CarStudy, car: &Car, x: &[f64]) -> [String; 3] {
     let variables = study.optimise.iter().flat_map(|wanted| &wanted.variables);
     let variables: Vec<CarVariable> = variables.cloned().collect();
     let edits = Edits::of(study, car, &variables, x);
     let axle = |number: usize| {
-        let moved = study.axles[number].with_design(&car.axles[number].left.design);
-        edited(&moved, &edits.of_axles[number])
+        let own = &study.axles[number];
+        // Points of the right wheel move, too.
+        let moved = own.at_design(car.axles[number].left.design.clone());
+        edited(&own.with_points_of(&moved), &edits.of_axles[number])
     };
     let text = car_with_axles(&study.text, "optimised_front.toml", "optimised_rear.toml");
     [edited(&text, &edits.of_car), axle(0), axle(1)]
 }
 
-/// Values of `--set` that change a study to the car with these values of the variables.
+/// Values of `--set` that change a study to the car with the values `x` of these variables. `car` is the changed car.
 pub fn settings_of_car(
     study: &CarStudy,
     car: &Car,
@@ -80,16 +91,24 @@ pub fn settings_of_car(
         .iter()
         .flat_map(|variable| variable.moves.points())
     {
-        let wheel = &car.axles[at.axle].left;
-        let place = wheel.frame.vector(wheel.design[at.point.0]);
-        let setting = format!(
-            "{}.suspension.hardpoints.{}=[{}]",
-            ends[at.axle],
-            wheel.mechanism.name(at.point),
-            place.to_array().map(shortest).join(", ")
-        );
-        if !points.contains(&setting) {
-            points.push(setting);
+        let (end, axle) = (ends[at.axle], &car.axles[at.axle]);
+        let of = |section: &str, wheel: &Suspension| {
+            let place = wheel.frame.vector(wheel.design[at.point.0]);
+            let (name, place) = (wheel.mechanism.name(at.point), place.to_array());
+            format!(
+                "{end}.{section}.{name}=[{}]",
+                place.map(shortest).join(", ")
+            )
+        };
+        let left = of("suspension.hardpoints", &axle.left);
+        let name = axle.left.mechanism.name(at.point);
+        let right = axle.right.as_ref().filter(|_| !axle.is_rigid());
+        let right = right.filter(|_| of_right_wheel(study, at.axle, "hardpoints", name).is_some());
+        let right = right.map(|wheel| of("axle.right.hardpoints", wheel));
+        for setting in [left].into_iter().chain(right) {
+            if !points.contains(&setting) {
+                points.push(setting);
+            }
         }
     }
     let Edits { of_car, of_axles } = Edits::of(study, car, variables, x);
@@ -102,10 +121,9 @@ pub fn settings_of_car(
     settings
 }
 
-/// Edit that writes the wheelbase to the key that the study uses: `wheelbase`, or the offset of the rear study.
-fn wheelbase_edit(text: &str, wheelbase: f64, offset: Vector3<f64>) -> String {
-    let gives_offset = |line: &str| line.trim_start().starts_with("rear_offset");
-    if text.lines().any(gives_offset) {
+/// Edit that writes the wheelbase to the key that the study uses: `wheelbase`, or `rear_offset` with the offset of the rear study.
+fn wheelbase_edit(study: &CarStudy, wheelbase: f64, offset: Vector3<f64>) -> String {
+    if study.wheelbase.is_none() {
         format!(
             "car.rear_offset=[{}]",
             offset.to_array().map(shortest).join(", ")
@@ -113,4 +131,26 @@ fn wheelbase_edit(text: &str, wheelbase: f64, offset: Vector3<f64>) -> String {
     } else {
         format!("car.wheelbase={}", shortest(wheelbase))
     }
+}
+
+/// Edit of the right spring's rate, if the study of the axle gives it. A variable changes the rates of both springs by the same
+/// amount.
+fn right_spring_edit(study: &CarStudy, car: &Car, axle: usize) -> Option<String> {
+    of_right_wheel(study, axle, "spring", "rate")?;
+    let [_, right] = car.axles[axle].setup.springs.as_ref()?;
+    let Law::Linear { rate, .. } = right.spring else {
+        return None;
+    };
+    let (_, newtons) = AxleParameter::SpringRate.unit(car);
+    Some(format!(
+        "axle.right.spring.rate={}",
+        shortest(rate / newtons)
+    ))
+}
+
+/// Value of a key in `[axle.right.SECTION]` of the study of an axle. `None` if the study does not give it.
+fn of_right_wheel(study: &CarStudy, axle: usize, section: &str, key: &str) -> Option<toml::Value> {
+    let written: toml::Table = study.axles[axle].text.parse().ok()?;
+    let right = written.get("axle")?.get("right")?;
+    right.get(section)?.get(key).cloned()
 }

@@ -54,7 +54,7 @@ impl CarResults<'_> {
         table
     }
 
-    /// Table of the static position.
+    /// Table of the static position. Empty if it has no equilibrium.
     pub fn static_table(&self) -> Table {
         let mut table = Table::new(["quantity", "value", "unit"]);
         let (Some(CarState::Solved { solved, .. }), Some(case)) =

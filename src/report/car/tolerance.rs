@@ -20,14 +20,17 @@ pub struct CarToleranceSummary {
     seed: u32,
     /// Number of builds that cannot be assembled, or have no equilibrium in some load case.
     failed: u64,
+    /// Number of the first failed build, and the reason for its failure.
     first_failed: Option<u64>,
     reason: Option<String>,
+    /// Names of the contributors, in the order of the study.
     contributors: Vec<String>,
     values: Vec<CarValue>,
     bands: Vec<CarBandRecord>,
     /// Sentences about the bands that the nominal design misses.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub nominal_outside: Vec<String>,
+    /// Fraction of the builds within all bands. `None` without bands.
     yield_of_all: Option<f64>,
 }
 
@@ -37,8 +40,8 @@ struct CarValue {
     output: String,
     case: String,
     unit: String,
+    /// Number of builds that have the value.
     builds: u64,
-    #[serde(alias = "drawn")]
     nominal: Option<f64>,
     mean: Option<f64>,
     mean_error: Option<f64>,
@@ -46,11 +49,11 @@ struct CarValue {
     sigma_error: Option<f64>,
     /// First-order standard deviation.
     sigma_linear: Option<f64>,
-    /// Second-order term as a share of the first-order variance.
+    /// Second-order term, as a fraction of the first-order variance.
     second_order: Option<f64>,
     /// True if the first-order estimate is accurate enough, according to the second-order estimate and the builds.
     linear_holds: Option<bool>,
-    /// Fraction of the builds' variance that is not first order: curvature and interaction.
+    /// Fraction of the builds' variance that is not first order: curvature, interaction and sampling error. It may be negative.
     remainder: Option<f64>,
     /// Standard error of the remainder.
     remainder_error: Option<f64>,
@@ -58,7 +61,7 @@ struct CarValue {
     remainder_second_order: Option<f64>,
     percentiles: [Option<f64>; PERCENTILES.len()],
     range: [Option<f64>; 2],
-    /// Share of each contributor in the first-order variance.
+    /// Share of each contributor in the first-order variance. `None` if the value does not scatter.
     shares: Vec<Option<f64>>,
     /// False if the builds differ only by rounding errors.
     scatters: bool,
@@ -71,11 +74,14 @@ struct CarValue {
 struct CarBandRecord {
     output: String,
     case: String,
+    /// Lowest and highest value. `None` without a limit.
     low: Option<f64>,
     high: Option<f64>,
+    /// Fraction of the builds within the band.
     kept: f64,
 }
 
+/// Value without a negative zero. `None` if it is not finite.
 fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value + 0.0)
 }
@@ -118,7 +124,7 @@ fn car_bands_missed(problem: &CarProblem<'_>, nominal: &[f64]) -> Vec<String> {
 }
 
 impl CarToleranceSummary {
-    /// Summarises the first-order estimate and the builds.
+    /// Summarises the first-order estimate and the builds. `nominal` has all results of the nominal design, in printed units.
     pub fn of(
         problem: &CarProblem<'_>,
         nominal: &[f64],
@@ -209,7 +215,7 @@ impl CarToleranceSummary {
         line
     }
 
-    /// Sentence about failed builds.
+    /// Sentence about failed builds. `None` if no build failed.
     pub fn failure(&self) -> Option<String> {
         let (first, reason) = (self.first_failed?, self.reason.as_ref()?);
         let builds = counted(self.failed, "build");

@@ -2,6 +2,7 @@
 
 use super::record::{CarConstraintRecord, CarTargetRecord, CarVariableRecord};
 use super::{CarResults, CarState};
+use crate::ask::with_unit;
 use crate::car::{CarQuantity, CarVariable, RigGoals, RigOutcome};
 use crate::optimise::{Fit, Price};
 use crate::report::table::{Cell, Table};
@@ -10,7 +11,7 @@ use crate::report::{brief, figure};
 use crate::study::{CarOptimise, CarStudy, Constraint};
 use serde_json::{Value, json};
 
-/// Table cell with the target value or band.
+/// Table cell with the target value, or with the limits in words.
 fn wanted_cell(wanted: [Option<f64>; 2], unit: &str) -> Cell {
     match wanted {
         [Some(low), Some(high)] if low == high => Cell::figure(low, unit),
@@ -28,7 +29,7 @@ fn limits_in_words(limits: [Option<f64>; 2], unit: &str) -> String {
     }
 }
 
-/// A value, or the lower and upper limit in words.
+/// Target value, or the limits in words.
 fn value_in_words(limits: [Option<f64>; 2], unit: &str) -> String {
     match limits {
         [Some(low), Some(high)] if low == high => figure(low, unit),
@@ -130,6 +131,7 @@ pub fn car_constraints_table(records: &[CarConstraintRecord]) -> Option<Table> {
 }
 
 impl CarResults<'_> {
+    /// Printed value of a result in a case. `None` if the case has no equilibrium, or if the result is undefined in it.
     pub(super) fn target_value(&self, case: usize, quantity: CarQuantity) -> Option<f64> {
         match &self.states[case] {
             CarState::Solved { solved, .. } => quantity.printed(solved, &self.study.cases[case]),
@@ -137,8 +139,8 @@ impl CarResults<'_> {
         }
     }
 
-    /// Targets of a tuning. `before` contains the results of the car before the tuning; `x` contains the tuned values
-    /// of the variables.
+    /// Targets of a tuning: of load cases, then of axles alone. `self` has the results of the tuned car, and `before` the results
+    /// of the car before the tuning. `x` has the tuned values of the variables.
     pub fn target_records(
         &self,
         wanted: &CarOptimise,
@@ -168,9 +170,9 @@ impl CarResults<'_> {
                     Some(outcome.targets[number].rms)
                 });
                 let tolerance = (target.tolerance * target.of.factor()).abs();
-                let unit = target.of.unit.suffix(length);
+                let output = format!("{}_rms_deviation", target.name(length));
                 records.push(CarTargetRecord {
-                    output: format!("{}_rms_deviation_{unit}", target.name(length)),
+                    output: with_unit(output, &target.of.unit.suffix(length)),
                     case: format!("{name} axle alone"),
                     wanted: [Some(0.0); 2],
                     tolerance,
@@ -244,7 +246,8 @@ impl CarResults<'_> {
         records
     }
 
-    /// Variables of a tuning with their values: offsets of hardpoints, and values of all other variables.
+    /// Variables of a tuning with their values: offsets of hardpoints, and values of all other variables. `before` is the study
+    /// before the tuning.
     pub fn variable_records(&self, before: &CarStudy, fit: &Fit) -> Vec<CarVariableRecord> {
         let variables = before.optimise.iter().flat_map(|o| &o.variables);
         let record = |(number, variable): (usize, &CarVariable)| CarVariableRecord {

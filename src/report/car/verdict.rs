@@ -26,11 +26,12 @@ pub struct CarVerdict<'a> {
 }
 
 impl CarVerdict<'_> {
-    /// Names of constraints that exclude one another.
+    /// Names of constraints that exclude one another, with their limits.
     pub fn contradiction(&self) -> Vec<String> {
         car_constraint_names(self.constraints, &self.tuning.contradiction)
     }
 
+    /// Names of missed targets that no variable changes.
     fn unmoved(&self) -> Vec<String> {
         let targets = self.tuning.unmoved.targets.iter();
         targets
@@ -43,6 +44,7 @@ impl CarVerdict<'_> {
         SlightEffectRecord::all(&self.tuning.unmoved.slightly, name)
     }
 
+    /// Names of violated constraints that no variable changes, with their limits.
     fn unmoved_constraints(&self) -> Vec<String> {
         car_constraint_names(self.constraints, &self.tuning.unmoved_constraints)
     }
@@ -74,8 +76,8 @@ impl CarVerdict<'_> {
         remarks
     }
 
-    /// Explains a missed ride height in one case. The variables move points of this axle, but its spring has the same force in the
-    /// design position of every design.
+    /// Explains a missed ride height of an axle in a load case. The variables move points of this axle, but its spring has the
+    /// same force in the design position of every design. `None` in other cases, and for springs with a force curve.
     fn fixed_spring_force(&self, end: AxleEnd) -> Option<String> {
         let wanted = self.study.optimise.as_ref()?;
         let axle = AxleEnd::ALL.iter().position(|own| *own == end)?;
@@ -96,7 +98,8 @@ impl CarVerdict<'_> {
         })
     }
 
-    /// Reason why the tuning keeps a result that violates constraints, although a variable affects these constraints.
+    /// Reason why the tuning keeps a result that violates constraints, although a variable affects these constraints. `None`
+    /// without such violations.
     fn least_violation(&self) -> Option<String> {
         let violated = self.constraints.iter().enumerate().filter(|(number, own)| {
             own.status == Some(ConstraintStatus::Violated)

@@ -5,7 +5,8 @@ use crate::assembly::{SetUp, Static};
 use crate::model::LengthUnit;
 use crate::report::{brief, has_digits, to_digits, with_decimals, with_plus};
 
-/// Change of each static value in the step with index `place`, with the rounded amounts. All changes are 0 if no set-up was found.
+/// Change of each static value in the step with index `place`, with the rounded amounts, in printed units. All changes are 0 if no
+/// set-up was found.
 pub(super) fn effect_of_step(found: &SetUp, place: usize) -> Vec<Option<f64>> {
     let Some(after) = found.rounded_steps.get(place) else {
         return vec![Some(0.0); found.statics.len()];
@@ -23,7 +24,7 @@ pub(super) fn effect_of_step(found: &SetUp, place: usize) -> Vec<Option<f64>> {
 /// Smallest visible change of a length in mm.
 const VISIBLE_LENGTH: f64 = 0.05;
 
-/// Changes of static values in words, with the decimals that a mechanic can measure.
+/// Changes of static values in words, with the decimals that a mechanic can measure. Unknown and invisible changes are left out.
 pub(super) fn effect_in_words(
     statics: &[Static],
     effect: &[Option<f64>],
@@ -63,7 +64,7 @@ fn is_invisible(change: f64, length: LengthUnit) -> bool {
     LengthUnit::Millimetre.convert(change.abs(), length) < VISIBLE_LENGTH
 }
 
-/// Number of decimals that shows a length to about a tenth of a millimetre.
+/// Number of decimals that shows a length to a tenth of a millimetre or finer.
 fn length_decimals(length: LengthUnit) -> usize {
     match length {
         LengthUnit::Millimetre => 1,

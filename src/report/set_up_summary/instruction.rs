@@ -6,10 +6,11 @@ use crate::report::text::counted;
 use crate::study::{Adjustment, Increment};
 
 /// Instruction for a mechanic, such as "shorten by 1 3/16 turns" or "move outboard by 3 shims: 1.5 mm, relative to the wheel
-/// carrier". Directions refer to the vehicle, so they hold for both wheels and for any axes of the study.
+/// carrier". `amount` is the rounded amount in the length unit. Directions refer to the vehicle, so they hold for both wheels and
+/// for any axes of the study.
 pub(super) fn instruction(adjustment: &Adjustment, suspension: &Suspension, amount: f64) -> String {
     let size = |amount: f64| {
-        // The amount is a multiple of a decimal step, so digits from rounding errors are removed.
+        // Six decimals remove the digits from rounding errors of a multiple of the step.
         let text = format!("{:.6}", amount.abs());
         let text = text.trim_end_matches('0').trim_end_matches('.');
         format!("{text} {}", suspension.length_unit.symbol())
@@ -61,7 +62,7 @@ fn carrier(mechanism: &Mechanism, id: PointId) -> String {
     }
 }
 
-/// Direction of a displacement along an axis of the internal frame, in words. For a point that exists only once on a solid axle
+/// Direction of a displacement along an axis of the kernel's frame, in words. For a point that exists only once on a solid axle
 /// (`is_single`), y is a direction of the vehicle: left or right. For other points, y is outboard or inboard.
 fn direction(axis: Axis, amount: f64, is_single: bool) -> &'static str {
     match (axis, amount > 0.0) {

@@ -1,4 +1,4 @@
-//! Checksum of a file of rows. It finds edits; it does not protect against forgery.
+//! Checksum of a file of rows or curves. It finds edits; it does not protect against forgery.
 
 use crc32fast::Hasher;
 use std::fs::File;
@@ -24,6 +24,7 @@ pub(super) struct Summing<W> {
 }
 
 impl Summing<File> {
+    /// Starts a checksum of the bytes that will be written to a file.
     pub(super) fn new(file: File) -> Self {
         Summing {
             to: file,

@@ -6,10 +6,11 @@ use crate::study::{AxleStudy, Study};
 use crate::sweep::SweepPlan;
 use crate::sweep::csv::CurvesCsv;
 
-/// Names of the columns that give the position of a station, and a list of the stations of the motion. Each station has its index
-/// among all evaluated stations, and its values of these columns.
+/// Names of the columns that give the position of a station, and a list of the stations of the motion. A list entry has the index
+/// of the station among all evaluated stations, and its values in these columns.
 type Places = (Vec<String>, Vec<(usize, Vec<f64>)>);
 
+/// Drive, rack (if it moves) and time (for a time law) of each station, in printed units and in the study's axes.
 fn of_wheel(plan: &SweepPlan, study: &Study) -> Places {
     let (motion, suspension) = (study.motion(), study.wheel());
     let mut names = vec![plan.record.drive.clone()];
@@ -31,7 +32,7 @@ fn of_wheel(plan: &SweepPlan, study: &Study) -> Places {
     (names, stations.of_motion().map(place).collect())
 }
 
-/// Coordinates that the motion gives for each position. Results, such as the wheel travels in roll, are left out.
+/// Coordinates that the motion gives for each station. Results, such as the wheel travels in roll, are left out.
 fn of_axle(AxleStudy { axle, plan, .. }: &AxleStudy) -> Places {
     let columns = GivenColumns { plan, axle };
     let placements = plan.motion.placements().into_iter().enumerate();

@@ -12,10 +12,10 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Reason why parts cannot be joined, or summed again.
+/// Reason why parts cannot be joined, or why their statistics cannot be summed again.
 #[derive(Debug, thiserror::Error)]
 pub enum MergeError {
-    /// The directories do not contain all parts of one sweep.
+    /// The directories do not contain all parts of one sweep, or a file of a part is damaged.
     #[error(transparent)]
     Parts(#[from] NotARun),
     /// The result cannot be written.
@@ -31,12 +31,12 @@ pub struct SweepDirectory {
     pub record: SweepRecord,
 }
 
-/// Finished parts of a sweep.
+/// Complete parts of a sweep, and its missing parts.
 #[derive(Clone, Debug)]
 pub struct Done {
     /// Merged statistics of all complete parts, in order.
     pub statistics: SweepStatistics,
-    /// Numbers of the parts that are missing or incomplete.
+    /// Numbers of the parts that are missing or incomplete, in rising order.
     pub missing: Vec<u64>,
 }
 
@@ -55,7 +55,7 @@ const PART_FILES: [&str; 10] = [
 ];
 
 impl SweepDirectory {
-    /// Names of the files that a sweep writes. A star represents digits.
+    /// Names of the files that a sweep writes. A star represents the numbers of the parts.
     pub fn files(record: &SweepRecord) -> Vec<String> {
         let mut names = vec!["sweep.json".to_owned()];
         names.extend(SweepDirectory::part_files(record));
@@ -72,8 +72,8 @@ impl SweepDirectory {
         starred.collect()
     }
 
-    /// Prepares a claimed directory for a sweep. It keeps existing parts of this sweep, unless the sweep must start again. It
-    /// removes parts of other sweeps.
+    /// Prepares a claimed directory for a sweep. It keeps existing parts of this sweep, unless `anew` is true. It also keeps the
+    /// parts of a sweep with fewer designs of the same sequence, except a last part that changes. It removes all other parts.
     pub fn prepare(
         directory: &RunDirectory,
         record: &SweepRecord,
@@ -130,7 +130,7 @@ impl SweepDirectory {
         directory.write("summary.json", (json + "\n").as_bytes())
     }
 
-    /// Reads the content of a directory.
+    /// Reads the description of the sweep in a directory. An error if there is none.
     pub fn read(path: &Path) -> Result<Self, NotARun> {
         Ok(SweepDirectory {
             path: path.to_owned(),
@@ -148,7 +148,7 @@ impl SweepDirectory {
         self.path.join(self.record.rows_name(part)).is_file()
     }
 
-    /// Record of a part, if it is complete.
+    /// Record of a part. `None` if the part is not complete. An error if its files do not belong to this sweep.
     pub fn part(&self, part: u64) -> Result<Option<PartRecord>, NotARun> {
         let found = self.written(part)?;
         if found
@@ -160,7 +160,8 @@ impl SweepDirectory {
         Ok(found)
     }
 
-    /// Record of a part, if it is complete. Its statistics may have the levels of a sweep with fewer designs.
+    /// Record of a part, if it is complete. Checks the lengths of its files, but not their checksums. The statistics may have the
+    /// levels of a sweep with fewer designs.
     fn written(&self, part: u64) -> Result<Option<PartRecord>, NotARun> {
         if !self.has_rows(part) {
             return Ok(None);
@@ -197,6 +198,7 @@ impl SweepDirectory {
         Ok(Some(found))
     }
 
+    /// Error for a statistics file of another part or another sweep.
     fn not_of_this_part(&self, part: u64) -> NotARun {
         let statistics = self.path.join(self.record.statistics_name(part));
         wrong(&statistics, "it does not belong to this part of this sweep")
@@ -241,7 +243,8 @@ impl SweepDirectory {
         Ok(())
     }
 
-    /// Checks that the files of a complete part have the bytes that the sweep wrote. It reads the whole files.
+    /// Checks that the files of a complete part have the bytes that the sweep wrote. It reads the whole files. Parts without
+    /// checksums (from older versions) and incomplete parts pass.
     pub fn verify(&self, part: u64) -> Result<(), NotARun> {
         let Some(found) = self.written(part)? else {
             return Ok(());
@@ -289,13 +292,13 @@ impl SweepDirectory {
     }
 }
 
-/// Error in a file of a part.
+/// Error in a file of a part, with advice.
 fn wrong(path: &Path, reason: &str) -> NotARun {
     let what = "remove the part's files and `hardpoint sweep` computes them again";
     NotARun::at(path, format!("{reason}; {what}"))
 }
 
-/// Reads the record in a sweep's directory.
+/// Reads `sweep.json` in a sweep's directory.
 fn read_record(directory: &Path) -> Result<SweepRecord, NotARun> {
     let path = directory.join("sweep.json");
     let wrong = |reason: String| NotARun::at(&path, reason);

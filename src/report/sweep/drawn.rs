@@ -1,7 +1,6 @@
 //! `shown_designs.json`: some designs of a sweep with their curves and their mechanism, for the page of the sweep.
 //!
-//! These designs are solved at the end of the sweep. A later merge of directories cannot solve them, because it does not have
-//! the study.
+//! These designs are solved at the end of the sweep. A merge of directories solves them again if a directory has the study.
 
 use crate::report::curve_table::CurveTable;
 use crate::report::record::{FORM, Record};
@@ -21,7 +20,7 @@ pub struct DrawnDesigns {
 }
 
 impl DrawnDesigns {
-    /// True if the file has the current format, and as many drawings and curves as designs.
+    /// True if the record has the current format, and as many designs and curves as this list of designs.
     pub(super) fn is_whole(&self) -> bool {
         let count = self.designs.len();
         self.record.form == FORM

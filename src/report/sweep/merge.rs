@@ -22,7 +22,8 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// Reads the directories, and checks that together they contain every part of one sweep.
+    /// Reads the directories, and checks that together they contain every part of one sweep. It also checks the checksums of the
+    /// files. If several directories contain a part, the first one is used.
     pub fn read(paths: &[PathBuf]) -> Result<Self, NotARun> {
         let directories: Result<Vec<_>, _> = paths
             .iter()
@@ -83,7 +84,8 @@ impl Parts {
         self.directories.iter().map(SweepDirectory::path)
     }
 
-    /// Joins the files of all parts in a directory. Calls `watch` with the number of designs in each part.
+    /// Joins the files of all parts in a directory. After each part of the rows, calls `watch` with its number of designs. The
+    /// directory must not contain any of the parts, because its parts are removed first.
     pub fn join(&self, into: &RunDirectory, mut watch: impl FnMut(u64)) -> Result<(), MergeError> {
         let directory = SweepDirectory::prepare(into, &self.record, true)?;
         let rows = self.joined(&directory, SweepRecord::rows_name, &mut watch)?;
@@ -97,7 +99,7 @@ impl Parts {
         Ok(())
     }
 
-    /// Writes one header, then the rows of all parts.
+    /// Writes one header, then the rows of all parts, to a temporary file. `name` returns the name of a part's file.
     fn joined(
         &self,
         into: &SweepDirectory,

@@ -1,15 +1,16 @@
 //! Files and results of a sweep.
 //!
-//! A sweep is divided into parts. A part has 1,024 blocks ([`crate::sweep::BLOCKS_OF_PART`]), or 64 blocks in a sweep of cars.
-//! The directory of a sweep has these files:
+//! A sweep is divided into parts. A part has 1,024 blocks ([`crate::sweep::BLOCKS_OF_PART`]), 64 blocks in a sweep of cars, or 8
+//! blocks in some sweeps of elastic designs. The directory of a sweep has these files:
 //!
 //! | file | content |
 //! |---|---|
 //! | `sweep.json` | [`SweepRecord`](crate::sweep::SweepRecord): columns, sampling of the designs, targets |
 //! | `part-000000000.csv` | rows of a part |
-//! | `part-000000000.json` | statistics of a part |
+//! | `part-000000000.json` | statistics of a part, and the lengths and checksums of its files |
 //! | `curves-000000000.csv` | all curves of a part, with `curves = true` |
-//! | `pareto.csv`, `summary.json` | Pareto front and [`SweepSummary`], from the statistics alone |
+//! | `pareto.csv` | Pareto front, if there are several targets; from the statistics alone |
+//! | `summary.json` | [`SweepSummary`], from the statistics alone |
 //! | `shown_designs.json` | some designs with their curves ([`DrawnDesigns`]) |
 //!
 //! A sweep with one part calls the part's files `designs.csv`, `designs.json` and `curves.csv`. With `format = "parquet"`, files

@@ -1,5 +1,5 @@
-//! Tables of results as Apache Parquet: the columns and values of the CSV file, in row groups, compressed with Zstandard. Numbers
-//! survive the conversion to text and back exactly. So the workers pass rows as CSV text, and [`CsvOfParquet`] returns CSV text.
+//! Tables of results as Apache Parquet: the columns and values of the CSV file, in row groups, compressed with Zstandard. The
+//! workers pass rows as CSV text, and [`CsvOfParquet`] returns CSV text. The conversion to text and back changes no number.
 
 use super::checksum::SummedFile;
 use crate::sweep::csv::{append_number, append_text, append_whole};
@@ -40,6 +40,7 @@ enum Column {
 }
 
 impl Column {
+    /// Empty column of the type that belongs to this name.
     fn named(name: &str) -> Self {
         match name {
             "design" | "failed_stations" => Column::Whole(Vec::new()),
@@ -54,6 +55,7 @@ impl Column {
         }
     }
 
+    /// Field of the column in a Parquet schema.
     fn schema(&self, name: &str) -> String {
         match self {
             Column::Whole(_) => format!("REQUIRED INT64 {name};"),
@@ -62,6 +64,7 @@ impl Column {
         }
     }
 
+    /// Appends a cell of CSV. `None` if the cell does not have the type of the column.
     fn push(&mut self, cell: &str) -> Option<()> {
         match self {
             Column::Whole(values) => values.push(cell.parse().ok()?),
@@ -128,7 +131,7 @@ impl ParquetFile {
         })
     }
 
-    /// Appends complete rows of CSV.
+    /// Appends complete rows of CSV. An error if a cell does not have the type of its column.
     pub(super) fn append(&mut self, rows: &[u8]) -> io::Result<()> {
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)
@@ -148,6 +151,7 @@ impl ParquetFile {
         Ok(())
     }
 
+    /// Writes the current rows as a row group.
     fn write_group(&mut self) -> Result<(), ParquetError> {
         let mut group = self.writer.next_row_group()?;
         for column in &mut self.columns {
@@ -206,6 +210,7 @@ impl CsvOfParquet {
         })
     }
 
+    /// Replaces the text by the rows of the next row group.
     fn read_group(&mut self) -> Result<(), ParquetError> {
         let group = self.reader.get_row_group(self.next_group)?;
         self.next_group += 1;
@@ -241,6 +246,7 @@ impl CsvOfParquet {
     }
 }
 
+/// Reads all rows of a column in a row group.
 fn read_column(reader: ColumnReader, rows: usize) -> Result<Column, ParquetError> {
     let (mut whole, mut numbers, mut texts, mut levels) = (vec![], vec![], vec![], vec![]);
     Ok(match reader {

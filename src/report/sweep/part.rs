@@ -47,17 +47,17 @@ pub struct PartRecord {
 /// Outcome of the attempt to compute a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PartOutcome {
-    /// The part is complete. This or another process has computed it.
+    /// The part is complete. This process or another process has computed it.
     Whole,
-    /// The sweep was interrupted. No file of the part is kept.
+    /// The computation was interrupted. No file of the part is kept.
     Interrupted,
     /// Another process is computing the part.
     Busy,
 }
 
 /// Computes a part on the threads of the current rayon pool. Does nothing if the part is complete or another process computes
-/// it. If another thread sets `flag`, the computation stops before the end of the block. Calls `watch` after every finished
-/// block with the number of its designs.
+/// it. If another thread sets `flag`, the computation stops, and blocks in progress are dropped. Calls `watch` after every
+/// finished block with the number of its designs.
 pub fn write_part(
     swept: Swept<'_>,
     text: &SweepText,
@@ -144,7 +144,7 @@ pub(super) fn put(
 }
 
 impl PartRecord {
-    /// Replaces the statistics file of a complete part.
+    /// Replaces the statistics file of a complete part by this record.
     pub(super) fn replace(&self, directory: &Path, record: &SweepRecord) -> Result<(), WriteError> {
         self.write(directory, record)?.persist(directory)
     }
@@ -181,11 +181,12 @@ struct Whole {
     name: String,
     temporary: NamedTempFile,
     length: u64,
-    /// Checksum of a table.
+    /// Checksum of a table. `None` for a statistics file.
     checksum: Option<String>,
 }
 
 impl Pending {
+    /// Starts a table. `stem` is the beginning of its temporary name, and `name` its final name.
     pub(super) fn begin(
         directory: &Path,
         stem: &str,
@@ -202,6 +203,7 @@ impl Pending {
         })
     }
 
+    /// Writes the end of the table.
     fn finish(self) -> Result<Whole, WriteError> {
         let checksum = self.table.finish()?;
         let metadata = self.temporary.as_file().metadata();
@@ -215,6 +217,7 @@ impl Pending {
 }
 
 impl Whole {
+    /// Gives the file its final name. An existing file is replaced.
     fn persist(self, directory: &Path) -> Result<(), WriteError> {
         let path = directory.join(&self.name);
         let persisted = self.temporary.persist(&path);
@@ -223,7 +226,7 @@ impl Whole {
     }
 }
 
-/// Removes temporary files of processes that died while they computed a part.
+/// Removes temporary files of processes that died while they computed a part. The caller must hold the lock on the part.
 fn clear_leftovers(directory: &Path, stem: &str) {
     let prefix = format!("{TEMPORARY}{stem}-");
     let entries = std::fs::read_dir(directory).into_iter().flatten().flatten();

@@ -10,7 +10,7 @@ use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// A sweep, or the finished part of an unfinished sweep.
+/// A sweep, or the complete parts of an unfinished sweep.
 #[derive(Clone, Debug)]
 pub struct SweepRun {
     /// Description of the sweep.
@@ -29,8 +29,8 @@ pub struct SweepRun {
 
 impl SweepRun {
     /// Computes the sweep of a plan without files. It solves all designs for the statistics. Then it solves them once more for
-    /// the rows on the page. `drawn` computes the curves of some designs. Returns `None` if `go_on` returned false, which ends
-    /// the sweep early.
+    /// the rows on the page. `drawn` computes the curves of some designs. `go_on` returns false to end the sweep early, and must
+    /// then stay false. The result is then `None`.
     pub fn of<E>(
         plan: &SweepPlan<'_>,
         go_on: impl Fn() -> bool + Sync,
@@ -77,7 +77,7 @@ impl SweepRun {
     }
 
     /// Reads a sweep's directory in constant memory. The results come from the statistics of the parts, and the shown designs
-    /// from the rows.
+    /// from the rows. An error if no part is complete, or if the rows contradict the statistics.
     pub fn read(path: &Path) -> Result<Self, NotARun> {
         let directory = SweepDirectory::read(path)?;
         let record = directory.record.clone();
@@ -90,7 +90,8 @@ impl SweepRun {
         let summary = SweepSummary::of(&record, &done.statistics);
         let choice = Choice::of(&record, &summary);
         let mut shown = ShownDesigns::default();
-        for part in (0..record.parts()).filter(|part| !done.missing.contains(part)) {
+        let is_complete = |part: &u64| done.missing.binary_search(part).is_err();
+        for part in (0..record.parts()).filter(is_complete) {
             directory.each_block(part, |rows| shown.take(rows, &choice))?;
         }
         let misfit = record.misfit().map(|m| record.variables.len() + m);

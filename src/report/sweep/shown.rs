@@ -5,7 +5,7 @@ use crate::sweep::{Rows, SweepRecord};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// Limits of the designs in a page: largest number of values, and largest number of designs.
+/// Limits of the designs on a page: largest number of values, and largest number of designs.
 const MOST_NUMBERS: usize = 45_000;
 const MOST_DESIGNS: usize = 4_000;
 
@@ -14,14 +14,14 @@ const MOST_DESIGNS: usize = 4_000;
 pub struct Choice {
     /// Numbers of the designs that are always shown.
     always: BTreeSet<u64>,
-    /// Numbers of the shown designs that belong to the Pareto front.
+    /// Numbers of the designs of the Pareto front that are always shown. Of a large front, every n-th design.
     pub front: Vec<u64>,
     /// Designs whose number is a multiple of this stride are shown, too.
     pub every: u64,
 }
 
 impl Choice {
-    /// Chooses the designs of a sweep that fit into a page.
+    /// Chooses the designs of a sweep that are shown, so that their number stays near the limits of a page.
     pub fn of(record: &SweepRecord, summary: &SweepSummary) -> Self {
         let room = (MOST_NUMBERS / record.columns().len()).clamp(2, MOST_DESIGNS);
         let mut always: BTreeSet<u64> = summary.best.iter().map(|d| d.design).collect();
@@ -47,9 +47,9 @@ impl Choice {
     }
 }
 
-/// Smallest stride, at least `least`, that has no common divisor with the periods in the order of the designs. These periods
-/// are the step counts of grid variables, the group size of Saltelli's samples, and 2. An even stride would restrict a Sobol
-/// sequence to a part of the ranges.
+/// Smallest stride, at least `least`, that has no common divisor with the periods in the order of the designs. 1 if `least` is at
+/// most 1. The periods are the step counts of grid variables, the group size of Saltelli's samples, and 2. An even stride would
+/// restrict a Sobol sequence to a part of the ranges.
 fn stride(record: &SweepRecord, least: u64) -> u64 {
     if least <= 1 {
         return 1;
@@ -74,16 +74,16 @@ pub struct ShownDesigns {
     pub design: Vec<u64>,
     /// Cells as `[column][row]`: variables, then outputs. `None` for an empty cell.
     pub columns: Vec<Vec<Option<f64>>>,
-    /// For each row, the index of the reason why the design was not solved everywhere.
+    /// For each row, the index in `reasons` of the reason why the design was not solved everywhere. `None` for a solved design.
     pub failing: Vec<Option<usize>>,
-    /// Drive value of the failure that is nearest to the design position.
+    /// For each row, the drive value of the failed station that is nearest to the design position.
     pub failed_at: Vec<Option<f64>>,
-    /// Status and reason of the failures.
+    /// Different failures, each with its status and reason.
     pub reasons: Vec<[String; 2]>,
 }
 
 impl ShownDesigns {
-    /// Adds the rows that were chosen.
+    /// Adds the chosen designs of a block. The blocks must come in rising order.
     pub fn take(&mut self, rows: &Rows, choice: &Choice) {
         for place in 0..rows.designs() {
             let design = rows.first + place as u64;
@@ -106,6 +106,7 @@ impl ShownDesigns {
         }
     }
 
+    /// Index of a reason. Adds a new reason.
     fn number_of(&mut self, reason: [String; 2]) -> usize {
         let known = self.reasons.iter().position(|r| *r == reason);
         known.unwrap_or_else(|| {
@@ -114,7 +115,7 @@ impl ShownDesigns {
         })
     }
 
-    /// Index of the row of a design.
+    /// Index of the row of a design. `None` if it is not shown.
     pub fn row(&self, design: u64) -> Option<usize> {
         self.design.binary_search(&design).ok()
     }

@@ -17,6 +17,7 @@ pub struct SweepSummary {
     version: String,
     study: String,
     topology: String,
+    /// Method of sampling, as in [`SweepRecord::method`].
     pub(in crate::report) method: String,
     /// Number of requested designs.
     pub(in crate::report) designs: u64,
@@ -30,13 +31,15 @@ pub struct SweepSummary {
     /// Number of designs that were solved one by one, because they could not be solved in SIMD lanes.
     #[serde(default)]
     one_by_one: u64,
-    /// Number of designs used for mean, standard deviation, r2 and change. These are the designs that have a value of every output.
-    /// With Saltelli's method, they come only from the two independent samples.
+    /// Number of designs used for mean, standard deviation, r2 and change. They are solved at every station and have a value of
+    /// every output. With Saltelli's method, they come only from the two independent samples.
     statistics_designs: u64,
+    /// Designs that were not solved everywhere, by status and reason.
     pub(in crate::report) failures: Vec<FailureCount>,
+    /// Columns of the variables.
     variables: Vec<String>,
     pub(in crate::report) outputs: Vec<OutputSummary>,
-    /// Best designs, sorted by misfit. All are solved at every station and satisfy the constraints.
+    /// Best designs, sorted by misfit. All are solved at every station and satisfy the constraints that the sweep checks.
     pub(in crate::report) best: Vec<DesignSummary>,
     /// Remarks on the outputs, one per line.
     #[serde(default)]
@@ -51,17 +54,20 @@ pub(in crate::report) struct OutputSummary {
     /// Unit of the output. Empty for a dimensionless number.
     #[serde(default)]
     unit: String,
+    /// Value of the study's own design, if it exists.
     at_design: Option<f64>,
-    /// Number of designs that have the output.
+    /// Number of designs that have the output. Designs that are not solved everywhere may have it, too.
     count: u64,
+    /// Smallest value, and the number of its design.
     min: Option<f64>,
     min_design: Option<u64>,
+    /// Largest value, and the number of its design.
     max: Option<f64>,
     max_design: Option<u64>,
-    /// Mean over the `statistics_designs`.
+    /// Mean over the `statistics_designs`. `None` without such designs.
     mean: Option<f64>,
     standard_deviation: Option<f64>,
-    /// Fraction of the variance that a linear least-squares fit explains.
+    /// Fraction of the variance that a linear least-squares fit explains. `None` for an output that no design changes.
     r2: Option<f64>,
     effects: Vec<EffectSummary>,
 }
@@ -72,14 +78,15 @@ struct EffectSummary {
     variable: String,
     /// Change of the output from the lower to the upper end of the variable's range.
     change: Option<f64>,
-    /// First-order Sobol index.
+    /// First-order Sobol index, as a fraction of 1.
     share: Option<f64>,
-    /// Total Sobol index.
+    /// Total Sobol index, as a fraction of 1. Only for Saltelli's method.
     total: Option<f64>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(in crate::report) struct DesignSummary {
+    /// Number of the design.
     pub(in crate::report) design: u64,
     pub(in crate::report) misfit: f64,
     /// RMS deviation from each target, as a multiple of its tolerance.
@@ -156,14 +163,14 @@ impl SweepSummary {
         &self.notes
     }
 
-    /// True if every design was evaluated and solved at every station, and every output has a value.
+    /// True if every design was evaluated and solved at every station, and some design has a value of each output.
     pub fn is_complete(&self) -> bool {
         let is_empty = |output: &OutputSummary| output.count == 0;
         let lacks = self.solved > 0 && self.outputs.iter().any(is_empty);
         self.done == self.designs && self.solved == self.done && !lacks
     }
 
-    /// Table of failed designs by reason. Empty if none failed.
+    /// Table of the designs that were not solved everywhere, by status and reason. Empty if all were solved.
     pub fn failures_table(&self) -> Table {
         let mut table = Table::with_columns([
             Column::from("not solved"),
@@ -221,7 +228,7 @@ impl SweepSummary {
         table
     }
 
-    /// Sentence about the designs used for the statistics. `None` if these are all designs.
+    /// Explains which designs the statistics use, for Saltelli's method. `None` for other methods.
     pub fn of_which(&self) -> Option<String> {
         (self.method == "saltelli").then(|| {
             format!(
@@ -245,8 +252,8 @@ impl SweepSummary {
         table
     }
 
-    /// Numbers of at most `most` representative designs: the best designs and some designs of the Pareto front. Without
-    /// targets: the designs with the smallest or largest value of an output.
+    /// Numbers of at most `most` representative designs: the best designs, then some designs of the Pareto front. Without ranked
+    /// designs: the designs with the smallest or largest value of an output.
     pub fn representative_designs(&self, most: usize) -> Vec<u64> {
         let mut telling: Vec<u64> = self.best.iter().map(|d| d.design).collect();
         let front = self.pareto.as_deref().unwrap_or_default();
@@ -284,6 +291,7 @@ pub fn pareto_csv(record: &SweepRecord, statistics: &SweepStatistics) -> Option<
     Some(csv)
 }
 
+/// Summary of the `k`-th output.
 fn output(
     record: &SweepRecord,
     statistics: &SweepStatistics,
@@ -330,7 +338,8 @@ impl OutputSummary {
         range.is_none_or(|(min, max)| is_rounding(max - min, &self.unit))
     }
 
-    /// Names of the variables with the largest shares of the variance, or else with the largest changes.
+    /// The three variables with the largest shares of the variance in percent, or else with the largest changes. Shares below
+    /// 0.5 % are left out. Empty if no design changes the output.
     fn what_matters(&self) -> String {
         if self.is_unmoved() {
             return String::new();

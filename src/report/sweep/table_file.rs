@@ -1,4 +1,4 @@
-//! A file of rows in CSV or Parquet, written in complete blocks, and a reader for it.
+//! A file of rows or curves in CSV or Parquet, written in complete blocks, and a reader for it.
 
 use super::checksum::SummedFile;
 use crate::results::{WriteError, unwritten};
@@ -20,7 +20,7 @@ enum Out {
 }
 
 impl TableFile {
-    /// Makes a writer of CSV to standard output.
+    /// Makes a writer of CSV to standard output, and writes the header.
     pub fn standard_output(header: &[u8]) -> Result<Self, WriteError> {
         let mut file = TableFile {
             path: PathBuf::from("standard output"),
@@ -30,7 +30,7 @@ impl TableFile {
         Ok(file)
     }
 
-    /// Starts to write a file. The extension of its final name decides the format. `header` is a CSV header.
+    /// Starts to write a file. `path` is its final name, whose extension decides the format. `header` is a CSV header.
     pub fn begin(file: File, path: PathBuf, header: &[u8]) -> Result<Self, WriteError> {
         let file = SummedFile::new(file);
         #[cfg(feature = "parquet")]
@@ -49,7 +49,7 @@ impl TableFile {
         Ok(file)
     }
 
-    /// Appends rows of CSV.
+    /// Appends complete rows of CSV.
     pub fn append(&mut self, rows: &[u8]) -> Result<(), WriteError> {
         let written = match &mut self.out {
             Out::Standard => io::stdout().write_all(rows),
@@ -60,7 +60,7 @@ impl TableFile {
         written.map_err(unwritten(&self.path))
     }
 
-    /// Appends all remaining rows of a CSV text.
+    /// Appends all remaining rows of a CSV text, after its header.
     pub fn copy_rows(&mut self, lines: &mut dyn BufRead) -> Result<(), WriteError> {
         if let Out::Csv(file) = &mut self.out {
             let copied = io::copy(lines, file);

@@ -36,7 +36,8 @@ impl SweepText {
         self.curves.as_ref().map(|csv| &csv.header[..])
     }
 
-    /// Curves of a worker's last block, as text for the curves file. Empty if the sweep writes no curves.
+    /// Curves of a worker's last block, as text for the curves file. `first` is the number of its first design. Empty if the sweep
+    /// writes no curves.
     pub fn curves(&self, worker: &SweptWorker<'_>, first: u64) -> Vec<u8> {
         let mut curves = Vec::new();
         if let (Some(csv), Some(block)) = (&self.curves, worker.block()) {
@@ -64,6 +65,7 @@ impl SweepText {
         }
     }
 
+    /// Empty buffer for rows, with the memory of an earlier block if there is one.
     fn empty(&self) -> Vec<u8> {
         let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
         spare.pop().unwrap_or_default()

@@ -1,4 +1,4 @@
-//! Scatter of the values, as printed.
+//! Scatter of the values, in printed units.
 
 use super::super::given_columns::GivenColumns;
 use super::super::shortest;
@@ -7,12 +7,12 @@ use crate::study::AxleStudy;
 use crate::tolerance::{Expansion, MonteCarlo, PERCENTILES, Problem};
 use serde::{Deserialize, Serialize};
 
-/// Scatter of a value, as printed.
+/// Scatter of an output at one position, in the unit of the output.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ValueRecord {
     /// Name with unit.
     pub output: String,
-    /// Wheel travel, in a study of one wheel.
+    /// Wheel travel in the study's length unit, in a study of one wheel.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub travel: Option<f64>,
     /// Rack displacement in the study's axes, in a study of one wheel.
@@ -34,22 +34,22 @@ pub struct ValueRecord {
     pub sigma: Option<f64>,
     /// Standard error of the standard deviation.
     pub sigma_error: Option<f64>,
-    /// First-order standard deviation.
+    /// Standard deviation, according to the first-order estimate.
     pub sigma_linear: Option<f64>,
-    /// Second-order term, as a fraction of the first-order variance.
+    /// Second-order term, as a fraction of the first-order variance. `None` if it is unknown.
     pub second_order: Option<f64>,
     /// True if the first-order estimate is accurate enough. `None` if this is unknown.
     pub linear_holds: Option<bool>,
     /// Percentiles of the builds, see [`PERCENTILES`].
     pub percentiles: [Option<f64>; PERCENTILES.len()],
-    /// Smallest and largest value.
+    /// Smallest and largest value of the builds.
     pub range: [Option<f64>; 2],
     /// Histogram, for a value that the page shows with its band.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub histogram: Option<HistogramRecord>,
-    /// First-order share of each contributor in the variance, in the order of the study.
+    /// Share of each contributor in the first-order variance, in the order of the study. `None` if the value does not scatter.
     pub shares: Vec<Option<f64>>,
-    /// Fraction of the builds' variance that is not first order: curvature and interaction.
+    /// Fraction of the builds' variance that is not first order: curvature, interaction and sampling error. It may be negative.
     pub remainder: Option<f64>,
     /// Standard error of the remainder.
     pub remainder_error: Option<f64>,
@@ -67,7 +67,7 @@ pub struct ValueRecord {
 /// Histogram of a value, as printed numbers. Its bins have equal widths.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HistogramRecord {
-    /// Smallest and largest value.
+    /// Lower end of the first bin, and upper end of the last bin.
     pub range: [f64; 2],
     /// Number of builds in each bin.
     pub counts: Vec<u32>,
@@ -78,12 +78,13 @@ fn scatters() -> bool {
     true
 }
 
+/// Value without a negative zero. `None` if it is not finite.
 fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value + 0.0)
 }
 
 impl ValueRecord {
-    /// Coordinates that give the position of the value, as table columns.
+    /// Coordinates that give the position of the value, as cells of CSV files.
     pub(super) fn place(&self) -> impl Iterator<Item = String> + '_ {
         let of_wheel = self.travel.into_iter().chain(self.rack);
         of_wheel.chain(self.place.iter().copied()).map(shortest)
@@ -95,6 +96,7 @@ impl ValueRecord {
     }
 }
 
+/// Scatter of each output at each station. `drawn` has all values of the nominal design.
 pub(super) fn values(
     problem: &Problem,
     drawn: &[f64],

@@ -17,7 +17,7 @@ pub use words::{contradiction_in_words, interrupted_in_words};
 
 use super::accuracy::{CertificateSummary, ConditionSummary};
 use super::choices::{FrontPoint, FrontRecord, PriceRecord};
-use super::figure::{as_written, brief, to_digits, with_decimals};
+use super::figure::{as_written, brief, to_digits, with_decimals, with_plus};
 use super::fitted::FittedOffset;
 use super::side_effects::side_effects_in_words;
 use super::table::{Cell, Column, Table};
@@ -37,11 +37,13 @@ pub struct TuningSummary {
     version: String,
     study: String,
     topology: String,
-    /// Misfit of the design, as a multiple of the tolerances. Absent if the design cannot be evaluated.
+    /// Misfit of the given design, as a multiple of the tolerances. Absent if the design cannot be evaluated.
     misfit_before: Option<f64>,
-    /// Reason why the design cannot be evaluated.
+    /// Reason why the given design cannot be evaluated.
     design_failure: Option<String>,
+    /// Misfit of the tuned design. Absent if no start could be evaluated.
     misfit_after: Option<f64>,
+    /// Index of the start whose result is the tuned design.
     best_start: Option<usize>,
     /// Residual of the optimality conditions (KKT) at the tuned design, relative to the sizes of their terms. Below 1e-6 the
     /// tuning has converged.
@@ -52,8 +54,10 @@ pub struct TuningSummary {
     starts: Vec<StartSummary>,
     /// Number of independent directions in the variables that change the targets.
     rank: Option<usize>,
+    /// Singular values of the Jacobian of the targets at the tuned design.
     singular_values: Vec<f64>,
-    /// Moves that raise the misfit by at most 0.1 and keep the constraints. Each move has one offset per variable.
+    /// Moves from the tuned design that raise the misfit by at most 0.1 and keep the constraints. Each move has one offset per
+    /// variable.
     unseen: Vec<Vec<f64>>,
     /// For a fit: scatter of the measurements about the fit, as a multiple of their tolerances.
     #[serde(default)]
@@ -64,7 +68,7 @@ pub struct TuningSummary {
     /// Misfit that is good enough. Among designs with a smaller misfit, the tuning prefers the design nearest to the given one.
     #[serde(default)]
     good_enough: f64,
-    /// State of each constraint.
+    /// State of each constraint. Empty if no start could be evaluated.
     #[serde(default)]
     constraints: Vec<ConstraintSummary>,
     /// Missed targets that no variable changes.
@@ -108,21 +112,24 @@ struct VariableSummary {
     /// Name of the hardpoint. If several move together, their names are joined by `+`.
     hardpoint: String,
     axis: String,
-    /// Coordinate in the nominal design. If several hardpoints move together, it is the coordinate of the first one. `None` for a
-    /// turn.
+    /// Coordinate or rate in the given design. If several hardpoints move together, it is the coordinate of the first one. `None`
+    /// for a turn, and for a move along a direction.
     design: Option<f64>,
+    /// Coordinate or rate in the tuned design.
     tuned: Option<f64>,
+    /// Value of the variable at the tuned design, in `unit`.
     offset: Option<f64>,
     /// Unit of the offset in words: `mm`, `N/mm`. `factor` if the offset is the logarithm of a factor.
     #[serde(default)]
     unit: String,
+    /// Lowest and highest offset.
     range: [f64; 2],
     /// `lower` or `upper`, if the variable ended at that bound.
     at_bound: Option<String>,
     /// For a fit: standard error.
     #[serde(default)]
     standard_error: Option<f64>,
-    /// For a fit: half of the 95 % confidence interval, if it has two sides.
+    /// For a fit: half the width of the 95 % confidence interval, if it has two sides.
     #[serde(default)]
     interval: Option<f64>,
     /// For a fit: 95 % confidence interval of the offset.
@@ -160,7 +167,9 @@ impl VariableSummary {
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct TargetSummary {
+    /// Column, with the stations of the target.
     output: String,
+    /// Tolerance in the unit of the column.
     tolerance: f64,
     /// Smallest and largest target value, in the unit of the tolerance. `None` on a side on which a band has no limit.
     #[serde(default)]
@@ -197,7 +206,7 @@ struct ConstraintSummary {
     at_unit: String,
     /// Decrease of the misfit if the limit moves outward by one unit. The misfit is a multiple of the tolerances.
     price: Option<f64>,
-    /// Status. Absent in summaries of older versions, whose units are millimetres and degrees.
+    /// Status. Absent in summaries of older versions, whose margins are in millimetres and degrees.
     #[serde(default)]
     status: Option<ConstraintStatus>,
     /// True if the price (decrease of the misfit per unit of the limit) is not determined, because binding limits depend on
@@ -226,7 +235,9 @@ impl ConstraintSummary {
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct AddedStations {
+    /// Name of the target.
     target: String,
+    /// Drive values of the stations.
     at: Vec<f64>,
     /// Unit of `at`.
     #[serde(default)]
@@ -236,7 +247,9 @@ struct AddedStations {
 /// Deviation from a target, as a multiple of its tolerance.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct DeviationSummary {
+    /// Root mean square deviation.
     rms: f64,
+    /// Largest deviation, with its sign.
     worst: f64,
     /// Largest deviation in the unit of the target, with its sign.
     #[serde(default)]
@@ -247,13 +260,13 @@ struct DeviationSummary {
     /// Unit of `worst_at`.
     #[serde(default)]
     worst_at_unit: String,
-    /// Rack displacement at this position, in the study's axes.
+    /// Rack displacement at this position, in the study's axes and length unit.
     #[serde(default)]
     worst_rack: f64,
 }
 
 impl TuningSummary {
-    /// Misfit before and after in words, as a multiple of the tolerances.
+    /// Misfit before and after in words, as a multiple of the tolerances. `None` if it is unknown.
     pub fn misfits(&self) -> [Option<String>; 2] {
         [self.misfit_before, self.misfit_after].map(|m| m.map(misfit_in_words))
     }
@@ -322,8 +335,8 @@ impl TuningSummary {
         violated.map(|(row, _)| row).collect()
     }
 
-    /// True if a request cannot be met: a constraint is violated, or a target that no variable changes is missed by more than its
-    /// tolerance.
+    /// True if a request cannot be met: a constraint is violated, or the RMS deviation from a target that no variable changes
+    /// exceeds its tolerance.
     pub fn falls_short(&self) -> bool {
         let missed = |target: &TargetSummary| {
             let rms = target.after.as_ref().map_or(0.0, |after| after.rms);
@@ -339,7 +352,7 @@ impl TuningSummary {
     }
 }
 
-/// Word for a bound at which a variable ended: `lower` or `upper`.
+/// Word for a bound at which a variable ended: `lower` or `upper`. `None` between the bounds.
 pub(in crate::report) fn bound_in_words(bound: ActiveBound) -> Option<String> {
     match bound {
         ActiveBound::Free => None,
@@ -356,7 +369,7 @@ fn with_unit(value: f64, unit: &str) -> String {
     }
 }
 
-/// Misfit in words: two decimals, or its order of magnitude if it is small.
+/// Misfit in words: two decimals, or one significant digit if it is below 0.005.
 pub fn misfit_in_words(value: f64) -> String {
     if value == 0.0 {
         "0".to_owned()

@@ -8,7 +8,7 @@ use crate::report::record::readable_unit;
 use crate::study::{Constraint, Rate, Variable};
 
 impl TuningSummary {
-    /// Summarises a tuning. `after` has the curves of the tuned design.
+    /// Summarises a tuning. `after` has the curves of the tuned design. Prices, side effects and yields are added later.
     pub fn of(study: &Study, optimise: &Optimise, tuning: &Tuning, after: Option<&Curves>) -> Self {
         let source = TunedStudy {
             study,
@@ -71,7 +71,7 @@ struct TunedStudy<'a> {
 }
 
 impl TunedStudy<'_> {
-    /// Name of a target: column, motion, rack displacements, and coordinates that stay constant.
+    /// Name of a target: column, motion, rack displacements in the study's axes, and coordinates that stay constant.
     fn name(&self, target: &Target) -> String {
         let motion = target.site.motion.as_ref();
         let motion = motion.map_or(String::new(), |(name, _)| format!(", {name}"));
@@ -108,8 +108,7 @@ impl TunedStudy<'_> {
         let (unit, of_axis) = match (&variable.turn, &variable.rate) {
             (Some(_), _) => ("deg".to_owned(), ", deg".to_owned()),
             (None, Some(rate)) => {
-                let readable =
-                    |rate: &Rate| readable_unit(&rate.value_unit(length)).replace('_', " ");
+                let readable = |rate: &Rate| readable_unit(&rate.value_unit(length));
                 let own = readable(&Rate {
                     is_relative: false,
                     ..*rate
@@ -224,7 +223,8 @@ impl TunedStudy<'_> {
         StartSummary::all(&self.tuning.starts)
     }
 
-    /// For each direction, the largest move that raises the misfit by at most [`Direction::RISE`] and keeps the constraints.
+    /// For each direction, the largest move that raises the misfit by at most [`Direction::RISE`] and keeps the constraints. Moves
+    /// below a hundredth of a range are left out.
     fn unseen(&self) -> Vec<Vec<f64>> {
         let Some(best) = &self.tuning.best else {
             return Vec::new();
@@ -232,7 +232,6 @@ impl TunedStudy<'_> {
         let directions = best.identifiability.unseen.iter().filter_map(|d| {
             let [up, down] = d.free;
             let share = if up >= down { up } else { -down };
-            // A move below a hundredth of the range is not useful.
             (share.abs() > 0.01).then(|| d.change.iter().map(|c| c * share).collect())
         });
         directions.collect()
@@ -248,8 +247,8 @@ impl TunedStudy<'_> {
     }
 }
 
-/// Upper or lower limit of a constraint on a single length or characteristic, in its unit. `None` for other constraints: of
-/// regions, clearances and forces.
+/// Upper or lower limit of a constraint on a single length or characteristic, in its unit. `None` for constraints on other measures
+/// (such as regions, clearances and forces), and for a constraint that fixes a value.
 fn single_limit(constraint: &Constraint, is_upper: bool) -> Option<f64> {
     let [part] = &constraint.parts[..] else {
         return None;
@@ -272,7 +271,8 @@ fn is_between_curves(target: &Target) -> bool {
     }
 }
 
-/// Smallest and largest target value, as printed numbers.
+/// Smallest and largest target value, as printed numbers. For a band: smallest value of the lower limit, and largest value of the
+/// upper limit. `None` without a limit.
 pub(in crate::report) fn wanted(target: &Target) -> [Option<f64>; 2] {
     let factor = target.of.factor();
     let range = |points: &[[f64; 2]]| {

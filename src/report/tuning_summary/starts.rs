@@ -14,12 +14,17 @@ const NOT_BEGUN: &str = "not begun: ";
 /// A start of a tuning (point at which the search begins) and its result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StartSummary {
+    /// Number of the start, from 0.
     pub(super) start: usize,
+    /// Values of the variables at the start point.
     offsets: Vec<f64>,
     /// Reason why the search ended, or why its start failed.
     pub(super) ended: String,
+    /// Number of iterations. `None` if the search did not begin.
     iterations: Option<u64>,
+    /// Number of evaluations of the targets.
     evaluations: Option<u64>,
+    /// Misfit at the end of the search, as a multiple of the tolerances.
     misfit: Option<f64>,
     /// KKT residual of the result of this start, defined as in the summary of the tuning.
     #[serde(default)]
@@ -60,7 +65,8 @@ impl StartSummary {
     }
 }
 
-/// Short summary of the starts, if there are many. `best` is the start whose result the tuning keeps, with the misfit `least`.
+/// Short summary of the starts. `best` is the start whose result the tuning keeps, with the misfit `least`. `None` if there are at
+/// most [`FEW_STARTS`] starts.
 pub fn starts_in_words(starts: &[StartSummary], best: Option<usize>, least: f64) -> Option<String> {
     let all = starts.len();
     if all <= FEW_STARTS {

@@ -48,10 +48,7 @@ impl TuningSummary {
             let brief = |value: f64| {
                 known.map_or_else(|| brief(value), |decimals| with_decimals(value, decimals))
             };
-            let moved = Cell::by(v.offset, |offset| match brief(offset) {
-                text if offset > 0.0 => format!("+{text}"),
-                text => text,
-            });
+            let moved = Cell::by(v.offset, |offset| with_plus(offset, brief(offset)));
             let [low, high] = v.range;
             // Limits of a factor are logarithms with many digits, so they are shortened.
             let limit = |value: f64| match v.unit.as_str() {
@@ -74,14 +71,18 @@ impl TuningSummary {
             if has_factors {
                 row.push(v.tuned_interval().into());
             }
-            row.extend(v.fitted.iter().flat_map(|fitted| fitted.cells(decimals)));
+            if is_fit {
+                let cells = v.fitted.map(|fitted| fitted.cells(decimals));
+                row.extend(cells.unwrap_or_else(|| [""; 4].map(Cell::from)));
+            }
             table.push_row(row);
         }
         table
     }
 
-    /// Table of the moves of the hardpoints by axis, the largest first. If points move together, it shows the moves of the first
-    /// one, and no distances.
+    /// Table of the moves of the hardpoints along x, y and z, the largest first. `unit` is the symbol of the length unit. Points that
+    /// only turn or move along another direction are left out, and so are rates. Points that move together have one row with the
+    /// move of the first point. The table then has no distances.
     pub fn moved_points(&self, unit: &str) -> Table {
         let mut moves: Vec<(&str, [f64; 3])> = Vec::new();
         for variable in &self.variables {
@@ -98,13 +99,17 @@ impl TuningSummary {
                 moves.push((&variable.hardpoint, [0.0; 3]));
                 moves.len() - 1
             });
-            moves[at].1[axis] += offset;
+            // The offset is the move of the first point only if its factor is 1.
+            let coordinates = variable.design.zip(variable.tuned);
+            moves[at].1[axis] = match coordinates.filter(|_| offset != 0.0) {
+                Some((design, tuned)) => tuned - design,
+                None => offset,
+            };
         }
         let length = |by: &[f64; 3]| by.iter().map(|c| c * c).sum::<f64>().sqrt();
         moves.retain(|(_, by)| length(by) > 0.0);
         moves.sort_by(|a, b| length(&b.1).total_cmp(&length(&a.1)));
-        // If a point moves alone and also together with other points, the row of the point alone does not contain its total
-        // move.
+        // A row of several points does not contain the moves of the other points.
         let has_distance = !moves.iter().any(|(name, _)| name.contains('+'));
         let distance = has_distance.then(|| Column::from(format!("distance [{unit}]")));
         let names = ["point", "x", "y", "z"].map(Column::from);
@@ -115,10 +120,7 @@ impl TuningSummary {
             _ => 2,
         };
         let shown = |by: f64| with_decimals(by, decimals);
-        let signed = |by: f64| match shown(by) {
-            text if by > 0.0 => format!("+{text}"),
-            text => text,
-        };
+        let signed = |by: f64| with_plus(by, shown(by));
         for (name, by) in moves {
             let mut row = vec![Cell::from(name)];
             row.extend(by.map(|c| Cell::by(Some(c).filter(|c| *c != 0.0), signed)));
@@ -156,7 +158,7 @@ impl TuningSummary {
         let mut table = Table::with_columns(columns.into_iter().chain(programs));
         for t in &self.targets {
             let (before, after) = (t.before.as_ref(), t.after.as_ref());
-            let unit = after.map_or("", |d| d.worst_at_unit.as_str());
+            let unit = after.or(before).map_or("", |d| d.worst_at_unit.as_str());
             let off = |d: Option<&DeviationSummary>| {
                 let worst = d.map(|d| d.worst_in_unit.unwrap_or(d.worst * t.tolerance));
                 Cell::by(worst, |worst| to_hundredth_of(worst, t.tolerance))
@@ -234,7 +236,7 @@ impl TuningSummary {
 }
 
 impl TargetSummary {
-    /// Target value or limits of the target.
+    /// Target value or limits of the target in words, without unit. Empty in summaries of older versions.
     pub(super) fn wanted_in_words(&self) -> String {
         let values = self.wanted_values();
         if self.between_curves {
@@ -255,8 +257,47 @@ impl TargetSummary {
     }
 }
 
-/// Deviation in the unit of its target, to a hundredth of the tolerance.
+/// Deviation in the unit of its target, to a hundredth of the tolerance or finer.
 fn to_hundredth_of(deviation: f64, tolerance: f64) -> String {
     let decimals = (2.0 - tolerance.log10().floor()).clamp(0.0, 12.0) as usize;
     with_decimals(deviation, decimals)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::{from_value, json};
+
+    /// Summary of a tuning with one variable, whose point moves twice the offset. A constraint is violated.
+    fn summary() -> TuningSummary {
+        let variable = json!({
+            "hardpoint": "strut_top", "axis": "z", "design": 0.2, "tuned": 0.21, "offset": 0.005, "unit": "m",
+            "range": [-0.01, 0.01]
+        });
+        from_value(json!({
+            "command": "optimise", "version": "", "study": "", "topology": "macpherson", "misfit_after": 0.5,
+            "variables": [variable], "targets": [], "starts": [], "singular_values": [], "unseen": [[0.000_45]],
+            "constraints": [{ "name": "distance", "margin": -1.0, "unit": "mm" }]
+        }))
+        .unwrap()
+    }
+
+    #[test]
+    fn a_point_moves_by_the_change_of_its_coordinate() {
+        let table = summary().moved_points("m").text(80);
+        assert!(table.contains(" +0.01000 "), "{table}");
+        assert!(table.trim_end().ends_with(" 0.01000"), "{table}");
+    }
+
+    #[test]
+    fn moves_in_metres_keep_their_digits() {
+        assert_eq!(summary().unseen(), ["strut_top.z +0.000450 m"]);
+    }
+
+    /// The headline names violated constraints, also if the given design has no misfit.
+    #[test]
+    fn the_headline_names_violated_constraints() {
+        let headline = summary().headline();
+        assert!(headline.contains("a constraint is violated"), "{headline}");
+    }
 }

@@ -6,7 +6,7 @@ use crate::optimise::VIOLATED;
 use crate::report::brief;
 use serde::{Deserialize, Serialize};
 
-/// Margin in millimetres or degrees below which a constraint counts as binding.
+/// Margin below which a constraint counts as binding, as a multiple of a visible change (1 mm or 1 degree).
 const BINDING: f64 = 1e-6;
 
 /// Status of a constraint.
@@ -15,14 +15,14 @@ const BINDING: f64 = 1e-6;
 pub enum ConstraintStatus {
     /// The margin to every limit is positive.
     Kept,
-    /// The value is at a limit.
+    /// The value is at a limit, to a millionth of a visible change.
     Binds,
     /// A limit is violated.
     Violated,
 }
 
 impl ConstraintStatus {
-    /// Status for a margin in millimetres or degrees.
+    /// Status for a margin, as a multiple of a visible change ([`crate::study::Limited::visible`]).
     pub(in crate::report) fn of(margin: f64) -> Self {
         match margin {
             margin if margin < -VIOLATED => ConstraintStatus::Violated,
@@ -41,7 +41,7 @@ impl ConstraintStatus {
     }
 }
 
-/// A missed target that the variables hardly change: its deviation and the possible change, as multiples of its tolerance.
+/// A missed target that the variables hardly change: its RMS deviation and the possible change, as multiples of its tolerance.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SlightEffectRecord {
     target: String,

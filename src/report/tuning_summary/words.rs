@@ -59,8 +59,8 @@ impl TuningSummary {
         remarks
     }
 
-    /// Reason why the tuning keeps a start although its design violates constraints, with the violations. `None` if no variable
-    /// affects the violated constraints.
+    /// Reason why the tuning keeps a start although its design violates constraints, with the violations. Constraints that no
+    /// variable affects do not count. `None` without violations.
     fn least_violation_in_words(&self) -> Option<String> {
         let violated = self
             .violated()
@@ -90,7 +90,7 @@ impl TuningSummary {
         })
     }
 
-    /// Sentences about the confidence intervals of a fit.
+    /// Sentences about the confidence intervals of a fit. Empty for other tunings.
     fn fit_remarks(&self) -> Vec<String> {
         let Some(scatter) = self.scatter else {
             return Vec::new();
@@ -160,7 +160,7 @@ impl TuningSummary {
         ended.into_iter().chain(missed).chain(at_bounds).collect()
     }
 
-    /// Short summary of the starts, if there are many.
+    /// Short summary of the starts, if there are many. `None` if no start could be evaluated.
     pub fn starts_in_words(&self) -> Option<String> {
         let words = starts_in_words(&self.starts, self.best_start, self.misfit_after?)?;
         Some(words + "; history.csv and summary.json have all starts")
@@ -168,14 +168,14 @@ impl TuningSummary {
 
     /// Result of the tuning in one or two sentences.
     pub fn headline(&self) -> String {
+        let kept = match self.violated().len() {
+            0 => String::new(),
+            1 => "; a constraint is violated".to_owned(),
+            several => format!("; {several} constraints are violated"),
+        };
+        let of_builds = self.over_builds(", root mean square of");
         match (self.misfit_before, self.misfit_after) {
             (Some(before), Some(after)) => {
-                let kept = match self.violated().len() {
-                    0 => String::new(),
-                    1 => "; a constraint is violated".to_owned(),
-                    several => format!("; {several} constraints are violated"),
-                };
-                let of_builds = self.over_builds(", root mean square of");
                 let effects = side_effects_in_words(&self.side_effects);
                 let effects = effects.map_or(String::new(), |words| format!("; {words}"));
                 format!(
@@ -185,7 +185,7 @@ impl TuningSummary {
                 )
             }
             (None, Some(after)) => format!(
-                "misfit {} tolerances; the misfit of the given design is not known: {}",
+                "misfit {} tolerances{of_builds}{kept}; the misfit of the given design is not known: {}",
                 misfit_in_words(after),
                 self.design_failure.as_deref().unwrap_or_default()
             ),
@@ -212,7 +212,8 @@ impl TuningSummary {
         )
     }
 
-    /// Moves that hardly change the misfit and keep the constraints, in words.
+    /// Moves that hardly change the misfit and keep the constraints, in words. Variables that move by less than a thousandth of
+    /// their range are left out.
     pub fn unseen(&self) -> Vec<String> {
         let describe = |change: &Vec<f64>| {
             let parts = change
@@ -225,6 +226,7 @@ impl TuningSummary {
                     match v.unit.as_str() {
                         "factor" => format!("{name} x {}", brief(c.exp())),
                         "" => format!("{name} {c:+.3}"),
+                        "m" => format!("{name} {c:+.6} m"),
                         unit if c.abs() < 1000.0 => format!("{name} {c:+.3} {unit}"),
                         unit => format!("{name} {c:+.0} {unit}"),
                     }

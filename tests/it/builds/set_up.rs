@@ -632,6 +632,8 @@ fn directions_of_each_wheel_are_those_of_its_points() {
         assert_eq!(found.wheels.len(), 2);
         let [before, after] = [&study, &found.adjusted].map(|study| &study.axle().unwrap().axle);
         for (side, summary) in Side::ALL.into_iter().zip(&found.wheels) {
+            let note = summary.effects_note().unwrap();
+            assert_eq!(note.contains("right wheel"), side == Side::Right, "{note}");
             // The points describe a left wheel: y is positive outboard.
             let move_of = |point: &str| {
                 let [before, after] = [before, after].map(|axle| {

@@ -2,6 +2,7 @@
 
 use super::{assembler, parameter, plan, study};
 use hardpoint::assembly::{Rest, built_curves};
+use hardpoint::report::BandCurve;
 use hardpoint::solved::Solved;
 use hardpoint::study::Study;
 use hardpoint::tolerance::{Estimate, Expansion, MonteCarlo, Problem, monte_carlo, rank};
@@ -440,4 +441,15 @@ fn percentiles_that_do_not_exist_are_empty_cells() {
         let curves = without.curves();
         assert!(!curves.has_value(0) && curves.has_value(1), "{name}");
     }
+}
+
+/// A band without a drive value extends over the whole motion in charts, also if the drive values are not in order.
+#[test]
+fn a_band_extends_over_the_whole_motion() {
+    let bands = "tolerance.bands=[{ characteristic = \"toe\", between = [0.1, 0.4] }]";
+    let study = study("macpherson_tolerance", &[bands]);
+    let band = &study.tolerance.as_ref().unwrap().bands[0];
+    let curve = BandCurve::of_tolerance(band, &[0.0, 60.0, -60.0, 30.0]);
+    let places: Vec<f64> = curve.limits.iter().map(|limit| limit.0).collect();
+    assert_eq!(places, [-60.0, 60.0]);
 }

@@ -1,5 +1,6 @@
-//! Tests of cars that have no equilibrium at rest.
+//! Tests of cars at rest.
 
+use super::commands::{hardpoint, studies, text};
 use hardpoint::car::{CarQuantity, CarRequest, CarSolver, Case};
 use hardpoint::study::CarStudy;
 use std::path::Path;
@@ -41,4 +42,29 @@ fn only_the_jacking_heave_needs_the_car_at_rest() {
     let mut values = [0.0; 2];
     assert!(request.values(&car, &mut values).unwrap().is_none());
     assert!(values[0].is_finite() && values[1].is_nan());
+}
+
+/// The distance of the static position from the design position keeps its digits in metres.
+#[test]
+fn the_distance_to_the_static_position_has_digits_in_metres() {
+    let directory = tempfile::tempdir().unwrap();
+    let study = studies().join("car.toml");
+    let study = study.to_str().unwrap();
+    let convert = ["convert", study, "--unit", "m", "--out", "metres"];
+    hardpoint(directory.path(), &convert).success();
+    let heavy = "car.sprung_mass=1700.0";
+    let solve = [
+        "solve",
+        "metres/car.toml",
+        "--set",
+        heavy,
+        "--out",
+        "results",
+    ];
+    let said = hardpoint(directory.path(), &solve).get_output().clone();
+    let said = text(&said.stdout) + &text(&said.stderr);
+    assert!(
+        said.contains("the static position is 0.0194 m of travel"),
+        "{said}"
+    );
 }

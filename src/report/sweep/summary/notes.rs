@@ -5,8 +5,9 @@ use crate::characteristics::Characteristic;
 use crate::report::text::counted;
 use crate::sweep::{KEPT, Kind, OutputColumn, SweepRecord, SweepStatistics};
 
-/// Notes about outputs without a value in some solved designs, with the reason; and about the meaning of the variance shares if
-/// designs fail.
+/// Notes about the comparison with targets and constraints, about outputs without a value in some solved designs, and about the
+/// designs used for main effects. The number of solved designs without a value may be too small: `count` of a range includes
+/// designs that are not solved everywhere.
 pub(super) fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
     let mut notes = Vec::new();
     if record.is_fit {
@@ -70,7 +71,7 @@ pub(super) fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<S
     notes
 }
 
-/// Sentence about constraints that the sweep does not check. The best designs may violate them.
+/// Warning about constraints that the sweep does not check. The best designs may violate them. `None` without best designs.
 fn unchecked(record: &SweepRecord, statistics: &SweepStatistics) -> Option<String> {
     let constraints = &record.unchecked_constraints;
     (!constraints.is_empty() && !statistics.best.is_empty()).then(|| {
@@ -121,7 +122,8 @@ fn fixed_values(record: &SweepRecord) -> Option<String> {
     })
 }
 
-/// Sentence about designs with a smaller misfit than the best design. They are not ranked because they are not solved everywhere.
+/// Sentence about designs that are not ranked because they are not solved everywhere, although their misfit is smaller than that of
+/// the best design.
 fn unranked(record: &SweepRecord, statistics: &SweepStatistics) -> Option<String> {
     let everywhere = if record.is_of_car() {
         "in every load case"
@@ -154,7 +156,7 @@ fn unranked(record: &SweepRecord, statistics: &SweepStatistics) -> Option<String
     ))
 }
 
-/// Reason why an output may have no value.
+/// Reason why an output may have no value. `None` for a car, and for outputs without a known reason.
 fn undefined_where(record: &SweepRecord, output: &OutputColumn) -> Option<&'static str> {
     if record.is_of_car() {
         return None;

@@ -14,6 +14,7 @@ use crate::study::{
     LONGEST_TEXT, Study, StudyErrors, ValueEdit, Variable, checked_number, edited_text,
     read_regular_text,
 };
+use std::borrow::Cow;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -35,7 +36,7 @@ pub(super) struct Opened {
     /// Text of the file with `edits` applied.
     pub text: String,
     pub study: Study,
-    /// A variable for every coordinate.
+    /// A variable for every coordinate, in the order of the points.
     pub every: Vec<Variable>,
     /// Stations at which targets of the nominal design are evaluated, if there are targets.
     pub layout: Option<TargetLayout>,
@@ -85,6 +86,20 @@ impl Opened {
         let study = self.study.at_design(self.design(coordinates)?);
         check_geometry(&study)?;
         Ok(study)
+    }
+
+    /// Stations at which the targets of a moved design are evaluated, if there are targets. The stations in `layout` have the
+    /// points of the right wheel. If the study gives these points separately, they move with the design, so the stations are made
+    /// again.
+    pub(super) fn layout_of(&self, moved: &Study) -> Option<Cow<'_, TargetLayout>> {
+        let layout = self.layout.as_ref()?;
+        let has_own = moved.axle().is_some_and(|both| both.axle.right.is_some());
+        Some(match &moved.optimise {
+            Some(optimise) if has_own => {
+                Cow::Owned(TargetLayout::nominal(optimise, &moved.vehicle))
+            }
+            _ => Cow::Borrowed(layout),
+        })
     }
 
     /// A design from the page, in the internal frame (x forward, y left, z up).
@@ -175,6 +190,10 @@ impl StudyFile {
     pub(super) fn edited(&self, opened: &Opened, edits: &[ValueEdit]) -> Result<Opened, String> {
         let text = edited_text(&opened.text, edits)?;
         let edited = Opened::of(&self.path, text).map_err(|errors| errors.render(false))?;
+        // If the edits cancel each other, no edit must go into a file that another program changes later.
+        if edited.digest == opened.base {
+            return Ok(edited);
+        }
         Ok(Opened {
             base: opened.base.clone(),
             base_text: opened.base_text.clone(),
@@ -194,8 +213,8 @@ impl StudyFile {
     }
 
     /// Writes a design into the study. If another program has changed the file since the page read it, the file stays
-    /// unchanged. With `anyway`, only the coordinates that the user has changed are written into the changed file. Returns the
-    /// study, and true if the text of the file has changed.
+    /// unchanged. With `anyway`, only the values and coordinates that the user has changed are written into the changed file.
+    /// Returns the study, and true if the text of the file has changed.
     pub(super) fn save(
         &self,
         opened: &Opened,
@@ -467,7 +486,7 @@ pub(super) fn check_name(name: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// True if Windows interprets a name as a device. The part after the first dot is ignored.
+/// True if Windows interprets a name as a device, whatever follows the first dot.
 fn is_reserved(name: &str) -> bool {
     let stem = name.split('.').next().unwrap_or("").trim_end();
     let stem = stem.to_ascii_uppercase();

@@ -88,3 +88,29 @@ pub(super) fn limits(opened: &Opened, of: &Designed) -> Result<LimitsAnswer, Str
         limits.notes,
     ))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Small moves, as in a study in metres, have three digits.
+    #[test]
+    fn amounts_of_small_moves_have_digits() {
+        let variable = |name: &str| VariableOverview {
+            name: name.to_owned(),
+            moves: Vec::new(),
+            is_turn: false,
+            range: [-0.001_234, 0.001_234],
+        };
+        let mut goal = Linearisation::new(1, 2);
+        goal.jacobian[(0, 0)] = 1e6;
+        goal.jacobian[(0, 1)] = -1e6;
+        let found = unseen(&goal, &[variable("a"), variable("b")], 0).directions;
+        assert_eq!(found.len(), 1);
+        let parts: Vec<&str> = found[0].name.split(", ").collect();
+        assert_eq!(parts.len(), 2);
+        for part in parts {
+            assert!(part.ends_with("0.00247"), "{part}");
+        }
+    }
+}

@@ -25,6 +25,23 @@ use crate::optimise::{Assessed, TargetLayout, assessed};
 use crate::report::constraint_margins;
 use crate::study::{Optimise, Study};
 use nalgebra::{DMatrix, DVector};
+use std::borrow::Cow;
+
+impl Opened {
+    /// Stations at which the targets of a moved design are evaluated, if there are targets. The stations in `layout` have the
+    /// points of the right wheel. If the study gives these points separately, they move with the design, so the stations are made
+    /// again.
+    pub(super) fn layout_of(&self, moved: &Study) -> Option<Cow<'_, TargetLayout>> {
+        let layout = self.layout.as_ref()?;
+        let has_own = moved.axle().is_some_and(|both| both.axle.right.is_some());
+        Some(match &moved.optimise {
+            Some(optimise) if has_own => {
+                Cow::Owned(TargetLayout::nominal(optimise, &moved.vehicle))
+            }
+            _ => Cow::Borrowed(layout),
+        })
+    }
+}
 
 /// Misfit of a design, if its study has targets.
 pub(super) fn misfit(opened: &Opened, study: &Study) -> Result<Option<Misfit>, DesignFault> {

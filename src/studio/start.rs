@@ -116,7 +116,8 @@ fn imported(
         .tempfile()
         .map_err(named)?;
     file.write_all(points.as_bytes()).map_err(named)?;
-    let table = read_points(file.path(), None, None).map_err(|refusal| in_form(&refusal.to_string()))?;
+    let table =
+        read_points(file.path(), None, None).map_err(|refusal| in_form(&refusal.to_string()))?;
     import(&table, &options).map_err(|refusal| in_form(&refusal.to_string()))
 }
 
@@ -132,7 +133,9 @@ fn in_form(refusal: &str) -> String {
     ];
     let words = fields
         .iter()
-        .fold(refusal.to_owned(), |words, (flag, field)| words.replace(flag, field));
+        .fold(refusal.to_owned(), |words, (flag, field)| {
+            words.replace(flag, field)
+        });
     // In this message, "it" means the file. The form has no file, so the message names the pasted text instead.
     let words = match words.strip_prefix("it ") {
         Some(rest) => format!("the pasted text {rest}"),

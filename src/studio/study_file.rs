@@ -14,7 +14,6 @@ use crate::study::{
     LONGEST_TEXT, Study, StudyErrors, ValueEdit, Variable, checked_number, edited_text,
     read_regular_text,
 };
-use std::borrow::Cow;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -86,20 +85,6 @@ impl Opened {
         let study = self.study.at_design(self.design(coordinates)?);
         check_geometry(&study)?;
         Ok(study)
-    }
-
-    /// Stations at which the targets of a moved design are evaluated, if there are targets. The stations in `layout` have the
-    /// points of the right wheel. If the study gives these points separately, they move with the design, so the stations are made
-    /// again.
-    pub(super) fn layout_of(&self, moved: &Study) -> Option<Cow<'_, TargetLayout>> {
-        let layout = self.layout.as_ref()?;
-        let has_own = moved.axle().is_some_and(|both| both.axle.right.is_some());
-        Some(match &moved.optimise {
-            Some(optimise) if has_own => {
-                Cow::Owned(TargetLayout::nominal(optimise, &moved.vehicle))
-            }
-            _ => Cow::Borrowed(layout),
-        })
     }
 
     /// A design from the page, in the internal frame (x forward, y left, z up).

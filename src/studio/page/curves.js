@@ -345,7 +345,7 @@ class Chart {
       values.forEach((value, i) => {
         if (value !== null || answer.groups[i] !== group || answer.drive[i] === null) return;
         const stretch = answer.failures.find((f) => i >= f.first && i <= f.last);
-        const reason = stretch ? stretch.reason : answer.status[i] === 'ok' ? 'has no value here' : answer.status[i].replace('_', ' ');
+        const reason = stretch ? stretch.reason : answer.status[i] === 'ok' ? 'has no value here' : answer.status[i].replaceAll('_', ' ');
         gaps.append(svg('rect', { x: (x(answer.drive[i]) - 2).toFixed(1), y: height - this.bottom - 5, width: 4, height: 5 }, svg('title', { text: `${brief(answer.drive[i])}: ${reason}` })));
       });
     }
@@ -470,7 +470,7 @@ export const startCurves = () => {
   });
   on('answer', () => {
     if (state.overview.is_car) return;
-    if (state.answer.has_rows) byId('family-label').hidden = true;
+    if (state.answer?.has_rows) byId('family-label').hidden = true;
     arrange();
     drawAll();
   });

@@ -16,7 +16,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Message that refuses to tune a study without [optimise].
+/// Message that refuses to tune a study without `[optimise]`.
 pub(super) const NO_SECTION: &str =
     "the study has no [optimise] section with variables and targets";
 /// Message that refuses to tune a design in which every coordinate is locked.

@@ -57,7 +57,7 @@ pub(super) struct Overview {
     pub motions: Vec<MotionOverview>,
     pub targets: Vec<TargetOverview>,
     pub variables: Vec<VariableOverview>,
-    /// True if the study has a section [optimise].
+    /// True if the study has a section `[optimise]`.
     pub tunes: bool,
     /// Number of builds whose misfit a tuning lowers. `None` if the tuning lowers the misfit of the nominal design.
     pub builds: Option<usize>,

@@ -427,7 +427,11 @@ const offerAxes = () => {
   byId('motion-label').hidden = motions.length < 2;
   const over = targets.filter((t) => t.motion === state.motion && t.over !== null && t.over !== state.over).map((t) => `over ${sliders[t.over].name}`);
   const others = targets.filter((t) => t.motion !== state.motion).map((t) => `in ${t.motion ?? '[motion]'}`);
-  const elsewhere = [...new Set([...over, ...others])];
+  // Targets at rack displacements at which the motion has no stations.
+  const { values, unit } = sliders.at(-1);
+  const racks = targets.filter((t) => t.motion === state.motion && t.over === state.over).flatMap((t) => t.racks).filter((rack) => !values.includes(rack));
+  const beside = racks.length ? [`at rack ${[...new Set(racks)].map((rack) => brief(rack)).join(', ')} ${unit}`] : [];
+  const elsewhere = [...new Set([...over, ...beside, ...others])];
   byId('elsewhere').textContent = elsewhere.length ? `Targets ${elsewhere.join(', ')} are not shown here.` : '';
 };
 const clear = () => {

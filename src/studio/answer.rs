@@ -18,8 +18,8 @@ use crate::study::{Drive, Study, Vehicle, WheelStudy};
 use std::borrow::Cow;
 use std::time::Instant;
 
-/// Copy of the study that requests these characteristics, but no certificates. Certificates take too long while a point is
-/// dragged.
+/// Copy of the study that requests these characteristics and figures, but no certificates. Certificates take too long while a
+/// point is dragged. Returns an error if the study does not have one of them.
 pub(super) fn asking_for(own: &WheelStudy, names: &[String]) -> Result<WheelStudy, String> {
     let mut asked = own.clone();
     asked.outputs.certify = false;
@@ -45,7 +45,7 @@ pub(super) fn asking_for(own: &WheelStudy, names: &[String]) -> Result<WheelStud
     Ok(asked)
 }
 
-/// Largest number of stations that are solved while a point is dragged.
+/// Largest number of stations of a wheel that are solved for the page. A motion over time is not limited.
 const MOST_STATIONS: usize = 2000;
 
 /// Solves the design after a point was dragged. An error names the fault of the design or the request.
@@ -76,7 +76,7 @@ pub(super) fn in_motion<'s>(
     Ok(Cow::Owned(moved))
 }
 
-/// Solves one wheel over the motion of `study`. Targets that name no motion are compared over this motion.
+/// Solves one wheel over the motion of `own`. Targets that name no motion are compared over the motion of `study`.
 fn solved_wheel(
     opened: &Opened,
     study: &Study,
@@ -166,7 +166,7 @@ fn at_sliders(plan: &Plan, [drive, rack]: [f64; 2]) -> Plan {
     }
 }
 
-/// Groups of stations, and the horizontal-axis value of each station.
+/// Groups of stations, and the horizontal-axis value of each station. The drive value is `None` without a pose.
 fn grouped(found: &Curves, plan: &Plan, request: &SolveRequest) -> (Groups, Vec<Option<f64>>) {
     let along = plan.station_order.values().len().max(1);
     let stations = found.stations.len();

@@ -7,7 +7,8 @@ use super::answer::columns;
 use super::beside::beside;
 use super::groups::{Groups, nearest};
 use super::message::{
-    CharacteristicOverview, InfluenceAnswer, InfluenceColumn, Slider, SolveRequest, SolvedAnswer,
+    CharacteristicOverview, InfluenceAnswer, InfluenceColumn, InfluenceRequest, Slider,
+    SolveRequest, SolvedAnswer,
 };
 use super::overview::rack_slider;
 use super::study_file::Opened;
@@ -45,7 +46,7 @@ fn main(motion: &AxleMotion) -> Coordinate {
     *all.iter().find(|c| **c == main).unwrap_or(&all[0])
 }
 
-/// Different printed values of a coordinate over a motion.
+/// Different printed values of a coordinate over a motion, in the order of the motion.
 fn values(motion: &AxleMotion, coordinate: Coordinate, axle: &Axle) -> Vec<f64> {
     let mut motion = motion.clone();
     let values = motion.along(coordinate).into_iter().flatten();
@@ -106,7 +107,7 @@ pub(super) fn column(quantity: Quantity, length: LengthUnit) -> String {
     with_unit(quantity.name(), &quantity.info().unit.suffix(length))
 }
 
-/// Quantities that the study of an axle can request.
+/// Quantities that the study of an axle can request. A name that denotes quantities of both wheels has one entry.
 pub(super) fn catalogue(study: &Study, both: &AxleStudy) -> Vec<CharacteristicOverview> {
     let axle = &both.axle;
     let targets = study.optimise.as_ref().map_or(&[][..], |o| &o.targets);
@@ -321,15 +322,18 @@ fn frames(axle: &Axle, motion: &AxleMotion, at: &[f64]) -> Option<[Frame; 2]> {
     })
 }
 
-/// Derivatives of each column with respect to a coordinate of a point, for each station. The point moves on both wheels as
-/// mirror images.
+/// Derivatives of each column with respect to a coordinate of a point, for each station, in the column's unit per length unit. The
+/// point moves on both wheels as mirror images.
 pub(super) fn influence(
     AxleStudy { axle, plan, .. }: &AxleStudy,
-    names: &[String],
+    request: &InfluenceRequest,
     point: PointId,
     axis: Axis,
 ) -> Result<InfluenceAnswer, String> {
-    let mut plan = asking_for(plan, axle, names)?;
+    let mut plan = asking_for(plan, axle, &request.characteristics)?;
+    if let Some(rack) = request.curves_rack {
+        hold_rack(&mut plan.motion, rack * axle.left.frame.sign(Axis::Y));
+    }
     plan.sensitivities = vec![point];
     let found = axle_curves(axle, &plan).map_err(|fault| axle.describe_fault(fault))?;
     let found = found.curves;

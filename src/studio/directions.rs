@@ -5,6 +5,7 @@ use super::overview::variable;
 use super::study_file::Opened;
 use crate::limits::LimitTable;
 use crate::optimise::{Bounds, Identifiability, Linearisation, assessed};
+use crate::report::{brief, to_digits, with_plus};
 use crate::study::Variable;
 
 /// Largest change of the misfit that counts as no change, for a move across the whole range. The misfit is a multiple of the
@@ -13,18 +14,19 @@ const UNSEEN: f64 = 0.01;
 /// Largest number of directions in an answer.
 const MOST: usize = 8;
 
-/// Combinations of the study's variables that leave the targets unchanged, to first order.
+/// Combinations of the study's variables that leave the targets unchanged, to first order. Rotations and rates are left out. The
+/// answer is empty without targets, and if the targets of the design cannot be evaluated.
 pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAnswer, String> {
-    let (Some(optimise), Some(layout)) = (&opened.study.optimise, &opened.layout) else {
+    let moved = opened.moved(&of.design)?;
+    let (Some(optimise), Some(layout)) = (&moved.optimise, opened.layout_of(&moved)) else {
         return Ok(DirectionsAnswer::none());
     };
-    let moved = opened.moved(&of.design)?;
     let suspension = moved.wheel();
     // A rotation moves points along arcs, not straight lines, and a rate moves no point.
     let is_straight = |v: &&Variable| v.turn.is_none() && v.rate.is_none();
     let straight = optimise.variables.iter().filter(is_straight);
     let variables: Vec<_> = straight.cloned().collect();
-    let found = assessed(suspension, &variables, layout)
+    let found = assessed(suspension, &variables, &layout)
         .map_err(|fault| fault.describe(&suspension.mechanism))?;
     let Ok(found) = found else {
         return Ok(DirectionsAnswer::none());
@@ -38,7 +40,8 @@ pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAns
 }
 
 /// Directions that leave the residuals (the rows of `goal`) unchanged, to first order. The columns of `goal` belong to the
-/// variables. `points` is the number of points of the design.
+/// variables. `points` is the number of points of the design. The name of a direction leaves out variables that move by at most a
+/// thousandth of their range.
 pub(super) fn unseen(
     goal: &Linearisation,
     variables: &[VariableOverview],
@@ -60,7 +63,8 @@ pub(super) fn unseen(
             for (point, axis, factor) in &variable.moves {
                 by[*point][*axis] += factor * share;
             }
-            parts.push(format!("{} {share:+.2}", variable.name));
+            let by = with_plus(*share, brief(to_digits(*share, 3)));
+            parts.push(format!("{} {by}", variable.name));
         }
         FreeDirection {
             name: parts.join(", "),
@@ -83,4 +87,30 @@ pub(super) fn limits(opened: &Opened, of: &Designed) -> Result<LimitsAnswer, Str
         |_| true,
         limits.notes,
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Small moves, as in a study in metres, have three digits.
+    #[test]
+    fn amounts_of_small_moves_have_digits() {
+        let variable = |name: &str| VariableOverview {
+            name: name.to_owned(),
+            moves: Vec::new(),
+            is_turn: false,
+            range: [-0.001_234, 0.001_234],
+        };
+        let mut goal = Linearisation::new(1, 2);
+        goal.jacobian[(0, 0)] = 1e6;
+        goal.jacobian[(0, 1)] = -1e6;
+        let found = unseen(&goal, &[variable("a"), variable("b")], 0).directions;
+        assert_eq!(found.len(), 1);
+        let parts: Vec<&str> = found[0].name.split(", ").collect();
+        assert_eq!(parts.len(), 2);
+        for part in parts {
+            assert!(part.ends_with("0.00247"), "{part}");
+        }
+    }
 }

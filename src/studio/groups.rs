@@ -4,7 +4,7 @@
 pub(super) struct Groups {
     /// Group of each station.
     pub of_stations: Vec<usize>,
-    /// Values of all sliders at the first station of each group.
+    /// Values of all sliders at the first station of each group. NaN for a value that is not known.
     pub places: Vec<Vec<f64>>,
     /// Index of the group nearest to the slider positions.
     pub shown: usize,
@@ -70,7 +70,7 @@ impl Groups {
         }
     }
 
-    /// Values of all sliders at the first station of the group nearest to the slider positions.
+    /// Values of all sliders at the first station of the group nearest to the slider positions. `None` without groups.
     pub(super) fn shown_place(&self) -> Option<&[f64]> {
         self.places.get(self.shown).map(Vec::as_slice)
     }

@@ -11,10 +11,11 @@ const LONGEST_HEAD: usize = 16 << 10;
 const MOST_HEADERS: usize = 64;
 /// Longest body of a request, in bytes. A design with a thousand points needs a tenth of it.
 pub(super) const LONGEST_BODY: usize = 1 << 20;
-/// Time limit for a request without the token, from the connection to its complete head.
+/// Time limit for the head of the first request of a connection.
 const STRANGER_PATIENCE: Duration = Duration::from_secs(5);
-/// Time limit for the rest of a request, and for the next request of a connection that has shown the token.
+/// Time limit for the body of a request, for writing an answer, and for the rest of a head that has begun.
 const PATIENCE: Duration = Duration::from_secs(10);
+/// Longest pause between two requests of a connection that has shown the token.
 const IDLE: Duration = Duration::from_secs(120);
 
 /// Head of a request.
@@ -25,13 +26,15 @@ pub(super) struct Head {
     pub host: Option<String>,
     pub origin: Option<String>,
     pub content_type: Option<String>,
+    /// True if the client wants to send further requests on this connection.
     pub keeps: bool,
+    /// Length of the body in bytes.
     length: usize,
 }
 
 /// Reason why no request could be read.
 pub(super) enum Unread {
-    /// The client has closed the connection or sent nothing.
+    /// The connection is closed, broken or too slow.
     Gone,
     /// The request is refused with this status.
     Refused(u16, &'static str),
@@ -86,7 +89,7 @@ impl Connection {
         }
     }
 
-    /// Reads the body that belongs to a head.
+    /// Reads the body that belongs to a head. The only error is [`Unread::Gone`].
     pub(super) fn body(&mut self, head: &Head) -> Result<Vec<u8>, Unread> {
         let deadline = Instant::now() + PATIENCE;
         while self.ahead.len() < head.length {

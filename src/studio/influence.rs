@@ -8,7 +8,8 @@ use crate::model::{Axis, PointId};
 use crate::plan::Plan;
 use crate::study::Vehicle;
 
-/// Derivatives of every column with respect to a coordinate at each station, in the column's unit per length unit.
+/// Derivatives of the requested columns with respect to a coordinate at each station, in the column's unit per length unit. The
+/// stations are those of the curves at the same `curves_rack`.
 pub(super) fn influence(
     opened: &Opened,
     request: &InfluenceRequest,
@@ -24,14 +25,17 @@ pub(super) fn influence(
     let names = &request.characteristics;
     let shown = in_motion(&study, request.motion.as_deref())?;
     let own = match &shown.vehicle {
-        Vehicle::Axle(both) => return super::axle::influence(both, names, point, *axis),
+        Vehicle::Axle(both) => return super::axle::influence(both, request, point, *axis),
         Vehicle::Wheel(own) => own,
     };
-    let plan = Plan {
+    let mut plan = Plan {
         sensitivities: vec![point],
         loads: Vec::new(),
         ..Plan::of(&asking_for(own, names)?)
     };
+    if let Some(rack) = request.curves_rack {
+        plan.racks = vec![rack];
+    }
     let suspension = &own.suspension;
     let found = wheel_curves(own, &plan).map_err(|f| f.describe(&suspension.mechanism))?;
     let stations = found.stations.len();

@@ -16,7 +16,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Message that refuses to tune a study without variables and targets.
+/// Message that refuses to tune a study without `[optimise]`.
 pub(super) const NO_SECTION: &str =
     "the study has no [optimise] section with variables and targets";
 /// Message that refuses to tune a design in which every coordinate is locked.
@@ -35,9 +35,9 @@ fn panicked(panic: &(dyn Any + Send)) -> String {
 }
 
 /// Converts a range relative to the design in the file to a range relative to the present design. The page has moved the points
-/// of the variable by `moved` units. The result always contains the present position. If the points have moved by different
-/// amounts, the range stays as it is and becomes relative to their present positions. The second value is a note if the tuning
-/// may therefore go beyond the range in the file.
+/// of the variable by `moved` units of the variable, one number for each point. The result always contains the present position.
+/// If the points have moved by different amounts, the range stays as it is and becomes relative to their present positions. The
+/// second value is a note if the tuning may therefore go beyond the range in the file.
 pub(super) fn counted_from_file(
     name: &str,
     [low, high]: [f64; 2],
@@ -69,12 +69,22 @@ pub(super) fn counted_from_file(
 }
 
 /// Shifts the range of a variable, which is relative to the design in the file, so that it is relative to the design on the
-/// page. Returns a note if the range cannot be kept.
+/// page. The range of a rotation stays as it is. Returns a note if the tuning may go beyond the range in the file.
 fn count_from_file(
     variable: &mut Variable,
     file: &Suspension,
     now: &[Vector3<f64>],
 ) -> Option<String> {
+    if let Some(turn) = &variable.turn {
+        let is_moved = turn.points.iter().any(|p| file.design[p.0] != now[p.0]);
+        return is_moved.then(|| {
+            format!(
+                "{} {}: its points were moved, so its range is relative to their present positions",
+                variable.name,
+                variable.way()
+            )
+        });
+    }
     let moved = variable.moves.iter().map(|by| {
         let [was, is] = [file.design[by.point.0], now[by.point.0]].map(|point| point[by.axis]);
         file.frame.sign(by.axis) * (is - was) / by.factor
@@ -93,6 +103,7 @@ pub(super) struct Job {
     number: u64,
     interrupt: AtomicBool,
     iterations: AtomicU64,
+    /// Number of starts that have begun.
     starts: AtomicUsize,
     /// Smallest misfit so far.
     misfit: Mutex<Option<f64>>,
@@ -122,7 +133,7 @@ impl Job {
         Ok(job)
     }
 
-    /// Tuning of a design of a wheel or an axle.
+    /// Tuning of a design of a wheel or an axle, without the variables that move a locked coordinate.
     pub(super) fn of_study(opened: Arc<Opened>, request: &TuneRequest) -> Result<Tuning, String> {
         let mut study = opened.moved(&request.of.design)?;
         let study_design = study.wheel().design.clone();
@@ -150,7 +161,7 @@ impl Job {
         Ok(Box::new(move |job| job.run(&study, &opened.text, remarks)))
     }
 
-    /// Runs a tuning that reports its iterations to this job.
+    /// Runs a tuning that reports its iterations and its smallest misfit to this job, and that stops if the job is cancelled.
     pub(super) fn controlled<R>(&self, tune: impl FnOnce(Control<'_>) -> R) -> R {
         let watch = |_: usize, iteration: &Iteration| {
             self.iterations.fetch_add(1, Ordering::Relaxed);

@@ -30,9 +30,10 @@ pub(super) struct Overview {
     /// Path of the file. With it, a browser distinguishes the stored data of different studies.
     pub place: String,
     pub digest: String,
-    /// SHA-256 of the file's text without unsaved changes.
+    /// SHA-256 of the file's text, as it was read, without unsaved changes.
     pub base: String,
-    /// Sections of the study as in the file, for the forms of the page.
+    /// Sections of the study text with its unsaved edits, for the forms of the page. For a car: sections of its three texts, and
+    /// the units of their numbers.
     pub written: serde_json::Value,
     pub topology: String,
     pub unit: String,
@@ -56,10 +57,12 @@ pub(super) struct Overview {
     pub motions: Vec<MotionOverview>,
     pub targets: Vec<TargetOverview>,
     pub variables: Vec<VariableOverview>,
+    /// True if the study has a section `[optimise]`.
     pub tunes: bool,
     /// Number of builds whose misfit a tuning lowers. `None` if the tuning lowers the misfit of the nominal design.
     pub builds: Option<usize>,
     pub has_constraints: bool,
+    /// Number of starts of a tuning.
     pub starts: usize,
 }
 
@@ -187,14 +190,16 @@ pub(super) struct VariableOverview {
 #[derive(Serialize)]
 pub(super) struct SolvedAnswer {
     pub columns: Vec<ColumnValues>,
-    /// Horizontal-axis value of each station.
+    /// Horizontal-axis value of each station. `None` if the station has no pose and its value is therefore not known.
     pub drive: Vec<Option<f64>>,
     /// Group of each station. Stations of one group differ only in the horizontal-axis value.
     pub groups: Vec<usize>,
-    /// Values of all sliders at the first station of each group.
+    /// Values of all sliders at the first station of each group. NaN (null in JSON) for a value that is not known, or for the drive
+    /// of a wheel if it is on the horizontal axis.
     pub group_places: Vec<Vec<f64>>,
-    /// Index of the group nearest to the slider positions. The field `rack` is the rack displacement of this group.
+    /// Index of the group nearest to the slider positions.
     pub shown: usize,
+    /// Rack displacement at the first station of this group. 0 for a car.
     pub rack: f64,
     /// True if the motion is given as a table of rows. Then curves connect the stations in the order of the rows.
     pub has_rows: bool,
@@ -202,15 +207,16 @@ pub(super) struct SolvedAnswer {
     pub is_partial: bool,
     pub status: Vec<&'static str>,
     pub failures: Vec<FailureRange>,
-    /// Mechanism at the slider positions: the wheel, the left wheel of an axle, or the left side of a car. `None` if the design
-    /// cannot be solved.
+    /// Mechanism at the slider positions: the wheel, the left wheel of an axle, or the left side of a car. It has the pose, or the
+    /// reason why there is no pose. `None` if the wheels cannot be solved at all.
     pub frame: Option<Drawn>,
     /// Right wheel of an axle, or right side of a car.
     pub right: Option<Drawn>,
+    /// The same as `frame`, with the points of the opened text. `None` if these points are the same or have no equilibrium.
     pub opened: Option<Drawn>,
     pub misfit: Option<Misfit>,
     pub remarks: Vec<String>,
-    /// Computing time of the server.
+    /// Computing time of the server in milliseconds.
     pub milliseconds: f64,
 }
 
@@ -220,7 +226,7 @@ pub(super) struct SolvedAnswer {
 pub(super) enum Drawn {
     /// Drawing of one wheel.
     Wheel(Box<Frame>),
-    /// Drawing of one side of a car.
+    /// Drawing of one side of a car, or the reason why there is none.
     Side {
         pose: Result<Box<SidePlacement>, String>,
     },
@@ -266,7 +272,8 @@ impl ColumnValues {
     }
 }
 
-/// Misfit as a multiple of the tolerances, with its derivatives with respect to every coordinate.
+/// Misfit as a multiple of the tolerances, with its derivatives with respect to every coordinate. Without a misfit, all lists are
+/// empty.
 #[derive(Serialize)]
 pub(super) struct Misfit {
     pub value: Option<f64>,
@@ -277,15 +284,19 @@ pub(super) struct Misfit {
     pub constraints: Vec<ConstraintMargin>,
 }
 
+/// Deviation from one target, as a multiple of its tolerance.
 #[derive(Serialize)]
 pub(super) struct TargetMisfit {
     pub column: String,
+    /// Root mean square over the stations of the target.
     pub rms: f64,
+    /// Largest deviation, with its sign.
     pub worst: f64,
     /// Position of the largest deviation. `None` for a result of a load case.
     pub worst_at: Option<f64>,
     /// Unit of the position of the largest deviation, or name of the load case.
     pub worst_at_unit: String,
+    /// Derivatives of `rms` with respect to every coordinate.
     pub gradient: Coordinates,
 }
 
@@ -316,13 +327,14 @@ impl DirectionsAnswer {
     }
 }
 
+/// Combination of variables that leaves the targets unchanged, to first order.
 #[derive(Serialize)]
 pub(super) struct FreeDirection {
-    /// Variables and their amounts, in words.
+    /// Variables and their amounts for the full `change`, in words.
     pub name: String,
     /// Displacement of each point.
     pub change: Coordinates,
-    /// Possible multiples of `change`: smallest (negative) and largest.
+    /// Ends of the slider, as multiples of `change`. The ends may be outside of the ranges of the variables.
     pub free: [f64; 2],
 }
 
@@ -359,12 +371,14 @@ impl LimitsAnswer {
     }
 }
 
-/// State of a tuning.
+/// State of a tuning. `error` and `proposal` are `None` until the tuning is done.
 #[derive(Serialize)]
 pub(super) struct JobState {
     pub job: u64,
     pub iterations: u64,
+    /// Number of starts that have begun.
     pub starts: usize,
+    /// Smallest misfit so far.
     pub misfit: Option<f64>,
     pub done: bool,
     pub error: Option<String>,
@@ -374,11 +388,11 @@ pub(super) struct JobState {
 #[derive(Clone, Serialize)]
 pub(super) struct Proposal {
     pub design: Coordinates,
-    /// Changes of the text that set the tuned rates of elastic parts.
+    /// Changes of the text that set the tuned rates of elastic parts, or the tuned values of a car.
     pub edits: Vec<ValueEdit>,
     /// Present value that each edit replaces, so that the page can apply a part of the change.
     pub origins: Vec<serde_json::Value>,
-    /// Changed rates in words: part, present rate, tuned rate.
+    /// Changed rates and values in words: name, present value, tuned value.
     pub rates: Vec<[String; 3]>,
     pub headline: String,
     pub side_effects: SideEffectRows,
@@ -443,9 +457,11 @@ impl SideEffectRows {
     }
 }
 
+/// Answer to a save, and to the choice of a new study.
 #[derive(Serialize)]
 pub(super) struct Saved {
-    /// Names of the files whose texts have changed.
+    /// Names of the files whose texts have changed. Empty if no text has changed.
     pub file: String,
+    /// SHA-256 of the study text that the page shows. A save under another name does not change it.
     pub digest: String,
 }

@@ -25,20 +25,32 @@ use crate::optimise::{Assessed, TargetLayout, assessed};
 use crate::report::constraint_margins;
 use crate::study::{Optimise, Study};
 use nalgebra::{DMatrix, DVector};
+use std::borrow::Cow;
+
+impl Opened {
+    /// Stations at which the targets of a moved design are evaluated, if there are targets. The stations in `layout` have the
+    /// points of the right wheel. If the study gives these points separately, they move with the design, so the stations are made
+    /// again.
+    pub(super) fn layout_of(&self, moved: &Study) -> Option<Cow<'_, TargetLayout>> {
+        let layout = self.layout.as_ref()?;
+        let has_own = moved.axle().is_some_and(|both| both.axle.right.is_some());
+        Some(match &moved.optimise {
+            Some(optimise) if has_own => {
+                Cow::Owned(TargetLayout::nominal(optimise, &moved.vehicle))
+            }
+            _ => Cow::Borrowed(layout),
+        })
+    }
+}
 
 /// Misfit of a design, if its study has targets.
 pub(super) fn misfit(opened: &Opened, study: &Study) -> Result<Option<Misfit>, DesignFault> {
-    let (Some(optimise), Some(layout)) = (&study.optimise, &opened.layout) else {
+    let (Some(optimise), Some(layout)) = (&study.optimise, opened.layout_of(study)) else {
         return Ok(None);
     };
-    let suspension = study.wheel();
-    // The stations in `layout` have the points of the right wheel. If the study gives these points separately, they move with
-    // the design, so the stations are made again.
-    let has_own = study.axle().is_some_and(|both| both.axle.right.is_some());
-    let own = has_own.then(|| TargetLayout::nominal(optimise, &study.vehicle));
-    let found = assessed(suspension, &opened.every, own.as_ref().unwrap_or(layout))?;
+    let found = assessed(study.wheel(), &opened.every, &layout)?;
     Ok(Some(match found {
-        Ok(found) => of_assessment(study, optimise, layout, &found),
+        Ok(found) => of_assessment(study, optimise, &layout, &found),
         Err(infeasible) => Misfit {
             value: None,
             reason: Some(infeasible.to_string()),
@@ -49,6 +61,7 @@ pub(super) fn misfit(opened: &Opened, study: &Study) -> Result<Option<Misfit>, D
     }))
 }
 
+/// Misfit, deviations and margins of an assessed design. The columns of the Jacobian are the coordinates of all points.
 pub(super) fn of_assessment(
     study: &Study,
     optimise: &Optimise,

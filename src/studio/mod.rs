@@ -2,14 +2,16 @@
 //!
 //! A [`Studio`] serves one study to a browser on the same machine. The page sends a design. The server answers with curves as
 //! `hardpoint solve` writes them, with the mechanism in one position, and with the misfit. The answer also has the exact
-//! gradient of the misfit with respect to every coordinate. The page itself computes nothing.
+//! gradient of the misfit with respect to every coordinate. The page computes no pose, curve or misfit.
 //!
-//! The server stores the texts that it has read, a running tuning, and the latest request of each page (`turns.rs`). The page
-//! keeps the design in progress. So several tabs do not disturb each other, and a stopped server loses nothing.
+//! The server stores the latest texts that it has read or edited, the latest tuning, a few report pages, and the running request
+//! of each page (`turns.rs`). The page keeps the design in progress. So several tabs do not disturb each other, and a stopped
+//! server loses no moved point.
 //!
-//! The server accepts requests to a loopback address whose path begins with a token of 128 random bits. `Host` must be the
-//! printed address. `Origin` must be the printed address, too, except in a request for the page itself (`access.rs`). The
-//! server only writes the study, and files with plain names in the same folder (`study_file.rs`).
+//! The server accepts requests to a loopback address whose path begins with a token of 128 random bits. `Host` must be 127.0.0.1
+//! or localhost with the port of the server. `Origin` must be the same address. A GET request may have no `Origin`
+//! (`access.rs`). The server only writes the study, the studies of a car's axles, and new files with plain names in the folder of
+//! the study (`study_file.rs`).
 
 mod access;
 mod answer;

@@ -11,44 +11,52 @@ const AXES: [&str; 6] = ["x", "y", "z", "about x", "about y", "about z"];
 #[derive(Default)]
 pub(super) struct TunedRates {
     pub edits: Vec<ValueEdit>,
-    /// Present value that each edit replaces.
+    /// Present value that each edit replaces. Null if the text does not have the value yet.
     pub origins: Vec<Value>,
-    /// Each changed number in words: part, present rate, tuned rate.
+    /// Each changed number in words: part, present rate, tuned rate. A number without a present rate has an empty text.
     pub words: Vec<[String; 3]>,
 }
 
-/// Changes that set the tuned rates in a study's text.
+/// Changes that set the tuned rates in a study's text: rates of bushings, links, springs, the anti-roll bar and the steering.
 pub(super) fn rate_edits(study: &Study, text: &str, tuned: &Study) -> TunedRates {
     let parsed = |text: &str| {
         let document: toml::Table = text.parse().unwrap_or_default();
         serde_json::to_value(document).unwrap_or_default()
     };
-    let [now, then] = [text.to_owned(), study.with_rates_of(text.to_owned(), tuned)];
-    let [now, then] = [parsed(&now), parsed(&then)];
+    let then = study.with_rates_of(text.to_owned(), tuned);
     let mut rates = TunedRates::default();
-    for section in ["bushings", "links"] {
-        let parts = then[section].as_object().into_iter().flatten();
-        for (name, part) in parts {
-            for (key, value) in part.as_object().into_iter().flatten() {
-                let old = &now[section][name][key];
-                if old == value {
-                    continue;
-                }
-                let path = [section, name, key].map(|step| PathStep::Key(step.to_owned()));
-                rates.origins.push(old.clone());
-                rates.edits.push(ValueEdit {
-                    path: path.into(),
-                    value: Some(value.clone()),
-                });
-                let words = differences(&format!("{name} {key}"), old, value);
-                rates.words.extend(words);
-            }
-        }
-    }
+    rates.collect(&mut Vec::new(), &parsed(text), &parsed(&then));
     rates
 }
 
-/// Numbers of a key that differ, each with its name, old value and new value.
+impl TunedRates {
+    /// Adds an edit for each value of `then` that differs from the value in `now`. `path` has the keys that lead to both.
+    fn collect(&mut self, path: &mut Vec<String>, now: &Value, then: &Value) {
+        if now == then {
+            return;
+        }
+        if let Some(table) = then.as_object() {
+            for (key, value) in table {
+                path.push(key.clone());
+                self.collect(path, &now[key], value);
+                path.pop();
+            }
+            return;
+        }
+        let name = match path.as_slice() {
+            [section, part @ ..] if section == "bushings" || section == "links" => part,
+            all => all,
+        };
+        self.words.extend(differences(&name.join(" "), now, then));
+        self.origins.push(now.clone());
+        self.edits.push(ValueEdit {
+            path: path.iter().cloned().map(PathStep::Key).collect(),
+            value: Some(then.clone()),
+        });
+    }
+}
+
+/// Numbers of a value that differ, each with its name, old value and new value.
 fn differences(name: &str, old: &Value, new: &Value) -> Vec<[String; 3]> {
     let shown = |value: &Value| value.as_f64().map_or_else(String::new, brief);
     let Some(list) = new.as_array() else {

@@ -26,17 +26,18 @@ pub(super) trait Reading: Send + Sync {
     fn overview(&self) -> Overview;
     /// Answers a dragged point. The flag stops the work.
     fn solved(&self, request: &SolveRequest, stop: &Stop) -> Result<SolvedAnswer, String>;
-    /// Derivatives of every column with respect to a coordinate.
+    /// Derivatives of the requested columns with respect to a coordinate.
     fn influence(&self, request: &InfluenceRequest) -> Result<InfluenceAnswer, String>;
     /// Moves that leave the targets unchanged.
     fn directions(&self, of: &Designed) -> Result<DirectionsAnswer, String>;
-    /// Limits of the mechanism.
+    /// Limits of the mechanism, or lift limits of a car.
     fn limits(&self, of: &Designed) -> Result<LimitsAnswer, String>;
-    /// Results of a design over a named motion or over the study's own motion, as `hardpoint solve` writes them.
+    /// Results of a design over a named motion or over the study's own motion, as `hardpoint solve` writes them. For a car: the
+    /// results of its load cases.
     fn csv(&self, design: &Coordinates, motion: Option<&str>) -> Result<Vec<u8>, String>;
     /// Hardpoints of a design as a table.
     fn points(&self, of: &Designed) -> Result<Vec<u8>, String>;
-    /// Hardpoints and centre lines of a design, for CAD.
+    /// Hardpoints and centre lines of a design, for CAD. An error for a car.
     fn drawing(&self, of: &Designed) -> Result<Vec<u8>, String>;
     /// Report page of a design.
     fn report(&self, of: &Designed) -> Result<String, String>;

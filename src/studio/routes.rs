@@ -20,8 +20,8 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// Number of study texts that the server stores. With these texts, tabs opened before a save keep working, and changes can be
-/// undone.
+/// Number of study texts that the server stores. With these texts, tabs opened before a save keep working, and the user can undo
+/// changes of values. A request that refers to an older text gets status 409.
 const TEXTS: usize = 40;
 /// Media types of exported files.
 const CSV: &str = "text/csv; charset=utf-8";
@@ -40,6 +40,7 @@ pub(super) struct ServerState {
     file: OnceLock<Files>,
     /// Study texts of the server, the most recently used one last.
     texts: Mutex<VecDeque<Arc<dyn Reading>>>,
+    /// Latest tuning, running or ended.
     job: Mutex<Option<Arc<Job>>>,
     /// Report pages with their numbers, the latest last.
     reports: Mutex<VecDeque<(u64, Arc<str>)>>,
@@ -275,7 +276,7 @@ impl ServerState {
         Ok(Response::new(200, kind, file))
     }
 
-    /// Answers with the exported results of a design.
+    /// Answers with the curves of a design, or with the load cases of a car, as CSV.
     fn csv(&self, body: &[u8]) -> Result<Response, Refused> {
         let request: CurvesRequest = message(body)?;
         let opened = self.text(&request.digest)?;
@@ -356,6 +357,7 @@ impl ServerState {
         json(&format!("report/{number}"))
     }
 
+    /// Report page with this number. `None` if the server does not store it any more.
     fn report(&self, number: &str) -> Option<Response> {
         let number: u64 = number.parse().ok()?;
         let reports = locked(&self.reports);

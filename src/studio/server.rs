@@ -13,7 +13,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use thiserror::Error;
 
-/// Default port. The port is always the same, so that a browser finds the data that it stored in earlier sessions.
+/// Default port. If this port is free, every session uses it, so that a browser finds the data that it stored in earlier
+/// sessions.
 const USUAL_PORT: u16 = 7353;
 /// Interval between checks for a request to stop.
 const LOOK: Duration = Duration::from_millis(100);
@@ -44,10 +45,11 @@ pub struct Studio {
 }
 
 impl Studio {
-    /// Reads a study, and listens on a port of 127.0.0.1. Without `port` it uses the default port, or any free port.
+    /// Reads a study, and listens on a port of 127.0.0.1. Without `port` it uses the default port, or any free port if the
+    /// default port is taken.
     ///
     /// # Errors
-    /// If the study is wrong or the port is taken.
+    /// If the study cannot be read or has errors, if `port` is not available, or if the system refuses a resource.
     pub fn open(study: &Path, port: Option<u16>) -> Result<Self, NotServed> {
         let shown = study.display();
         let wrong = |why: String| NotServed::Study(why);
@@ -59,10 +61,10 @@ impl Studio {
         Ok(studio)
     }
 
-    /// Listens without a study. The page asks for a topology, and writes a new study into a folder.
+    /// Listens without a study. The page asks for a topology, and the server writes the new study into `directory`.
     ///
     /// # Errors
-    /// If the port is taken.
+    /// If `port` is not available, or if the system refuses a resource.
     pub fn choose(directory: PathBuf, port: Option<u16>) -> Result<Self, NotServed> {
         let listen = |port: u16| TcpListener::bind((Ipv4Addr::LOCALHOST, port));
         let listener = match port {
@@ -85,7 +87,7 @@ impl Studio {
     /// request of the page, or at the end.
     ///
     /// # Errors
-    /// If the thread that waits for connections cannot be started.
+    /// If the address of the server is not known, or the thread that waits for connections cannot be started.
     pub fn serve(
         self,
         stop: &AtomicBool,

@@ -24,7 +24,7 @@ pub(super) struct Choice {
     design: Coordinates,
 }
 
-/// All topologies.
+/// All topologies whose template can be read.
 pub(super) fn choices() -> Vec<Choice> {
     let choice = |topology: &&'static Topology| {
         let topology: &'static Topology = topology;
@@ -91,7 +91,7 @@ fn imported(
         FileUnit::named(&unit)
             .ok_or_else(|| format!("expected mm, cm, m, in or ft, found {unit:?}"))
     });
-    let axes = given(&request.axes).map(|axes| Axes::parse(&axes));
+    let axes = given(&request.axes).map(|axes| Axes::parse(&axes).map_err(|why| in_form(&why)));
     let side = given(&request.side).map(|side| {
         let mut all = Side::ALL.into_iter();
         let found = all.find(|one| one.name() == side);
@@ -116,26 +116,29 @@ fn imported(
         .tempfile()
         .map_err(named)?;
     file.write_all(points.as_bytes()).map_err(named)?;
-    let table = read_points(file.path(), None, None).map_err(|refusal| in_form(&refusal))?;
-    import(&table, &options).map_err(|refusal| in_form(&refusal))
+    let table =
+        read_points(file.path(), None, None).map_err(|refusal| in_form(&refusal.to_string()))?;
+    import(&table, &options).map_err(|refusal| in_form(&refusal.to_string()))
 }
 
 /// Text of a refusal that names the fields of the form instead of flags.
-fn in_form(refusal: &crate::exchange::Refusal) -> String {
-    let words = refusal.to_string();
+fn in_form(refusal: &str) -> String {
     let fields = [
         ("--half-track", "half track"),
         ("--radius", "wheel radius"),
         ("--unit", "unit"),
+        ("as in --axes ", "as in "),
         ("--axes", "axes"),
         ("--side", "wheel"),
     ];
     let words = fields
         .iter()
-        .fold(words, |words, (flag, field)| words.replace(flag, field));
+        .fold(refusal.to_owned(), |words, (flag, field)| {
+            words.replace(flag, field)
+        });
     // In this message, "it" means the file. The form has no file, so the message names the pasted text instead.
-    let words = match words.strip_prefix("it has no table") {
-        Some(rest) => format!("the pasted text has no table{rest}"),
+    let words = match words.strip_prefix("it ") {
+        Some(rest) => format!("the pasted text {rest}"),
         None => words,
     };
     // The form has no file of names. The user can rename points in the pasted text.

@@ -35,7 +35,7 @@ pub(super) struct Opened {
     /// Text of the file with `edits` applied.
     pub text: String,
     pub study: Study,
-    /// A variable for every coordinate.
+    /// A variable for every coordinate, in the order of the points.
     pub every: Vec<Variable>,
     /// Stations at which targets of the nominal design are evaluated, if there are targets.
     pub layout: Option<TargetLayout>,
@@ -175,6 +175,10 @@ impl StudyFile {
     pub(super) fn edited(&self, opened: &Opened, edits: &[ValueEdit]) -> Result<Opened, String> {
         let text = edited_text(&opened.text, edits)?;
         let edited = Opened::of(&self.path, text).map_err(|errors| errors.render(false))?;
+        // If the edits cancel each other, no edit must go into a file that another program changes later.
+        if edited.digest == opened.base {
+            return Ok(edited);
+        }
         Ok(Opened {
             base: opened.base.clone(),
             base_text: opened.base_text.clone(),
@@ -194,8 +198,8 @@ impl StudyFile {
     }
 
     /// Writes a design into the study. If another program has changed the file since the page read it, the file stays
-    /// unchanged. With `anyway`, only the coordinates that the user has changed are written into the changed file. Returns the
-    /// study, and true if the text of the file has changed.
+    /// unchanged. With `anyway`, only the values and coordinates that the user has changed are written into the changed file.
+    /// Returns the study, and true if the text of the file has changed.
     pub(super) fn save(
         &self,
         opened: &Opened,
@@ -467,7 +471,7 @@ pub(super) fn check_name(name: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// True if Windows interprets a name as a device. The part after the first dot is ignored.
+/// True if Windows interprets a name as a device, whatever follows the first dot.
 fn is_reserved(name: &str) -> bool {
     let stem = name.split('.').next().unwrap_or("").trim_end();
     let stem = stem.to_ascii_uppercase();

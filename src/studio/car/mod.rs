@@ -200,11 +200,16 @@ impl Reading for OpenedCar {
     fn edited(&self, edits: &[ValueEdit]) -> Result<Arc<dyn Reading>, String> {
         let texts = files::edited_texts(&self.texts(), edits)?;
         let edited = OpenedCar::of_texts(&self.files, &texts);
+        let edited = edited.map_err(|errors| errors.render(false))?;
+        // If the edits cancel each other, no edit must go into a file that another program changes later.
+        if edited.digest == self.base {
+            return Ok(Arc::new(edited));
+        }
         Ok(Arc::new(OpenedCar {
             base: self.base.clone(),
             base_texts: self.base_texts.clone(),
             edits: [&self.edits, edits].concat(),
-            ..edited.map_err(|errors| errors.render(false))?
+            ..edited
         }))
     }
 

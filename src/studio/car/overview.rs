@@ -205,14 +205,14 @@ fn cases(study: &CarStudy) -> Slider {
     }
 }
 
-/// Name that denotes a result of all wheels or of both axles.
+/// Name that denotes a result at all wheels or at both axles. If this name denotes a result of the whole car instead, the result's
+/// own name.
 fn group(quantity: CarQuantity) -> String {
     let name = match quantity {
         CarQuantity::Wheel(_, result) => result.info().name.to_owned(),
         CarQuantity::Axle(_, result) => result.info().name.replace("_{}", ""),
         CarQuantity::Whole(result) => result.info().name.to_owned(),
     };
-    // The name of a result of the whole car denotes only that result.
     if CarQuantity::named(&name).contains(&quantity) {
         name
     } else {

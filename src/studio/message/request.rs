@@ -46,6 +46,7 @@ pub(in crate::studio) struct StartRequest {
     pub unit: Option<String>,
     pub axes: Option<String>,
     pub side: Option<String>,
+    /// Half of the track, in the unit of the points.
     pub half_track: Option<f64>,
     /// Loaded radius of the wheel, in the unit of the points.
     #[serde(default)]
@@ -60,7 +61,7 @@ pub(in crate::studio) struct SolveRequest {
     pub characteristics: Vec<String>,
     /// Position of the mechanism in the drawing: one value per slider.
     pub at: Vec<f64>,
-    /// Rack displacement of the curves. `None` for the displacements of the study.
+    /// Rack displacement of the curves, in the study's unit and axes. `None` for the displacements of the study.
     pub curves_rack: Option<f64>,
     /// Index of the slider whose coordinate is on the horizontal axis of the curves.
     pub over: usize,
@@ -70,8 +71,8 @@ pub(in crate::studio) struct SolveRequest {
     /// True if the page needs only the stations of the shown group, because a point still moves.
     #[serde(default)]
     pub shown_only: bool,
-    /// Number of the page, and of its request. A later request of the same page stops this one. `None` if later requests must not
-    /// stop it.
+    /// Number of the page, and number of its request. A later request of the same page stops this one. `None` if later requests
+    /// must not stop it.
     #[serde(default)]
     pub turn: Option<[u64; 2]>,
 }
@@ -82,10 +83,14 @@ pub(in crate::studio) struct InfluenceRequest {
     pub of: Designed,
     pub characteristics: Vec<String>,
     pub point: usize,
+    /// Axis of the study: 0 for x, 1 for y, 2 for z.
     pub axis: usize,
     /// Name of the motion. `None` for the study's own motion.
     #[serde(default)]
     pub motion: Option<String>,
+    /// Rack displacement of the curves. `None` for the displacements of the study.
+    #[serde(default)]
+    pub curves_rack: Option<f64>,
 }
 
 #[derive(Deserialize)]
@@ -117,8 +122,8 @@ pub(in crate::studio) struct SaveRequest {
     pub name: Option<String>,
     /// True to write the moved coordinates although the file has changed, or to replace an existing file of that name.
     pub anyway: bool,
-    /// SHA-256 of the file's text that the page last read or wrote. `None` if this is the text to which the design's changes
-    /// refer. The two texts differ after a save and an undo.
+    /// SHA-256 of the file's text that the page last read or wrote. `None` if this is the text to which the edits of the study
+    /// text apply. The two texts differ after a save and an undo.
     #[serde(default)]
     pub base: Option<String>,
 }

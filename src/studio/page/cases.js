@@ -1,5 +1,5 @@
 // Load cases of a car. The table has a row for each result and a column for each case. Below each value is the change relative
-// to the file.
+// to the file, the value of a proposal, or the effect of a coordinate.
 import { AXES, brief, byId, html, set, signed, write } from './draw.js';
 import { emit, isInGesture, on, onRest, state } from './design.js';
 import { askForTarget } from './targets.js';

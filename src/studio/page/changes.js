@@ -7,8 +7,19 @@ import { post } from './server.js';
 const AROUND = 2;
 
 // Differences between two lists of lines, as pairs of kind and line. The kind is a blank for a common line, - for a removed line,
-// and + for an added line. The common lines are a longest common subsequence.
+// and + for an added line.
 export const difference = (before, after) => {
+  // Common lines at both ends need no search, which takes memory for each pair of lines.
+  const least = Math.min(before.length, after.length);
+  let [first, last] = [0, 0];
+  while (first < least && before[first] === after[first]) first += 1;
+  while (last < least - first && before.at(-1 - last) === after.at(-1 - last)) last += 1;
+  const common = (lines) => lines.map((line) => [' ', line]);
+  const middle = [before, after].map((lines) => lines.slice(first, lines.length - last));
+  return [...common(before.slice(0, first)), ...searched(...middle), ...common(before.slice(before.length - last))];
+};
+// The same for two lists whose common lines must be searched: they are a longest common subsequence.
+const searched = (before, after) => {
   const [n, m] = [before.length, after.length];
   const longest = Array.from({ length: n + 1 }, () => new Uint32Array(m + 1));
   for (let i = n - 1; i >= 0; i -= 1) {

@@ -20,7 +20,7 @@ const askForClearance = async () => {
   const chosen = await chooseMembers(2);
   if (!chosen) return;
   const { members, unit } = state.overview;
-  // The first two members without a common joint.
+  // The first two members of one axle without a common joint.
   const isApart = (first, second) => first.axle === second.axle && !first.ends.some((end) => second.ends.includes(end));
   const usual = members.flatMap((first, k) => members.map((second, n) => [k, n]).filter(([, n]) => isApart(first, members[n])))[0] ?? [0, 1];
   const fields = [0, 1].map((k) => select(members.map(memberName), chosen[k] ?? usual[k]));

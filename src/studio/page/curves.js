@@ -345,7 +345,7 @@ class Chart {
       values.forEach((value, i) => {
         if (value !== null || answer.groups[i] !== group || answer.drive[i] === null) return;
         const stretch = answer.failures.find((f) => i >= f.first && i <= f.last);
-        const reason = stretch ? stretch.reason : answer.status[i] === 'ok' ? 'has no value here' : answer.status[i].replace('_', ' ');
+        const reason = stretch ? stretch.reason : answer.status[i] === 'ok' ? 'has no value here' : answer.status[i].replaceAll('_', ' ');
         gaps.append(svg('rect', { x: (x(answer.drive[i]) - 2).toFixed(1), y: height - this.bottom - 5, width: 4, height: 5 }, svg('title', { text: `${brief(answer.drive[i])}: ${reason}` })));
       });
     }
@@ -427,7 +427,11 @@ const offerAxes = () => {
   byId('motion-label').hidden = motions.length < 2;
   const over = targets.filter((t) => t.motion === state.motion && t.over !== null && t.over !== state.over).map((t) => `over ${sliders[t.over].name}`);
   const others = targets.filter((t) => t.motion !== state.motion).map((t) => `in ${t.motion ?? '[motion]'}`);
-  const elsewhere = [...new Set([...over, ...others])];
+  // Targets at rack displacements at which the motion has no stations.
+  const { values, unit } = sliders.at(-1);
+  const racks = targets.filter((t) => t.motion === state.motion && t.over === state.over).flatMap((t) => t.racks).filter((rack) => !values.includes(rack));
+  const beside = racks.length ? [`at rack ${[...new Set(racks)].map((rack) => brief(rack)).join(', ')} ${unit}`] : [];
+  const elsewhere = [...new Set([...over, ...beside, ...others])];
   byId('elsewhere').textContent = elsewhere.length ? `Targets ${elsewhere.join(', ')} are not shown here.` : '';
 };
 const clear = () => {
@@ -470,7 +474,7 @@ export const startCurves = () => {
   });
   on('answer', () => {
     if (state.overview.is_car) return;
-    if (state.answer.has_rows) byId('family-label').hidden = true;
+    if (state.answer?.has_rows) byId('family-label').hidden = true;
     arrange();
     drawAll();
   });

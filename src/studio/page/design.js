@@ -35,7 +35,7 @@ export const state = {
   // Designs that are kept beside the present one, by letter.
   pins: {},
   selected: null,
-  // Index of the target whose arrows are shown; null for the misfit.
+  // Index of the target whose arrows are shown; null for the misfit, and 'none' for no arrows.
   arrows: null,
   influence: null,
 };
@@ -161,11 +161,13 @@ export const isOfFile = (overview) => {
   state.file = overview;
 };
 // Accepts an edited study as one action. `overview` describes the study after `edits`. Without `design`, the design stays. The
-// label is a text, or a function of the former design.
+// label is a text, or a function of the former design. The file keeps the text that it has: after a save and an undo, the server
+// edits an earlier text.
 export const takeOverview = (overview, label, edits, design = null) => {
   const before = state.design;
   if (design) state.design = copy(design);
   overview.from = state.overview.from;
+  overview.base = state.overview.base;
   overview.edits = [...state.overview.edits, ...edits];
   takeMotion(overview);
   state.overview = overview;
@@ -229,11 +231,13 @@ export const setCoordinate = (point, axis, value) => {
 export const here = () => state.at[state.over];
 
 export const of = (design = state.design, digest = state.overview.digest) => ({ digest, design });
+// Rack displacement at which the user holds the curves; null for the displacements of the study.
+const curvesRack = () => (state.curvesAtRack && !state.overview.is_car ? state.at.at(-1) : null);
 const request = (design, digest) => ({
   of: of(design, digest),
   characteristics: state.chosen,
   at: state.at,
-  curves_rack: state.curvesAtRack && !state.overview.is_car ? state.at.at(-1) : null,
+  curves_rack: curvesRack(),
   over: state.over,
   motion: state.motion,
 });
@@ -336,12 +340,20 @@ export const askGhost = async () => {
   }
   isGhostAsked = false;
 };
-// Asks for the answers of pinned designs, with the same request as for the present design.
+// Asks for the answers of pinned designs, with the same request as for the present design. It sends one request at a time, so an
+// answer for earlier positions of the sliders cannot replace a later one.
+let arePinsAsked = false;
+let arePinsWanted = false;
 export const askPins = async () => {
-  for (const pin of Object.values(state.pins)) {
-    pin.answer = await post('solve', request(pin.design)).catch(() => null);
+  arePinsWanted = true;
+  if (arePinsAsked) return;
+  arePinsAsked = true;
+  while (arePinsWanted) {
+    arePinsWanted = false;
+    for (const pin of Object.values(state.pins)) pin.answer = await post('solve', request(pin.design)).catch(() => null);
+    emit('pins');
   }
-  emit('pins');
+  arePinsAsked = false;
 };
 // Shows the curves over another motion. Positions of sliders begin at the design position.
 export const chooseMotion = (name) => {
@@ -378,7 +390,7 @@ export const askInfluence = async (point, axis) => {
     emit('influence');
     return;
   }
-  const found = await post('influence', { of: of(), characteristics: state.chosen, point, axis, motion: state.motion }).catch(() => null);
+  const found = await post('influence', { of: of(), characteristics: state.chosen, point, axis, motion: state.motion, curves_rack: curvesRack() }).catch(() => null);
   if (number !== influences) return;
   state.influence = found && { point, axis, columns: new Map(found.columns.map((c) => [c.column, c.slopes])) };
   emit('influence');

@@ -85,11 +85,11 @@ export const fitted = (input) => {
   fill(input, input.value);
   return input;
 };
-// Number in a typed text, with a decimal point or comma; null if the text is not a number. Other notations, such as hexadecimal
-// digits, are not accepted.
+// Number in a typed text, with a decimal point or a decimal comma; null if the text is not a number. Other notations, such as
+// hexadecimal digits, are not accepted.
 const NUMBER = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
 export const parsed = (text) => {
-  const plain = text.trim().replace('−', '-').replace(',', '.');
+  const plain = text.trim().replaceAll('−', '-').replace(',', '.');
   const value = NUMBER.test(plain) ? Number(plain) : NaN;
   return Number.isFinite(value) ? value : null;
 };

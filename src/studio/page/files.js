@@ -15,11 +15,13 @@ export const readStudy = async (overview = null) => {
   overview ??= await post('study', null);
   isOfFile(overview);
   takeMotion(overview);
+  // Points that the file still has stay locked.
+  const locks = new Map(state.overview?.points.map(({ name }, p) => [name, state.locked[p]]));
   state.overview = overview;
   state.opened = copy(overview.design);
   state.pins = {};
   state.design = copy(overview.design);
-  state.locked = overview.points.map(() => [false, false, false]);
+  state.locked = overview.points.map(({ name }) => locks.get(name) ?? [false, false, false]);
   state.at = overview.sliders.map((slider) => slider.home);
   state.arrows = null;
   state.selected = null;
@@ -34,13 +36,15 @@ export const readStudy = async (overview = null) => {
 
 // Writes into the legend to which state the page compares the design: "as opened" or "saved".
 const tellCompared = (words) => write(byId('key-ghost'), words);
-const saved = ({ digest, file }, design) => {
+// Takes the answer to a save of a design with the text of `overview`. The user may have changed the design or the text since.
+const saved = ({ digest, file }, design, overview) => {
   tellCompared('saved');
-  state.overview.digest = digest;
-  state.overview.base = digest;
-  isOfFile(state.overview);
+  overview.digest = digest;
+  state.overview.base = overview.base = digest;
+  isOfFile(overview);
   state.opened = design;
   dropDraft();
+  keepDraft();
   askGhost();
   emit('saved');
   emit('design');
@@ -71,12 +75,22 @@ const save = async (isSure = false) => {
     if (!sure) return;
   }
   ownChanges += 1;
+  const { overview } = state;
   try {
-    saved(await post('save', { of: of(design), name: null, anyway: false, base: state.file.digest }), design);
+    saved(await post('save', { of: of(design), name: null, anyway: false, base: state.file.digest }), design, overview);
   } catch (refused) {
     if (refused.status !== 409) return say(refused.message, 'bad');
     return settleConflict(refused.message);
   } finally { ownChanges += 1; }
+};
+// Saves, unless a save is in progress or a question is open. A second save at the same time would find the file changed.
+let isSaving = false;
+const saveOnce = async () => {
+  if (isSaving || byId('dialog').open) return;
+  isSaving = true;
+  try {
+    await save();
+  } finally { isSaving = false; }
 };
 // Another program has changed the file since it was read.
 const settleConflict = async (message) => {
@@ -195,7 +209,7 @@ const keepDraft = () => {
   clearTimeout(timer);
   timer = setTimeout(() => {
     if (!isMoved() && !isEdited()) return dropDraft();
-    try { localStorage.setItem(key(), JSON.stringify({ when: Date.now(), ...unsaved() })); } catch { /* no storage */ }
+    try { localStorage.setItem(key(), JSON.stringify({ when: Date.now(), ...unsaved(), isEdited: isEdited() })); } catch { /* no storage */ }
   }, 200);
 };
 // The latest draft of the study, with the name under which the browser keeps it.
@@ -218,17 +232,22 @@ const offerDraft = () => {
   const edits = Array.isArray(draft.edits) ? draft.edits : [];
   // Edits name a target or variable by its index, so they only fit the text of the study for which they were made.
   const hasEdits = edits.length > 0 && draft.from === state.overview.from;
+  // After a save and an undo, the draft has no edits, although its text differs from the file.
+  const isLost = !hasEdits && (edits.length > 0 || draft.isEdited === true);
   const { design } = withMoves(state.overview, draft.moves);
-  if (isSame(design, state.design) && !hasEdits) return;
   const discard = () => drop(() => name);
+  const when = new Date(draft.when).toLocaleTimeString([], { hour: '2-digit', minute: '2-digit' });
+  if (isSame(design, state.design) && !hasEdits) {
+    if (isLost) say(`Unsaved edits of values from ${when} cannot be restored: the file has changed since.`, 'bad', action('Discard', discard));
+    return;
+  }
   const restore = async () => {
     if (hasEdits) await edit(edits, 'Restored edits');
     put(design, 'draft');
     // From now on, the draft of this tab contains these changes.
     discard();
-    if (edits.length && !hasEdits) say('The points are restored. Edits of targets and variables are not: the file has changed since.', 'bad');
+    if (isLost) say('The points are restored. Edits of targets and variables are not: the file has changed since.', 'bad');
   };
-  const when = new Date(draft.when).toLocaleTimeString([], { hour: '2-digit', minute: '2-digit' });
   say(`Unsaved changes from ${when}.`, 'ask', action('Restore', restore), action('Discard', discard));
 };
 
@@ -340,7 +359,7 @@ const exported = async (what) => {
 };
 
 export const startFiles = () => {
-  byId('save').addEventListener('click', () => save());
+  byId('save').addEventListener('click', saveOnce);
   byId('save-as').addEventListener('click', saveAs);
   byId('export').addEventListener('click', (event) => {
     const what = event.target.dataset?.export;
@@ -351,7 +370,7 @@ export const startFiles = () => {
   document.addEventListener('keydown', (event) => {
     if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === 's') {
       event.preventDefault();
-      save();
+      saveOnce();
     }
   });
   setInterval(watchFile, WATCH);

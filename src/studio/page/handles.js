@@ -35,7 +35,8 @@ export class EdgeHandles {
     this.held = null;
   }
 
-  // Moves each handle to the present value of its number. A handle that the user drags, or that has the focus, is kept.
+  // Moves each handle to the present value of its number. A handle of the same number stays the same element, so that a drag
+  // continues and the focus stays.
   draw(targets, { x, y }, xs, unit) {
     const seen = new Set();
     for (const target of targets) {

@@ -1,6 +1,6 @@
 // History for undo and redo, and designs that are pinned beside the present design.
 import { brief, byId, html, renew, scroller } from './draw.js';
-import { askPins, copy, history, isEdited, isInGesture, isMoved, on, onRest, put, resume, state, travel } from './design.js';
+import { askPins, copy, history, isEdited, isInGesture, isMoved, isSame, on, onRest, put, resume, state, travel } from './design.js';
 import { action, question, say } from './dialog.js';
 import { post } from './server.js';
 import { writtenDiff } from './changes.js';
@@ -25,32 +25,36 @@ let timer = null;
 const keepHistory = () => {
   clearTimeout(timer);
   timer = setTimeout(() => {
-    const { from } = state.overview;
     const { timeline, present } = history();
-    // Actions before a save are not stored, because they refer to a text that the file no longer has.
-    const own = timeline.filter(({ overview }) => overview.from === from);
-    const deeds = own.map(({ label, design, overview }) => ({ label, places: byName(design), edits: overview.edits }));
-    keep('history', { from, present: own.indexOf(timeline[present]), deeds });
+    const deeds = timeline.map(({ label, design, overview: { from, edits } }) => ({ label, places: byName(design), from, edits }));
+    keep('history', { file: state.file.digest, present, deeds });
   }, 200);
 };
 export const dropHistory = () => { clearTimeout(timer); try { sessionStorage.removeItem(key('history')); } catch { /* no storage */ } };
-// Restores the history of this tab, if the file still has the text from which the history starts.
+// Restores the history of this tab, if the file still has the text that this tab last read or saved. It leaves out actions whose
+// text the server no longer has. These actions are from the time before a save.
 export const resumeHistory = async () => {
   const found = kept('history');
   const opened = state.overview;
-  if (found?.from !== opened.digest || !Array.isArray(found.deeds) || !found.deeds[found.present]) return;
-  const overviews = new Map([['[]', opened]]);
+  if (found?.file !== opened.digest || !Array.isArray(found.deeds)) return;
+  const overviewOf = ({ from, edits }) => post('edit', { digest: from, edits }).then((overview) => ({ ...overview, base: opened.base, from, edits }), () => null);
+  const textOf = ({ from, edits }) => JSON.stringify([from, edits]);
+  const overviews = new Map([[textOf(opened), opened]]);
   const deeds = [];
-  try {
-    for (const { label, places, edits } of found.deeds) {
-      const text = JSON.stringify(edits);
-      if (!overviews.has(text)) overviews.set(text, { ...await post('edit', { digest: opened.digest, edits }), from: opened.from, edits });
-      deeds.push({ label: String(label), design: designOf(places), overview: overviews.get(text) });
-    }
-  } catch { return; }
-  if (deeds.some(({ design }) => design === null)) return;
-  resume(deeds, found.present);
-  if (isMoved() || isEdited()) say('Your unsaved changes are back, with their history.', 'ask', action('Back to the file', () => travel(0)));
+  let present = -1;
+  for (const [k, deed] of found.deeds.entries()) {
+    const text = textOf(deed);
+    if (!overviews.has(text)) overviews.set(text, await overviewOf(deed));
+    const [design, overview] = [designOf(deed.places), overviews.get(text)];
+    if (!design || !overview) continue;
+    if (k === found.present) present = deeds.length;
+    deeds.push({ label: String(deed.label), design, overview });
+  }
+  if (present < 0) return;
+  resume(deeds, present);
+  // After a save, the first action is not the state of the file.
+  const ofFile = deeds.findIndex(({ overview, design }) => overview.digest === opened.digest && isSame(design, state.opened));
+  if (isMoved() || isEdited()) say('Your unsaved changes are back, with their history.', 'ask', ...(ofFile < 0 ? [] : [action('Back to the file', () => travel(ofFile))]));
 };
 
 const keepPins = () => keep('pins', Object.entries(state.pins).map(([letter, { design }]) => [letter, byName(design)]));
@@ -117,7 +121,7 @@ const draw = () => {
 
 export const startHistory = () => {
   on('study', restorePins);
-  on('deed', keepHistory);
+  for (const event of ['deed', 'saved']) on(event, keepHistory);
   for (const event of ['study', 'edited', 'pins']) on(event, draw);
   onRest(draw);
   on('answer', () => { if (!isInGesture() || Object.keys(state.pins).length) draw(); });

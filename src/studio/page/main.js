@@ -87,7 +87,7 @@ const startDeeds = () => {
   byId('redo').addEventListener('click', redo);
   byId('back').addEventListener('click', () => put(state.opened, 'back'));
   document.addEventListener('keydown', (event) => {
-    if (!(event.ctrlKey || event.metaKey) || event.target.matches('input[type=text]')) return;
+    if (!(event.ctrlKey || event.metaKey) || byId('dialog').open || event.target.matches('input[type=text]')) return;
     const name = event.key.toLowerCase();
     if (name === 'z' && !event.shiftKey) undo();
     else if (name === 'y' || (name === 'z' && event.shiftKey)) redo();
@@ -124,7 +124,8 @@ const startRegions = () => document.addEventListener('keydown', (event) => {
   [...controls].find((control) => control.checkVisibility() && control.tabIndex >= 0)?.focus();
 });
 
-// If the server does not answer, the page asks again. The user can still move points, and the moves are stored.
+// If the server does not answer, the page asks again every second. The user can still move points, and the browser stores the
+// moves.
 let retry = null;
 const startWatch = () => watchServer((there) => {
   clearInterval(retry);
@@ -142,7 +143,7 @@ const startWatch = () => watchServer((there) => {
   }
 });
 
-// While the answer for a moved design is late, the results of the earlier design are pale.
+// While the answer for a moved design is late, the results of the earlier design are grey.
 const startLate = () => {
   for (const event of ['late', 'answer', 'unanswered']) {
     on(event, () => {

@@ -46,7 +46,7 @@ const selectNamed = (text) => {
   const body = state.overview.scene.bodies.find(({ name }) => text.includes(name) || text.includes(name.replaceAll(' ', '_')));
   if (body) select(body.lines[0][0]);
 };
-// While a point moves, chips that need all stations keep their values and are pale.
+// While a point moves, chips that need all stations keep their values and are grey.
 const markStale = (isStale) => { for (const key of ['solved', 'warnings']) chips.get(key)?.chip.classList.toggle('stale', isStale); };
 // Font sizes and weights of a chip, in pixels for the usual text size of the browser.
 const SIZES = { value: [15.2, 700], note: [12, 400] };

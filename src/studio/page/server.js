@@ -10,7 +10,8 @@ export class Refused extends Error {
 const watchers = [];
 let there = true;
 
-// Registers a watcher of the server's state: 'yes' if the server answers, 'no' if not, 'other' if another server answers.
+// Registers a watcher of the server's state. The watcher is called when the state changes: 'yes' if the server answers, 'no' if
+// not, 'other' if another server answers.
 export const watchServer = (watcher) => watchers.push(watcher);
 const tell = (state) => {
   if (state === there) return;
@@ -18,11 +19,17 @@ const tell = (state) => {
   for (const watcher of watchers) watcher(state);
 };
 
+// Longest message in bytes that the server reads. The browser could not show the server's refusal of a longer message, because the
+// server closes the connection.
+const LONGEST = 2 ** 20;
 const send = async (what, message) => {
+  const body = JSON.stringify(message);
+  // A character has at most three bytes.
+  if (body.length > LONGEST / 3 && new Blob([body]).size > LONGEST) throw new Refused(413, 'the text is longer than 1 MB, and the server reads at most 1 MB: use less text');
   let response;
   try {
     response = await fetch(what, {
-      method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify(message),
+      method: 'POST', headers: { 'content-type': 'application/json' }, body,
     });
   } catch {
     tell('no');

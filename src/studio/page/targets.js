@@ -112,7 +112,7 @@ const variableRow = (variable, k) => {
 const variableAdder = () => {
   const { points, unit } = state.overview;
   const choice = (label, names) => html('select', { 'aria-label': label }, ...names.map((text) => html('option', { value: text, text: words(text) })));
-  const point = choice('point of the new variable', points.map(({ name }) => name));
+  const point = choice('point of the new variable', points.filter(({ follows }) => !follows).map(({ name }) => name));
   if (state.selected !== null) point.value = points[state.selected].name;
   const axis = choice('axis of the new variable', AXES);
   const range = fitted(html('input', { type: 'text', value: String(lengthOf(10)), 'aria-label': 'range of the new variable in both directions' }));

@@ -1,5 +1,5 @@
 // Tuning on the page: progress, cancel, and the result as a proposal beside the present design.
-import { AXES, brief, byId, html, scroller, signed } from './draw.js';
+import { AXES, brief, byId, html, inDegrees, renew, scroller, signed } from './draw.js';
 import { askMisfit, askProposal, copy, described, isSame, of, on, put, snapped, state, takeOverview } from './design.js';
 import { say } from './dialog.js';
 import { openTab, tellTab } from './layout.js';
@@ -89,7 +89,8 @@ const tune = async () => {
   if (job !== null) return;
   close();
   const base = copy(state.design);
-  const { digest } = state.overview;
+  // A save changes the digest of this overview. Every other change of the study's text replaces the overview.
+  const { overview } = state;
   const message = html('p', { text: 'Tuning …' });
   const bar = html('progress', { 'aria-label': 'starts that have begun', max: Math.max(1, state.overview.starts), value: 0 });
   const cancel = html('button', { text: 'Cancel', id: 'cancel', on: { click: () => { cancel.disabled = true; if (job !== null) post('cancel', { job }).catch(() => {}); } } });
@@ -109,10 +110,11 @@ const tune = async () => {
       message.textContent = `${now.iterations} iterations${misfit}`;
     }
     if (now.error) throw new Error(now.error);
-    if (digest !== state.overview.digest) throw new Error('the study was read again in the meantime');
+    const checkText = () => { if (overview !== state.overview) throw new Error('the study was changed or read again in the meantime'); };
+    checkText();
     const { edits } = now.proposal;
-    const tuned = edits.length ? { share: 1, overview: await post('edit', { digest, edits }), edits } : null;
-    if (digest !== state.overview.digest) throw new Error('the study was read again in the meantime');
+    const tuned = edits.length ? { share: 1, overview: await post('edit', { digest: overview.digest, edits }), edits } : null;
+    checkText();
     propose(base, now.proposal, tuned);
   } catch (refused) {
     show(html('div', { class: 'heading' }, html('h2', { text: 'Tune' }), html('button', { text: 'Close', on: { click: close } })), html('p', { class: 'bad', text: refused.message }));
@@ -143,7 +145,7 @@ const preview = () => {
   }
   for (const { now, then, to } of proposal.values) {
     const isTaken = proposal.rates.checked;
-    to.textContent = !isTaken ? now : proposal.share === 1 ? then : brief(mixed(Number(now), Number(then), proposal.share), 6);
+    to.textContent = !isTaken ? now : proposal.share === 1 || now === '' ? then : brief(mixed(Number(now), Number(then), proposal.share), 6);
   }
   byId('proposal-note').textContent = isSame(proposal.base, state.design) ? '' : 'Points have moved since this proposal was made. “Now” and Apply refer to the earlier design.';
   askProposal(design, digestTaken());
@@ -168,6 +170,22 @@ const tellMisfit = () => {
   const isKnown = value !== undefined && value !== null;
   const cost = isKnown && exact !== null ? ` (rounding ${value < exact ? 'lowers' : 'raises'} it by ${brief(Math.abs(value - exact), 2)})` : '';
   words.textContent = isKnown ? `${state.overview.builds ? 'nominal misfit' : 'misfit'} with these coordinates: ${brief(value, 4)}${cost}` : '';
+};
+
+// Margins of the constraints: of the present design, and of the selected part of the proposal.
+const marginsTable = () => {
+  const then = state.proposed?.misfit?.constraints ?? [];
+  if (!then.length) return [];
+  const now = state.answer?.misfit?.constraints ?? [];
+  const words = (own) => (own ? `${brief(own.margin, 3)} ${inDegrees(own.unit)}` : '–');
+  const rows = then.map((own, k) => html('tr', { class: own.is_violated ? 'violated' : null },
+    html('th', { scope: 'row', text: inDegrees(own.is_violated ? `${own.name}, violated` : own.name) }), html('td', { class: 'number', text: words(now[k]) }), html('td', { class: `number ${own.is_violated ? 'bad' : ''}`, text: words(own) })));
+  return [scroller('Margins of the constraints', html('table', { id: 'margins' },
+    html('thead', {}, html('tr', {}, ...['constraint', 'margin now', 'margin with these coordinates'].map((text, k) => html('th', { text, class: k ? 'number' : null })))), html('tbody', {}, ...rows)))];
+};
+const tellMargins = () => {
+  const place = byId('proposal-margins');
+  if (place) renew(place, ...marginsTable());
 };
 
 // Changes that no target requests, flagged ones first.
@@ -227,6 +245,7 @@ const propose = (base, { design, rates: changed, headline, side_effects: effects
     ...(tuned ? [scroller('Tuned values', html('table', { id: 'rates' },
       html('thead', {}, html('tr', {}, html('td', {}, rates), ...[state.overview.is_car ? 'value' : 'elastic part', 'now', 'tuned'].map((text, k) => html('th', { text, class: k ? 'number' : null })))),
       html('tbody', {}, ...values.map(({ name, now, to }) => html('tr', {}, html('td'), html('th', { scope: 'row', text: name.replaceAll('_', ' ') }), html('td', { class: 'number', text: now }), to)))))] : []),
+    html('div', { id: 'proposal-margins' }),
     html('h3', { text: 'Results of the full proposal' }),
     ...effectsTable(effects),
     ...yieldsTable(yields),
@@ -241,8 +260,10 @@ export const startTuning = () => {
   byId('tune').addEventListener('click', tune);
   const allow = () => {
     close();
+    // The result of a running tuning would belong to the former study.
+    if (job !== null) post('cancel', { job }).catch(() => {});
     const { tunes } = state.overview;
-    byId('tune').disabled = !tunes;
+    byId('tune').disabled = !tunes || job !== null;
     byId('tune').title = tunes ? 'Lower the misfit with the variables of the study' : state.overview.is_car ? 'The study has no [optimise] section' : 'The study has no targets yet: add one on a chart';
   };
   on('study', allow);
@@ -255,4 +276,5 @@ export const startTuning = () => {
   on('chosen', preview);
   on('place', preview);
   on('proposed', tellMisfit);
+  for (const event of ['proposed', 'answer']) on(event, tellMargins);
 };

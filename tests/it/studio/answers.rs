@@ -175,7 +175,8 @@ fn margins_have_the_unit_of_the_study() {
     }
 }
 
-/// The effect of a coordinate on a curve equals the slope of the curves.
+/// The effect of a coordinate on a curve equals the slope of the curves, also if the user holds the curves at a rack
+/// displacement.
 #[test]
 fn influences_are_slopes_of_the_curves() {
     let served = Served::of(&sample("double_wishbone_front.toml"));
@@ -186,24 +187,29 @@ fn influences_are_slopes_of_the_curves() {
         .iter()
         .position(|p| p["name"] == "tie_rod_inner")
         .unwrap();
-    let asked = json!({"of": of, "characteristics": ["toe"], "point": point, "axis": 2});
-    let found = served.post("influence", &asked).json();
-    let toe = |by: f64| {
-        let of = served.moved("tie_rod_inner", 2, by);
-        let message = json!({"of": of, "characteristics": ["toe"], "at": [0.0, 0.0], "curves_rack": null, "over": 0});
-        answered(&served.post("solve", &message).json())
-            .into_iter()
-            .find(|(name, _)| name == "toe_deg")
-            .unwrap()
-            .1
-    };
-    let (up, down) = (toe(0.01), toe(-0.01));
-    let columns = found["columns"].as_array().unwrap();
-    let slopes = &columns.iter().find(|c| c["column"] == "toe_deg").unwrap()["slopes"];
-    for station in 0..up.len() {
-        let slope = (up[station].unwrap() - down[station].unwrap()) / 0.02;
-        let said = slopes[station].as_f64().unwrap();
-        assert!((slope - said).abs() < 1e-5, "{station}: {slope} {said}");
+    for rack in [Value::Null, json!(20.0)] {
+        let asked = json!({"of": of, "characteristics": ["toe"], "point": point, "axis": 2, "curves_rack": rack});
+        let found = served.post("influence", &asked).json();
+        let toe = |by: f64| {
+            let of = served.moved("tie_rod_inner", 2, by);
+            let message = json!({"of": of, "characteristics": ["toe"], "at": [0.0, 0.0], "curves_rack": rack, "over": 0});
+            answered(&served.post("solve", &message).json())
+                .into_iter()
+                .find(|(name, _)| name == "toe_deg")
+                .unwrap()
+                .1
+        };
+        let (up, down) = (toe(0.01), toe(-0.01));
+        let columns = found["columns"].as_array().unwrap();
+        let slopes = &columns.iter().find(|c| c["column"] == "toe_deg").unwrap()["slopes"];
+        for station in 0..up.len() {
+            let slope = (up[station].unwrap() - down[station].unwrap()) / 0.02;
+            let said = slopes[station].as_f64().unwrap();
+            assert!(
+                (slope - said).abs() < 1e-5,
+                "{rack} {station}: {slope} {said}"
+            );
+        }
     }
 }
 

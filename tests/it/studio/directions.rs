@@ -99,3 +99,41 @@ fn targets_do_not_change_along_free_directions() {
         assert!(alone.fold(0.0, larger) > 1.0);
     }
 }
+
+/// The points of a right wheel that the study gives separately move with the design. So the directions of a moved design
+/// are those of a study file with this design.
+#[test]
+fn directions_of_a_moved_axle_are_those_of_its_file() {
+    let variables = [
+        "lower_rear_link_inner",
+        "upper_rear_link_inner",
+        "toe_link_outer",
+    ]
+    .map(|point| {
+        format!("  {{ hardpoint = \"{point}\", axis = \"y\", range = [-15.0, 15.0] }},\n")
+    });
+    let text = sample("five_link_axle_rear.toml")
+        .replace(
+            "right = \"mirrored\"",
+            "right = { hardpoints = { toe_link_inner = [-180.0, -348.0, 262.0] } }",
+        )
+        .replace(
+            "variables = [\n",
+            &format!("variables = [\n{}", variables.concat()),
+        );
+    let served = Served::of(&text);
+    let moved = served.moved("toe_link_inner", 2, 12.0);
+    let found = served.post("directions", &moved).json();
+    let copy = json!({"of": moved, "name": "copy.toml", "anyway": false});
+    assert_eq!(served.post("save", &copy).status, 200);
+    let file = std::fs::read_to_string(served.folder.path().join("copy.toml")).unwrap();
+    let again = Served::of(&file);
+    let of = again.moved("toe_link_inner", 2, 0.0);
+    let expected = again.post("directions", &of).json();
+    let names = |answer: &Value| -> Vec<Value> {
+        let all = answer["directions"].as_array().unwrap().iter();
+        all.map(|direction| direction["name"].clone()).collect()
+    };
+    assert!(!names(&expected).is_empty());
+    assert_eq!(names(&found), names(&expected));
+}

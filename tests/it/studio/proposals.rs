@@ -239,3 +239,43 @@ fn a_printed_tuning_report_has_its_tables() {
         assert!(below.contains(words), "{words}: {below}");
     }
 }
+
+/// A proposal shows the margin of each constraint for the selected part. A save during the tuning does not discard the
+/// proposal.
+#[test]
+fn a_proposal_shows_margins_and_survives_a_save() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let served = Served::of(&sample("macpherson_steering.toml"));
+    browser.open(&served.address);
+    browser.wait(READY);
+    browser.run(
+        "const field = document.querySelector('input[aria-label=\"strut_top x\"]'); \
+         field.value = '-34'; field.dispatchEvent(new Event('change'))",
+    );
+    browser.wait(SETTLED);
+    browser.run("document.getElementById('tune').click(); document.getElementById('save').click()");
+    browser.wait("document.getElementById('accept')");
+    browser.wait("document.querySelectorAll('#margins tbody tr').length === 3");
+    let margins = "return [...document.querySelectorAll('#margins tbody tr')].map((row) => row.lastChild.textContent)";
+    let shown = browser.run(margins);
+    let exact = browser.run(
+        "return studio.state.proposed.misfit.constraints.map((own) => Number(own.margin.toPrecision(3)))",
+    );
+    for (text, number) in shown
+        .as_array()
+        .unwrap()
+        .iter()
+        .zip(exact.as_array().unwrap())
+    {
+        let number = number.as_f64().unwrap();
+        assert!(
+            text.as_str().unwrap().starts_with(&number.to_string()),
+            "{text} {number}"
+        );
+    }
+    browser.wait("document.getElementById('banner').textContent.includes('saved')");
+    assert!(served.text().contains("-34.0"));
+    assert_eq!(browser.console(), Vec::<String>::new());
+}

@@ -111,3 +111,75 @@ targets = [{ characteristic = "toe", points = [[-40.0, 0.0], [0.0, 0.0], [40.0, 
     assert_ne!(drawn, json!(""));
     assert_eq!(browser.console(), Vec::<String>::new());
 }
+
+/// The user undoes a change that was saved. The page keeps this state when it is loaded again. A further change can be
+/// saved, because no other program has changed the file.
+#[test]
+fn an_undo_past_a_save_survives_a_reload() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let text = sample("macpherson_front.toml");
+    let served = Served::of(&text);
+    let weight = |value: &str| {
+        browser.click("#tab-targets");
+        type_in(&browser, "camber [°]: weight", value);
+        browser.wait(&format!(
+            "studio.state.overview.written.optimise.targets[0].weight === {value}"
+        ));
+        browser.wait(SETTLED);
+    };
+    let save = || {
+        browser.run("document.getElementById('banner').textContent = ''");
+        browser.click("#save");
+        browser.wait("document.querySelector('#dialog[open] button[value=yes]')");
+        browser.click("#dialog button[value=yes]");
+        browser.wait("document.getElementById('banner').textContent.includes('study.toml saved')");
+    };
+    browser.open(&served.address);
+    browser.wait(READY);
+    weight("3");
+    save();
+    browser.click("#undo");
+    browser.wait(SETTLED);
+    // The page stores its history a fifth of a second after an action.
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    browser.open(&served.address);
+    browser.wait(READY);
+    browser.wait(SETTLED);
+    let written = "return studio.state.overview.written.optimise.targets[0].weight ?? 1";
+    assert_eq!(browser.run(written), json!(1));
+    browser.click("#redo");
+    browser.wait(SETTLED);
+    assert_eq!(browser.run(written), json!(3));
+    browser.click("#undo");
+    browser.wait(SETTLED);
+    weight("2");
+    save();
+    assert!(served.text().contains("weight = 2"));
+    assert!(!served.text().contains("weight = 3"));
+    assert_eq!(browser.console(), Vec::<String>::new());
+}
+
+/// Three saves by the keyboard, one immediately after the other, are one save. They are no conflict.
+#[test]
+fn a_held_save_key_saves_once() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let served = Served::of(&sample("macpherson_front.toml"));
+    browser.open(&served.address);
+    browser.wait(READY);
+    type_in(&browser, "strut_top x", "-34");
+    browser.wait(SETTLED);
+    let press = "document.body.dispatchEvent(new KeyboardEvent('keydown', { key: 's', ctrlKey: true, bubbles: true }));";
+    browser.run(&press.repeat(3));
+    browser.wait("document.getElementById('banner').textContent.includes('study.toml saved')");
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    assert_eq!(
+        browser.run("return document.getElementById('dialog').open"),
+        json!(false)
+    );
+    assert!(served.text().contains("-34.0"));
+    assert_eq!(browser.console(), Vec::<String>::new());
+}

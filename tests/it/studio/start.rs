@@ -142,6 +142,14 @@ fn a_start_that_is_refused_writes_nothing() {
         said.contains("the pasted text has no table of points"),
         "{said}"
     );
+    // The form has no flags.
+    let mut wrong = request("double_wishbone", "new.toml", "a\t1\t2\t3");
+    wrong["axes"] = json!("up,up,up");
+    let said = served.post("start", &wrong).text();
+    assert!(
+        said.contains("three different axes") && !said.contains("--"),
+        "{said}"
+    );
     assert_eq!(served.files(), ["mine.toml"]);
     let mine = fs::read_to_string(served.folder.path().join("mine.toml"));
     assert_eq!(mine.unwrap(), "mine");

@@ -207,3 +207,49 @@ fn a_robust_proposal_has_the_yields_of_optimise() {
     assert_eq!(tables.split("<tr").filter(is_row).count(), 0);
     assert!(tables.contains("unchanged: "), "{tables}");
 }
+
+/// A proposal contains the tuned rate of a spring. The study with this rate has the misfit of the proposal.
+#[test]
+fn a_proposal_has_the_tuned_rate_of_a_spring() {
+    let optimise = r#"
+[optimise]
+variables = [{ rate = "spring", range = [0.5, 2.0], relative = true }]
+targets = [{ characteristic = "compliant_wheel_rate", at = 0.0, value = 35.0, tolerance = 1.0 }]
+"#;
+    let served = Served::of(&(sample("double_wishbone_compliance.toml") + optimise));
+    let of = served.moved("tie_rod_outer", 2, 0.0);
+    let state = tuned(&served, &of, &[]);
+    let edits = &state["proposal"]["edits"];
+    assert_eq!(edits[0]["path"], json!(["spring", "rate"]), "{state}");
+    assert_eq!(state["proposal"]["origins"], json!([90.0]));
+    assert_eq!(state["proposal"]["rates"][0][0], "spring rate");
+    let edited = json!({"digest": of["digest"], "edits": edits});
+    let edited = served.post("edit", &edited).json();
+    let message = json!({
+        "of": {"digest": edited["digest"], "design": edited["design"]}, "characteristics": ["toe"], "at": [0.0, 0.0],
+        "curves_rack": null, "over": 0,
+    });
+    let misfit = served.post("solve", &message).json()["misfit"]["value"].clone();
+    assert!(misfit.as_f64().unwrap() < 0.2, "{misfit}");
+}
+
+/// Edits that cancel each other leave the study as it is in the file. If another program then changes the file, a save
+/// does not put them into it.
+#[test]
+fn cancelled_edits_do_not_enter_a_changed_file() {
+    let text = sample("macpherson_front.toml");
+    let served = Served::of(&text);
+    let of = served.moved("strut_top", 2, 0.0);
+    let edit = |digest: &Value, starts: u32| {
+        let edits = json!([{"path": ["optimise", "starts"], "value": starts}]);
+        let edited = served.post("edit", &json!({"digest": digest, "edits": edits}));
+        edited.json()["digest"].clone()
+    };
+    let back = edit(&edit(&of["digest"], 4), 1);
+    assert_eq!(back, of["digest"]);
+    let by_hand = text.replace("starts = 1", "starts = 7");
+    fs::write(&served.study, &by_hand).unwrap();
+    let save = json!({"of": of, "name": null, "anyway": true});
+    assert_eq!(served.post("save", &save).status, 200);
+    assert_eq!(fs::read_to_string(&served.study).unwrap(), by_hand);
+}

@@ -104,7 +104,7 @@ impl StudyError {
         ))
     }
 
-    /// Path of the key that contains the error, such as `optimise.variables[0].range`.
+    /// Path of the key that contains the error, such as `optimise.variables[0].range`. `None` if no single key contains it.
     pub fn path(&self) -> Option<&str> {
         self.key.as_deref()
     }
@@ -114,7 +114,7 @@ impl StudyError {
         &self.message
     }
 
-    /// Remedy for the error.
+    /// Remedy for the error, if there is one.
     pub fn suggestion(&self) -> Option<&str> {
         self.help.as_deref()
     }
@@ -173,7 +173,7 @@ fn within_line(text: &str, span: Range<usize>) -> Range<usize> {
     start..boundary(span.end).clamp(start, line_end)
 }
 
-/// All errors of a study, at least one, in the order of the file.
+/// All errors of a study, at least one, in the order of their positions.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{}", self.render(false))]
 pub struct StudyErrors(Vec<StudyError>);
@@ -240,7 +240,7 @@ impl Problems {
         self.errors.extend(errors.0);
     }
 
-    /// Returns the result if there is no error.
+    /// Returns the result if there is no error. Sorts the errors by their positions, those without a position first.
     pub fn finish<T>(mut self, result: Option<T>) -> Result<T, StudyErrors> {
         match result {
             Some(result) if self.errors.is_empty() => Ok(result),

@@ -63,7 +63,7 @@ fn parse_as<T: DeserializeOwned>(source: &Arc<Source>) -> Result<T, StudyErrors>
     Ok(file)
 }
 
-/// Explains a key of an earlier version that another key replaces.
+/// Explains a key that this version or this kind of study replaces by another key. `None` for other messages.
 fn replaced_key(root: &DeTable, text: &str, key: Option<&str>, message: &str) -> Option<String> {
     if root.get("car").is_some() && message.starts_with("unknown field `relative`") {
         return Some(
@@ -93,7 +93,8 @@ fn replaced_key(root: &DeTable, text: &str, key: Option<&str>, message: &str) ->
     })
 }
 
-/// Path of the key whose name or value is at this byte, such as `optimise.variables[0].range`.
+/// Path of the key whose name or value is at this byte, such as `optimise.variables[0].range`. `None` if there is no key, or if
+/// the text is not valid TOML.
 pub fn key_at(text: &str, at: usize) -> Option<String> {
     let root = DeTable::parse(text).ok()?;
     key_in_table(root.get_ref(), at, "")

@@ -1,5 +1,6 @@
 //! Errors in a study, each with its position in the file and a remedy.
 
+use crate::parse::KeyPlaces;
 use crate::source::advice;
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use std::fmt;
@@ -209,6 +210,8 @@ impl std::error::Error for StudyError {}
 pub struct Problems {
     source: Arc<Source>,
     errors: Vec<StudyError>,
+    /// Keys of the source. They are read at the first error.
+    keys: Option<KeyPlaces>,
 }
 
 impl Problems {
@@ -217,12 +220,15 @@ impl Problems {
         Problems {
             source,
             errors: Vec::new(),
+            keys: None,
         }
     }
 
     /// Records an error at a position in the study file.
     pub fn add(&mut self, span: Range<usize>, message: impl Into<String>) -> &mut StudyError {
-        let key = crate::parse::key_at(&self.source.text, span.start);
+        let source = &self.source;
+        let keys = self.keys.get_or_insert_with(|| KeyPlaces::of(&source.text));
+        let key = keys.key_at(span.start);
         let mut error = StudyError::new(self.source.clone(), Some(span), message);
         error.key_named(key);
         self.errors.push(error);

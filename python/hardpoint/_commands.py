@@ -13,6 +13,7 @@ from typing import Any
 from . import _hardpoint
 from ._car import Car
 from ._frame import Frame
+from ._function import names_of
 from ._hardpoint import HardpointError, StudyError
 from ._runs import Results, Run, write_pictures
 from ._study import Overrides, Study, is_car, loads, study_of, written
@@ -217,4 +218,4 @@ def schema() -> dict[str, Any]:
 
 def template(topology: str, parts: Sequence[str] = ()) -> str:
     """Commented study of a topology, ready to run, with parts such as "pushrod", "sweep", "optimise"."""
-    return _hardpoint.template(topology, list(parts))
+    return _hardpoint.template(topology, names_of(parts, "parts"))

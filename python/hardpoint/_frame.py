@@ -145,7 +145,7 @@ class Frame(dict[str, Array]):
         return table if index is None else table.set_index(index)
 
     def to_xarray(self) -> Any:
-        """Xarray Dataset over one dimension, with units as attributes and the motion as coordinates."""
+        """Xarray Dataset over one dimension, with units as attributes, and the motion and the status codes as coordinates."""
         import xarray
 
         dimension = "station" if self.motion else "row"
@@ -155,7 +155,9 @@ class Frame(dict[str, Array]):
             for name, values in self.items()
             if name not in places
         }
-        return xarray.Dataset(variables, coords={**places, "status": (dimension, self.status)})
+        # A table from a file has the words of the status as a column of this name.
+        codes = {} if "status" in self else {"status": (dimension, self.status)}
+        return xarray.Dataset(variables, coords={**places, **codes})
 
     def to_parquet(self, path: str | PathLike[str]) -> None:
         """Writes the columns as Apache Parquet (zstd), with a row group for each 131,072 rows. Needs pyarrow."""

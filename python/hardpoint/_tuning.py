@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from . import _hardpoint
 from ._frame import Frame
+from ._function import names_of
 from ._hardpoint import HardpointError
 from ._runs import Results
 from ._study import Study, is_car, study_of
@@ -146,7 +147,7 @@ def optimise(
         return study.optimise(threads=threads)
     study = study_of(study)
     if front is not None and not isinstance(front, bool):
-        study = study.replace({"optimise.front": list(front)})
+        study = study.replace({"optimise.front": names_of(front, "front")})
     found = _hardpoint.optimise(study._study, front is not False, prices, threads, callback)
     summary: dict[str, Any] = json.loads(found["summary"])
     constraints = summary["constraints"]

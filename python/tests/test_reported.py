@@ -77,7 +77,17 @@ def test_columns_of_tables_are_real_numbers():
     assert hp.sweep(study, {**good, first: [1.0, None]}, threads=1).failed.tolist() == [1]
 
 
+def test_tables_from_files_go_to_xarray():
+    pytest.importorskip("xarray")
+    data = hp.Frame({"travel_mm": [0.0, 1.0], "status": ["ok", "unreachable"]}).to_xarray()
+    assert data["status"].values.tolist() == ["ok", "unreachable"]
+
+
 def test_text_is_no_list_of_names():
+    with pytest.raises(hp.HardpointError, match="list of names"):
+        hp.template("macpherson", "sweep")
+    with pytest.raises(hp.HardpointError, match="list of names"):
+        hp.optimise(STUDIES / "macpherson_steering.toml", front="toe")
     with pytest.raises(hp.HardpointError, match="list of names"):
         hp.sweep(STUDIES / "macpherson_sweep.toml", [[0.0]], variables="tie_rod_inner_dz")
 

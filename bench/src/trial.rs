@@ -17,7 +17,7 @@ pub(crate) trait Equations<T> {
     type Unknown: Copy;
     /// Value of the unknown in the design position.
     fn design(&self) -> Self::Unknown;
-    /// Makes one Newton step. Returns the next unknown, and the travel error of the previous unknown.
+    /// Makes one Newton step. Returns the next unknown, and the error of the equations (a length) at the unknown `at`.
     fn step(&self, at: &Self::Unknown, travel: T) -> (Self::Unknown, f64);
     /// Weighted sum of earlier solutions.
     fn predicted(&self, earlier: &[Self::Unknown], weights: &[f64]) -> Self::Unknown;

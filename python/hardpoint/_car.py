@@ -38,7 +38,7 @@ class Cases(Frame):
         self.cases = cases
 
     def of(self, case: str) -> dict[str, float]:
-        """Results of one case, by column."""
+        """Results of one case, by column. Raises ValueError if there is no such case."""
         row = self.cases.index(case)
         return {name: float(values[row]) for name, values in self.items()}
 
@@ -54,7 +54,7 @@ class CarTuning:
     x: Floats
     """Values of the variables (k): offsets of hardpoints, values of rates and parameters of the car."""
     success: bool
-    """True if the tuning ended at a minimum."""
+    """True if the tuning ended at a minimum, all constraints are satisfied, and no target is missed for lack of a variable."""
     message: str
     """Outcome in words."""
     misfit: float
@@ -90,7 +90,7 @@ class Car:
 
     def __init__(self, path: str | PathLike[str], overrides: Overrides | None = None) -> None:
         """Reads the car of a file with [car], which names the files of both axles. `overrides`, such as {"car.wheelbase":
-        2700.0, "front.spring.rate": 32.0}, act like the program's `--set`."""
+        2700.0, "front.spring.rate": 32.0}, act like the program's `--set`; "front." and "rear." begin keys of the axles."""
         self._car = _hardpoint.Car.load(path, written(overrides))
 
     @classmethod

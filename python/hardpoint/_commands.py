@@ -13,6 +13,7 @@ from typing import Any
 from . import _hardpoint
 from ._car import Car
 from ._frame import Frame
+from ._function import names_of
 from ._hardpoint import HardpointError, StudyError
 from ._runs import Results, Run, write_pictures
 from ._study import Overrides, Study, is_car, loads, study_of, written
@@ -62,8 +63,8 @@ def kc(study: Study | Place, values: Overrides | None = None, /, *, names: str |
     each level of a load, with the forces of bushings and links. "compliance_matrix" has displacement and rotation of the
     wheel centre per force and moment there. "sensitivities" has exact derivatives of the results, if [outputs] requests
     them. `names` ("adams", "altair") adds names and values by the definitions of these programs. `summary["design_load_N"]`
-    is the wheel load of the design position. `summary["without_equilibrium"]` lists loads at which the wheel has no
-    equilibrium."""
+    is the wheel load of the design position, for an axle a list of both wheel loads. `summary["without_equilibrium"]` lists
+    loads at which the wheel has no equilibrium."""
     study = study_of(study).replace(values)
     return Results(_hardpoint.kc(study._study, names), study)
 
@@ -93,8 +94,8 @@ def tolerance(
 
 
 def assemblies(study: Study | Place, travel: float = 0.0, rack: float = 0.0) -> Frame:
-    """Finds all assemblies of the design's lengths at a travel and a rack displacement, with a row for each assembly. Raises
-    `HardpointError` if the search cannot decide whether there are more."""
+    """Finds all assemblies of the design's lengths at a travel and a rack displacement, in the study's length unit, with a row for
+    each assembly. Raises `HardpointError` if the search cannot decide whether there are more."""
     csv, undecided = _hardpoint.assemblies(study_of(study)._study, float(travel), float(rack))
     if undecided:
         raise HardpointError("undecided: " + "; ".join(undecided))
@@ -184,17 +185,20 @@ def export(
     travel: str | None = None,
     rack: str | None = None,
     grow: float | None = None,
+    bushing: str | None = None,
     force: bool = False,
 ) -> list[str]:
     """Writes a study or a run to the file `out` for other tools, in a `unit` and a `frame`. Returns a line for each loss or
-    omission. `to` is "csv", "xlsx", "adams", "optimumk", "assetto", "dxf" or "stl"; the default follows the file name
-    (`.sub` is Adams/Car, `.ini` is Assetto Corsa). `into` is a subsystem file; its copy receives the points. `design` is a
-    number in a sweep, and `round` is a length. `curves` and `names` ("adams", "altair") apply to "csv". `travel`, `rack`
-    (as "-30..30") and `grow` apply to "stl"."""
-    kinds = {".csv": "csv", ".xlsx": "xlsx", ".sub": "adams", ".ini": "assetto", ".dxf": "dxf", ".stl": "stl"}
-    kind = to or kinds.get(Path(out).suffix)
+    omission. `to` is "csv", "xlsx", "adams", "optimumk", "assetto", "dxf", "stl", "bus" or "toml"; the default follows the
+    ending of the file name (`.sub` is Adams/Car, `.ini` is Assetto Corsa, `.bus` is a bushing's property file). `into` is a subsystem file; its copy receives the points. `design` is the
+    number of a design of a sweep (from 0), and `round` is a length. `curves` and `names` ("adams", "altair") apply to "csv".
+    `travel`, `rack` (as "-30..30") and `grow` apply to "stl", and `bushing` (its hardpoint) to "bus"."""
+    ending = Path(out).suffix.lower().removeprefix(".")
+    kind = to or {"sub": "adams", "ini": "assetto"}.get(ending, ending)
+    if not kind:
+        raise HardpointError(f'the file name {out} has no ending; give the format as `to`, as in to="csv"')
     options = _options(to=kind, into=into, design=design, unit=unit, frame=frame, round=round, names=names, travel=travel)
-    options += _options(rack=rack, grow=grow, out=out)
+    options += _options(rack=rack, grow=grow, bushing=bushing, out=out)
     flags = ["--round-all"] * round_all + ["--curves"] * curves + ["--force"] * force
     if is_car(source):
         raise HardpointError("export needs the path of the study file of a car")
@@ -214,4 +218,4 @@ def schema() -> dict[str, Any]:
 
 def template(topology: str, parts: Sequence[str] = ()) -> str:
     """Commented study of a topology, ready to run, with parts such as "pushrod", "sweep", "optimise"."""
-    return _hardpoint.template(topology, list(parts))
+    return _hardpoint.template(topology, names_of(parts, "parts"))

@@ -32,7 +32,7 @@ class Column:
     unit: str
     """Unit; empty for a plain number."""
     positive: str | None = None
-    """Meaning of a positive value, in words."""
+    """Meaning of a positive value, in words; None if it is not known."""
 
     @property
     def formula(self) -> str:
@@ -82,7 +82,7 @@ class Frame(dict[str, Array]):
     status: NDArray[np.uint8]
     """Code of each row, an index into `hardpoint.STATUS`; 0 is ok."""
     motion: Mapping[str, Floats]
-    """Columns that give the station of a row; empty if rows are not stations."""
+    """Columns that give the station of a row, the drive first; empty if rows are not stations."""
 
     def __init__(
         self,
@@ -100,8 +100,9 @@ class Frame(dict[str, Array]):
         # A table that was read from a file gives the status in words. The words are converted to codes.
         codes = _codes(arrays.get("status")) if status is None else status
         self.status = _read_only(np.zeros(rows, np.uint8) if codes is None else codes)
-        if status is None and codes is not None and "reason" in arrays and arrays["reason"].dtype.kind == "U":
-            reasons = {int(row): str(arrays["reason"][row]) for row in np.flatnonzero(codes)}
+        # Words from a CSV file are texts, words from a Parquet file are objects.
+        if status is None and codes is not None and "reason" in arrays and arrays["reason"].dtype.kind in "UO":
+            reasons = {int(row): str(arrays["reason"][row] or "") for row in np.flatnonzero(codes)}
         self.motion = {name: arrays[name] for name in motion}
         self._reasons = dict(reasons or {})
         self._all_reasons: tuple[str, ...] | None = None
@@ -125,7 +126,7 @@ class Frame(dict[str, Array]):
 
     @property
     def reasons(self) -> tuple[str, ...]:
-        """Reason for the status of each row; empty for rows with status 0."""
+        """Reason for the status of each row; "" for rows with status 0."""
         if self._all_reasons is None:
             all_reasons = [""] * self.rows
             for row, reason in self._reasons.items():
@@ -144,7 +145,7 @@ class Frame(dict[str, Array]):
         return table if index is None else table.set_index(index)
 
     def to_xarray(self) -> Any:
-        """Xarray Dataset over one dimension, with units as attributes and the motion as coordinates."""
+        """Xarray Dataset over one dimension, with units as attributes, and the motion and the status codes as coordinates."""
         import xarray
 
         dimension = "station" if self.motion else "row"
@@ -154,7 +155,9 @@ class Frame(dict[str, Array]):
             for name, values in self.items()
             if name not in places
         }
-        return xarray.Dataset(variables, coords={**places, "status": (dimension, self.status)})
+        # A table from a file has the words of the status as a column of this name.
+        codes = {} if "status" in self else {"status": (dimension, self.status)}
+        return xarray.Dataset(variables, coords={**places, **codes})
 
     def to_parquet(self, path: str | PathLike[str]) -> None:
         """Writes the columns as Apache Parquet (zstd), with a row group for each 131,072 rows. Needs pyarrow."""

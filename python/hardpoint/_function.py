@@ -139,7 +139,7 @@ class _Constrained:
         return self._kept(self._found("constraints", x, len(self.constraint_rows))[0])
 
     def constraint_jacobian(self, x: Designs) -> Floats:
-        """Derivatives of `constraints` (c, k)."""
+        """Derivatives (c, k) of `constraints` with respect to the variables."""
         return self._kept(self._found("constraints", x, len(self.constraint_rows))[1])
 
     def _kept(self, rows: Floats) -> Floats:
@@ -201,20 +201,21 @@ class Function(_Constrained):
         return rows_of(x, self.variables, self._study.length_unit)
 
     def __call__(self, x: Designs, threads: int | None = None) -> Floats:
-        """Values (A, S) or (n, A, S); NaN for values that a design does not have."""
+        """Values (A, S) or (n, A, S), in the units of `outputs`; NaN for values that a design does not have."""
         rows, single = self._rows(x)
         values, _ = self._function.values(rows, threads)
         return values[0] if single else values
 
     def value_and_jacobian(self, x: Designs, threads: int | None = None) -> tuple[Floats, Floats]:
-        """Values with their exact derivatives with respect to the variables: (A, S, k) or (n, A, S, k)."""
+        """Values with their exact derivatives with respect to the variables: (A, S, k) or (n, A, S, k), per length unit or per
+        degree."""
         rows, single = self._rows(x)
         values, jacobian, _ = self._function.value_and_jacobian(rows, threads)
         return (values[0], jacobian[0]) if single else (values, jacobian)
 
     def status(self, x: Designs, threads: int | None = None) -> NDArray[np.uint8]:
         """Code of each design (n,), an index into `hardpoint.STATUS`: "ok" if every station has a pose, "incomplete" if
-        some have none, "degenerate" if the design cannot be solved."""
+        some have none, "degenerate" if the design cannot be solved or x is not finite."""
         rows, _ = self._rows(x)
         return self._function.values(rows, threads)[1]
 
@@ -246,7 +247,7 @@ class Residuals(_Constrained):
         self.variables: list[str] = residuals.variables
         """Names of the variables (k)."""
         self.bounds: Floats = residuals.bounds
-        """Lowest and highest offset (k, 2)."""
+        """Lowest and highest offset (k, 2), in the units of `Tuning.x`."""
         self.rows: tuple[str, ...] = tuple(residuals.rows)
         """Column of the target of each residual (m)."""
         self._constrain(residuals)

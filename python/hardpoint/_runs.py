@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,10 @@ from . import _hardpoint
 from ._frame import Frame, html_of
 from ._hardpoint import HardpointError
 from ._study import Study, load
+
+
+_PART = re.compile(r"(part|curves)-\d{9,}")
+"""Names of the files of a sweep's parts, without their endings."""
 
 
 def write_pictures(pictures: Mapping[str, bytes], place: str | os.PathLike[str]) -> None:
@@ -45,7 +50,7 @@ class Results(Mapping[str, Frame]):
         for name, contents in self.files.items():
             (path / name).write_bytes(contents)
         if self.study is not None:
-            (path / "study.toml").write_text(self.study.text, encoding="utf-8")
+            (path / "study.toml").write_text(self.study.text, encoding="utf-8", newline="")
         return path
 
     def report(self, path: str | os.PathLike[str], plots: str | os.PathLike[str] | None = None) -> Path:
@@ -102,9 +107,10 @@ class Run(Mapping[str, Frame]):
         self._tables: dict[str, list[Path]] = {}
         for name in names:
             stem = name.rsplit(".", 1)[0]
-            kind, _, number = stem.rpartition("-")
-            # part-000000000.csv contains rows of designs, curves-000000000.csv contains their curves.
-            stem = {"part": "designs"}.get(kind, kind) if kind and number.isdigit() else stem
+            # part-000000000.csv contains rows of designs, curves-000000000.csv contains their curves. Other names may end with a
+            # number, too: curves_bump-2.csv has the curves of the motion "bump-2".
+            part = _PART.fullmatch(stem)
+            stem = {"part": "designs", "curves": "curves"}[part[1]] if part else stem
             self._tables.setdefault(stem, []).append(self.path / name)
         self._read: dict[str, Frame] = {}
         if not self._tables:
@@ -127,12 +133,12 @@ class Run(Mapping[str, Frame]):
 
     @property
     def study(self) -> Study:
-        """Study of the run."""
+        """Study of the run, from study.toml."""
         return load(self.path / "study.toml")
 
     @property
     def tuned(self) -> Study:
-        """Tuned study of a tuning."""
+        """Tuned study of a tuning, from optimised.toml."""
         return load(self.path / "optimised.toml")
 
     def scan(self) -> Any:

@@ -27,17 +27,24 @@ Floats = NDArray[np.float64]
 _BARE = re.compile("[A-Za-z0-9_-]+")
 
 
+def _quoted(text: str) -> str:
+    """Text in quotes. JSON writes characters above U+FFFF as two escapes, which TOML refuses. So they stay as they are."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
 def _toml(value: Any) -> str:
-    """Value in TOML. Strings, numbers, lists and booleans of JSON are valid TOML."""
+    """Value in TOML. Numbers and booleans of JSON are valid TOML."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        value = value.tolist()
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{json.dumps(k)} = {_toml(v)}" for k, v in value.items()) + "}"
-    if isinstance(value, (list, tuple, np.ndarray)):
+        return "{" + ", ".join(f"{_quoted(k)} = {_toml(v)}" for k, v in value.items()) + "}"
+    if isinstance(value, (list, tuple)):
         return "[" + ", ".join(_toml(v) for v in value) + "]"
-    if isinstance(value, np.generic):
-        value = value.item()
+    if isinstance(value, str):
+        return _quoted(value)
     if isinstance(value, float) and not np.isfinite(value):
         raise HardpointError(f"a value is {value}; expected finite numbers")
-    if not isinstance(value, (str, bool, int, float)):
+    if not isinstance(value, (bool, int, float)):
         raise HardpointError(f"a value is {value!r}; expected text, a number, a truth value, a list or a mapping")
     return json.dumps(value)
 
@@ -51,7 +58,7 @@ def _lines(section: Mapping[str, Any], path: str = "") -> Iterator[str]:
     """Mapping as lines of TOML: a header for each table and a line for each value, so errors have useful positions."""
     tables: list[tuple[str, str, Any]] = []
     for key, value in section.items():
-        name = key if _BARE.fullmatch(key) else json.dumps(key)
+        name = key if _BARE.fullmatch(key) else _quoted(key)
         whole = f"{path}.{name}" if path else name
         if isinstance(value, Mapping):
             tables.append(("[{}]", whole, value))
@@ -101,7 +108,8 @@ def loads(
 
 
 class Study:
-    """Validated study. It is immutable, and hashes and pickles by its text."""
+    """Validated study. It is immutable. Two studies are equal if their names and texts are equal. Pickling stores name, text and
+    the directory of the files that the text names."""
 
     __slots__ = ("_study",)
 
@@ -146,7 +154,7 @@ class Study:
 
     @property
     def motions(self) -> list[str]:
-        """Names of the motions in [motions]."""
+        """Names of the motions in [motions] that have curves."""
         return self._study.motions
 
     @property
@@ -160,7 +168,7 @@ class Study:
         return self._study.design
 
     def __getitem__(self, name: str) -> Any:
-        """Copy of the position (3,) of a point, or the value of a key such as "motion.rack"."""
+        """Copy of the position (3,) of a point, or the value of a key such as "motion.rack". Raises KeyError for other names."""
         points = self._study.points
         if name in points:
             return self._study.design[points.index(name)].copy()
@@ -180,7 +188,7 @@ class Study:
         design: ArrayLike | None = None,
     ) -> Study:
         """Study with other values, as in {"motion.rack": 5.0}, and with other positions: `points` by name, or the whole
-        `design` (P, 3). If only positions change, the text is not read again."""
+        `design` (P, 3), in the study's axes and unit. If only positions change, the text is usually not read again."""
         study = self._study
         if values:
             study = study.with_overrides(written(values))
@@ -295,7 +303,7 @@ class End:
     cause: str
     """Reason for the limit."""
     build: int | None = None
-    """Number of the build with this limit; None for the nominal design."""
+    """Number of the build with this limit; None for the nominal design, and if no build has limits."""
 
 
 @dataclass(frozen=True)

@@ -63,7 +63,7 @@ class Sweep(Frame):
         """Solves the designs again and writes one self-contained page to the file `path`, which is replaced. Returns the
         path."""
         study, x = self._source()
-        Path(path).write_text(_hardpoint.sweep_page(study._study, x, self._names), encoding="utf-8")
+        Path(path).write_text(_hardpoint.sweep_page(study._study, x, self._names), encoding="utf-8", newline="")
         return Path(path)
 
     def __repr__(self) -> str:
@@ -102,8 +102,9 @@ def sweep(
     """Solves the designs of the study's [sweep] into arrays. Results equal those of `hardpoint sweep` bit for bit.
 
     With `x` (n, k) the designs are its rows, and the study needs no [sweep]. The columns of x are `variables`; the default
-    is the variables of [sweep], otherwise `study.variables`. A row with a number that is not finite has a status but no
-    values. `progress(done, all)` is called about twenty times a second. A `Car` uses the designs of its [sweep].
+    is the variables of [sweep], otherwise `study.variables`. The numbers are offsets or coordinates in the length unit, or
+    rates. A row with a number that is not finite has a status but no values. `progress(done, all)` is called about twenty
+    times a second. A `Car` uses the designs of its [sweep].
     """
     if is_car(study):
         if x is not None or variables is not None:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from . import _hardpoint
 from ._frame import Frame
+from ._function import names_of
 from ._hardpoint import HardpointError
 from ._runs import Results
 from ._study import Study, is_car, study_of
@@ -30,23 +31,24 @@ class Tuning:
     """Result of a tuning. Names follow SciPy's OptimizeResult if it has the same quantity."""
 
     x: Floats | None
-    """Offsets of the best design (k,); None if no start succeeded."""
+    """Offsets of the best design (k,): in the length unit, in degrees for a rotation, in the unit of the rate for a rate. For a
+    relative rate: the natural logarithm of the factor. None if no start succeeded."""
     success: bool
-    """True if all constraints are satisfied, all curves of the tuned design exist, and no target is missed for lack of a
-    variable. Otherwise `hardpoint optimise` ends with exit code 1."""
+    """True if all constraints are satisfied, all curves of the tuned design exist, no target is missed for lack of a variable,
+    a requested front has designs, and nothing was interrupted. Otherwise `hardpoint optimise` ends with exit code 1."""
     message: str
     """Outcome in words: misfit, violated constraints, and the end of the start that gave the result."""
     misfit: float
     """Root of the weighted mean of squared deviations, each divided by its tolerance; NaN if no start succeeded."""
     before: float | None
-    """Misfit of the study's own design."""
+    """Misfit of the study's own design; None if it cannot be evaluated."""
     variables: list[str]
     """Names of the variables (k)."""
     moves: Frame
     """A row for each variable: design, tuned, offset, low, high, at_bound ("lower", "upper" or ""). For a fit also its
     standard error and interval."""
     targets: Frame
-    """A row for each target: rms and worst deviation, divided by the tolerance, before and after."""
+    """A row for each target: rms and worst deviation, divided by the tolerance, before and after. NaN without a value."""
     constraints: Frame
     """A row for each constraint: margin (negative if violated), status "kept", "binds" or "violated", price."""
     side_effects: Frame
@@ -145,7 +147,7 @@ def optimise(
         return study.optimise(threads=threads)
     study = study_of(study)
     if front is not None and not isinstance(front, bool):
-        study = study.replace({"optimise.front": list(front)})
+        study = study.replace({"optimise.front": names_of(front, "front")})
     found = _hardpoint.optimise(study._study, front is not False, prices, threads, callback)
     summary: dict[str, Any] = json.loads(found["summary"])
     constraints = summary["constraints"]

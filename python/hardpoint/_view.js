@@ -40,11 +40,12 @@ function plot(parent, name, nominal, curves) {
   for (const [of, dash, colour] of [[nominal, "4 3", "#999"], [curves, "", "#1f77b4"]]) {
     let path = "";
     let pen = "M";
+    const way = Math.sign(of.x[1] - of.x[0]);
     of.x.forEach((x, k) => {
       const y = of.y[name][k];
       if (y !== null) path += `${pen}${sx(x)} ${sy(y)}`;
-      // Each rack displacement after the first one begins a new line.
-      pen = y === null || (k + 1 < of.x.length && of.x[k + 1] < x) ? "M" : "L";
+      // Each rack displacement after the first one begins a new line: there, the values of the drive turn back.
+      pen = y === null || (k + 1 < of.x.length && way * (of.x[k + 1] - x) < 0) ? "M" : "L";
     });
     add(svg, "path", { d: path, fill: "none", stroke: colour, "stroke-dasharray": dash });
   }

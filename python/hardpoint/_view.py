@@ -22,7 +22,7 @@ def view(
     mechanism. Needs anywidget (`pip install hardpoint[notebook]`).
 
     `variables` are those of `study.function`. `columns` are the curves; the default is the first four outputs. The widget's
-    `offsets` are the values of the sliders, which can also be set. Its `study` is the changed study."""
+    `offsets` are the values of the variables (offsets or coordinates), which can also be set. Its `study` is the changed study."""
     try:
         import anywidget
         import traitlets
@@ -34,12 +34,7 @@ def view(
     for name in shown:
         if name not in f.outputs:
             raise HardpointError(f"there is no output {name!r}; there are {', '.join(f.outputs)}")
-    start = [
-        float(nominal_study.design[nominal_study.points.index(name[:-2]), "xyz".index(name[-1])])
-        if name[:-2] in nominal_study.points and name[-2:] in ("_x", "_y", "_z")
-        else 0.0
-        for name in f.variables
-    ]
+    start = [_at_design(nominal_study, name) for name in f.variables]
 
     def drawn(of: Study) -> tuple[dict[str, Any], str]:
         curves = solve(of)
@@ -75,3 +70,12 @@ def view(
             self.study, self.curves, self.drawing, self.error = moved, curves, json.loads(drawing), ""
 
     return View()
+
+
+def _at_design(study: Study, variable: str) -> float:
+    """Value of a variable at the study's design: a coordinate, or 0 for an offset and a rotation."""
+    try:
+        [(_, value)] = _hardpoint.sweep_columns(study._study, [variable])
+    except HardpointError:  # A rotation cannot be a column of designs.
+        return 0.0
+    return value

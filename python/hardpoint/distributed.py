@@ -1,9 +1,10 @@
 """Sweeps on many workers. Any executor with `submit()` works: Dask (`client.get_executor()`), dask-jobqueue,
 `concurrent.futures`, or a short adapter.
 
-The directory is the result. It consists of parts of 131,072 designs (1,024 of a car). Each part is written under a temporary name with its
+The directory is the result. It consists of parts of 131,072 designs. Each part is written under a temporary name with its
 statistics, and renamed when complete; no results pass through the driver. The bytes of a part do not depend on its worker.
 If a worker, node or driver stops, only the current part is lost. Run the same call again: it skips complete parts.
+Sweeps of cars are not available here.
 
 >>> from dask.distributed import Client                                   # doctest: +SKIP
 >>> import hardpoint as hp
@@ -106,7 +107,8 @@ def _done(futures: list[Future[int]], is_last: bool) -> set[int]:
 
 
 def _stop(engine: Executor, futures: list[Future[int]], is_own: bool) -> None:
-    """Cancels parts that have not started, and ends the workers of an executor made here. Incomplete parts do not count as results."""
+    """Cancels parts that have not started, and ends the workers of an executor made here. Incomplete parts do not count as
+    results."""
     for future in futures:
         future.cancel()
     if is_own:

@@ -115,7 +115,7 @@ fn by_name<'py>(py: Python<'py>, pictures: &[Picture]) -> PyResult<Bound<'py, Py
     Ok(result)
 }
 
-/// Returns the study. Refuses a study with elastic parts if the result would ignore them.
+/// Returns the study. Refuses a study with elastic parts, because the result `what` would ignore them.
 pub(crate) fn rigid<'s>(own: &'s hardpoint::Study, what: &str) -> PyResult<&'s hardpoint::Study> {
     if own.is_elastic() {
         Err(failure(format!(
@@ -127,7 +127,7 @@ pub(crate) fn rigid<'s>(own: &'s hardpoint::Study, what: &str) -> PyResult<&'s h
     }
 }
 
-/// Results of the `kc` tests: tables by file name, and a summary.
+/// Results of the `kc` tests: tables, page and summary by file name.
 #[pyfunction]
 #[pyo3(signature = (study, names=None))]
 pub(crate) fn kc<'py>(
@@ -156,7 +156,8 @@ pub(crate) fn kc<'py>(
     answer.map_err(failure)?.into_dict(py)
 }
 
-/// Adjustments that give the static values of `[setup]`.
+/// Adjustments that give the static values of `[setup]`: tables, page and summary by file name. `curves.csv` is missing with the
+/// drive of Attia's paper.
 #[pyfunction]
 pub(crate) fn setup<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py, PyDict>> {
     let own = study.whole();
@@ -289,8 +290,8 @@ pub(crate) fn swept_design(py: Python<'_>, study: &Study, number: u64) -> PyResu
     Study::of(py.detach(|| own.read_again(&file, &text)))
 }
 
-/// All positions in which the parts of the design can be assembled, as CSV, and the regions in which the search could
-/// not decide.
+/// All positions in which the parts of the design can be assembled at a travel and a rack displacement (in the study's length unit
+/// and axes), as CSV. Also returns descriptions of the regions in which the search could not decide.
 #[pyfunction]
 pub(crate) fn assemblies<'py>(
     py: Python<'py>,
@@ -312,7 +313,7 @@ pub(crate) fn assemblies<'py>(
     Ok((PyBytes::new(py, csv.as_bytes()), found.undecided()))
 }
 
-/// Curves and points of several studies side by side, over the motion of the first study.
+/// Curves and points of several studies side by side, over the motion of the first study, as files by name.
 #[pyfunction]
 pub(crate) fn compare<'py>(
     py: Python<'py>,

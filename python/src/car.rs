@@ -137,7 +137,7 @@ impl Car {
     }
 }
 
-/// Results of the load cases: one column per result, one row per case.
+/// Results of the load cases: one column per result, one row per case. Accelerations are in g.
 #[pyfunction]
 pub(crate) fn car_solve<'py>(py: Python<'py>, car: &Car) -> PyResult<Bound<'py, PyDict>> {
     let study = &car.study;
@@ -173,8 +173,8 @@ pub(crate) fn car_solve<'py>(py: Python<'py>, car: &Car) -> PyResult<Bound<'py, 
     }))
 }
 
-/// Derivatives of the results of all cases with respect to the variables, as an array (cases, results, variables).
-/// NaN if a result is not defined.
+/// Derivatives of the results of all cases with respect to the variables, as an array (cases, results, variables), in the units of
+/// the columns. NaN if a result is not defined.
 #[pyfunction]
 pub(crate) fn car_derivatives<'py>(py: Python<'py>, car: &Car) -> PyResult<Bound<'py, PyAny>> {
     let study = &car.study;
@@ -221,7 +221,7 @@ pub(crate) fn car_sweep<'py>(
     collect(py, Swept::Car(&plan), None, threads, progress)
 }
 
-/// Tunes a car towards its targets.
+/// Tunes a car towards its targets. `success` is true if the tuning ended at a minimum, and no request falls short.
 #[pyfunction]
 #[pyo3(signature = (car, threads=None))]
 pub(crate) fn car_optimise<'py>(

@@ -24,7 +24,8 @@ impl<'py> Columns<'py> {
         Columns { py, columns, info }
     }
 
-    /// Adds a column. `info` holds the name of its output, its unit, and the meaning of a positive value.
+    /// Adds a column; a missing value becomes NaN. `info` holds the name of its output, its unit, and the meaning of a positive
+    /// value.
     pub(crate) fn push(
         &self,
         name: &str,
@@ -58,7 +59,7 @@ impl<'py> Columns<'py> {
     }
 }
 
-/// Reason why a station has no values or doubtful values.
+/// Reason why a station has no values or doubtful values, from its status word. `None` for a station without doubt.
 pub(crate) fn reason(word: &str) -> Option<String> {
     let reason = match word {
         "ok" => return None,
@@ -119,8 +120,10 @@ fn of_own_motion<'py>(
     let mut motion = Vec::new();
     for c in found.motion.iter().filter(|c| c.is_written) {
         let positive = match c.key {
-            "travel" | "travel_left" | "travel_right" => Some("in jounce"),
+            "travel" | "travel_left" | "travel_right" | "heave" => Some("in jounce"),
+            "roll" => Some("right wheel in jounce, as in a left turn"),
             "rack" => Some("along the study's +y"),
+            "steering_wheel_angle" => Some("to the left"),
             _ => None,
         };
         columns.push(&c.name(), (c.key, c.unit, positive), found.along(c.key))?;

@@ -15,9 +15,9 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-/// Number of designs per chunk for values. One CPU thread evaluates one chunk at a time. Chunks for Jacobians are smaller,
-/// because a Jacobian takes longer.
+/// Number of designs per chunk for values. One CPU thread evaluates one chunk at a time.
 const CHUNK: usize = 128;
+/// Number of designs per chunk for Jacobians. A Jacobian takes longer than values.
 const DIFFERENTIATED: usize = 32;
 /// Number of designs per chunk for an axle, whose designs are solved one by one.
 const OF_AXLE: usize = 1;
@@ -28,7 +28,7 @@ pub(crate) struct Function {
     function: Arc<DesignFunction>,
     /// Workspaces of earlier calls, kept for later calls. Making a workspace takes longer than evaluating a design.
     idle: Mutex<Vec<Workspace>>,
-    /// Study of the function. Pickling needs it to copy the function to other processes.
+    /// Study of the function, for moved studies and for pickling.
     study: Py<Study>,
     is_axle: bool,
 }
@@ -116,7 +116,7 @@ impl Function {
         self.function.stations()
     }
 
-    /// Returns the study with its variables set to `x`, an array of shape (variables,).
+    /// Returns the study with its variables set to `x`. `x` must have one number for each variable.
     fn moved(&self, py: Python<'_>, x: Vec<f64>) -> PyResult<Study> {
         let study = self.study.bind(py);
         Study::moved(study, self.function.moved(&study.get().study, &x))

@@ -1,7 +1,8 @@
 //! The Python module, a thin layer over the Rust library's public interface. It computes nothing itself.
 //!
 //! Arrays are float64 in C order. Column names give the units, and the study gives the axes. NaN means "no value". An error in a
-//! study raises `StudyError`; every other failure raises `HardpointError`. The module releases the global interpreter lock during
+//! study raises `StudyError`. A result that does not fit into memory raises `MemoryError`. A sweep whose files cannot be written
+//! raises `OSError`. Other failures raise `HardpointError`. The module releases the global interpreter lock during
 //! computations. Between pieces of work it checks for Ctrl-C.
 
 #![allow(

@@ -33,8 +33,9 @@ pub(crate) fn limits<'py>(py: Python<'py>, study: &Study) -> PyResult<Ranges<'py
     Ok(result)
 }
 
-/// Nearest limits among the first builds of `[tolerance]`: (lower, upper), each with its cause and its build. Also returns the
-/// number of builds that have no limits. `progress(done, all)` is called on this thread.
+/// Nearest limits among the first builds of `[tolerance]`: (lower, upper), each with its cause and its build. If no build has
+/// limits, the limits are NaN and have no build. Also returns the number of builds that have no limits. `progress(done, all)` is
+/// called on this thread.
 #[pyfunction]
 #[pyo3(signature = (study, builds, threads=None, progress=None))]
 pub(crate) fn limits_of_builds<'py>(
@@ -74,12 +75,13 @@ pub(crate) fn limits_of_builds<'py>(
     };
     let (rows, nearest) = interruptible(py, threads, work, listen)?.map_err(failure)?;
     let result = PyDict::new(py);
-    for (name, ends) in names(own, &rows).into_iter().zip(&nearest.rows) {
-        let end = |nearest: &NearestEnd| {
-            let end = &nearest.end;
-            (value(end), end.cause.clone(), nearest.build)
+    for (place, name) in names(own, &rows).into_iter().enumerate() {
+        let end = |nearest: Option<&NearestEnd>| match nearest {
+            Some(NearestEnd { end, build }) => (value(end), end.cause.clone(), Some(*build)),
+            None => (f64::NAN, "no build has limits".to_owned(), None),
         };
-        let [lower, upper] = ends.each_ref().map(end);
+        let ends = nearest.rows.get(place);
+        let [lower, upper] = [0, 1].map(|side| end(ends.map(|ends| &ends[side])));
         result.set_item(name, (lower, upper))?;
     }
     add_missing(own, &result)?;

@@ -104,7 +104,7 @@ impl Study {
         points.map(|p| p.name.clone()).collect()
     }
 
-    /// Design positions of the points in the study's axes, as an array (points, 3).
+    /// Design positions of the points in the study's axes and length unit, as an array (points, 3).
     #[getter]
     fn design<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let suspension = self.study.wheel();
@@ -116,7 +116,8 @@ impl Study {
         rows.into_pyarray(py).reshape([suspension.design.len(), 3])
     }
 
-    /// Study with other design positions. It equals the study that would be read from a text with these points.
+    /// Study with other design positions (points, 3), in the study's axes and length unit. It equals the study that would be read
+    /// from a text with these points.
     fn with_design(slf: &Bound<'_, Self>, design: PyReadonlyArray2<'_, f64>) -> PyResult<Self> {
         let this = slf.get();
         let suspension = this.study.wheel();

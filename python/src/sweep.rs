@@ -209,7 +209,8 @@ pub(crate) fn sweep_page(
 }
 
 /// Writes a sweep into a directory as `hardpoint sweep` does. The designs come from `[sweep]` or from the rows of `x`.
-/// `part` selects one part: its number from 0, and the number of parts. Returns true if every requested part is complete.
+/// `part` selects one part: its number from 0, and the number of parts. Returns true if every requested part is computed. Without
+/// `part`, every design must also be solved, and every output must have a value.
 #[pyfunction]
 #[pyo3(signature = (study, directory, x=None, variables=None, part=None, threads=None))]
 pub(crate) fn sweep_into(
@@ -226,7 +227,12 @@ pub(crate) fn sweep_into(
     if let Some(given) = given {
         own.sweep = Some(given);
     }
-    let out = directory.to_string_lossy().into_owned();
+    let out = directory.to_str().ok_or_else(|| {
+        let name = directory.display();
+        failure(format!(
+            "{name}: expected a directory whose name is UTF-8 text"
+        ))
+    })?;
     let mut arguments = vec![
         "sweep".to_owned(),
         // Suppresses printing, because a Python function does not print.
@@ -313,10 +319,10 @@ fn solve_block(
     (rows, curves)
 }
 
-/// Number of parts of a study's sweep. A part has 131,072 designs (1,024 of a car) or slightly fewer.
+/// Number of parts of a study's sweep. A part has 131,072 designs or slightly fewer.
 #[pyfunction]
-pub(crate) fn sweep_parts(study: &Study) -> PyResult<u64> {
+pub(crate) fn sweep_parts(py: Python<'_>, study: &Study) -> PyResult<u64> {
     let sweep = own_sweep(study)?;
-    let plan = SweepPlan::of(&study.study, sweep).map_err(|e| not_begun(study, e))?;
-    Ok(plan.record.parts())
+    let plan = on_threads(py, Some(1), |_| SweepPlan::of(&study.study, sweep))?;
+    Ok(plan.map_err(|e| not_begun(study, e))?.record.parts())
 }

@@ -113,7 +113,8 @@ pub(crate) fn on_threads<T: Send>(
     interruptible(py, threads, work, |_, _| Ok(()))
 }
 
-/// Runs a command of the program on a separate thread. Ctrl-C stops the command, and the function returns the exception.
+/// Runs a command of the program on a separate thread. Ctrl-C stops the command. The function then returns the exception, after
+/// the command has ended.
 pub(crate) fn command<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
     let (sender, mut ended) = channel();
     let (heard, found) = std::thread::scope(|scope| {

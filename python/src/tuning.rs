@@ -277,7 +277,7 @@ pub(crate) struct Residuals {
     names: Vec<String>,
     /// Variables as offsets from the design.
     variables: Vec<Variable>,
-    /// Value of each variable at the design.
+    /// Value of each variable at the design: 0 for an offset.
     at_design: Vec<f64>,
 }
 
@@ -325,6 +325,7 @@ impl Residuals {
         self.names.clone()
     }
 
+    /// Lowest and highest value of each variable, as an array (variables, 2).
     #[getter]
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let flat: Vec<f64> = self.variables.iter().flat_map(|v| v.range).collect();
@@ -358,7 +359,7 @@ impl Residuals {
         Ok((rows.collect(), equalities))
     }
 
-    /// Returns the study with its variables set to `x`.
+    /// Returns the study with the variables of `[optimise]` at the offsets `x`, even if these functions have other variables.
     fn moved(&self, py: Python<'_>, x: Vec<f64>) -> PyResult<Study> {
         let (own, _) = tuned(self.study.get())?;
         Study::moved(self.study.bind(py), own.moved(&x))

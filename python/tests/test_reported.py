@@ -77,7 +77,17 @@ def test_columns_of_tables_are_real_numbers():
     assert hp.sweep(study, {**good, first: [1.0, None]}, threads=1).failed.tolist() == [1]
 
 
+def test_tables_from_files_go_to_xarray():
+    pytest.importorskip("xarray")
+    data = hp.Frame({"travel_mm": [0.0, 1.0], "status": ["ok", "unreachable"]}).to_xarray()
+    assert data["status"].values.tolist() == ["ok", "unreachable"]
+
+
 def test_text_is_no_list_of_names():
+    with pytest.raises(hp.HardpointError, match="list of names"):
+        hp.template("macpherson", "sweep")
+    with pytest.raises(hp.HardpointError, match="list of names"):
+        hp.optimise(STUDIES / "macpherson_steering.toml", front="toe")
     with pytest.raises(hp.HardpointError, match="list of names"):
         hp.sweep(STUDIES / "macpherson_sweep.toml", [[0.0]], variables="tie_rod_inner_dz")
 
@@ -95,3 +105,55 @@ def test_a_sweep_with_missing_rows_is_not_read(tmp_path):
     table.write_text("".join(table.read_text().splitlines(keepends=True)[:2]))
     with pytest.raises(hp.HardpointError, match="only 1 of 2 designs"):
         hp.read_run(tmp_path / "run")["designs"]
+
+
+def test_numbers_and_texts_of_any_kind_become_toml():
+    study = hp.load(STUDIES / "macpherson_front.toml")
+    assert study.replace({"motion.rack": np.array(5.0)})["motion.rack"] == 5.0
+    # JSON escapes such a character as two surrogates, which TOML refuses.
+    name = "rod \U0001f527 \x7f"
+    limited = study.replace({"optimise.constraints": [{"name": name, "length": "tie_rod", "at_most": 400.0}]})
+    assert limited["optimise.constraints"][0]["name"] == name
+    assert hp.Study.from_dict(limited.to_dict())["optimise.constraints"][0]["name"] == name
+    with pytest.raises(hp.HardpointError, match="expected"):
+        study.replace({"motion.rack": np.ma.masked})
+
+
+def test_reasons_of_parquet_are_kept():
+    words = {"status": np.array(["ok", "incomplete"], object), "reason": np.array([None, "no pose"], object)}
+    frame = hp.Frame({"design": [0, 1], **words})
+    assert frame.reasons == ("", "no pose") and frame.failed.tolist() == [1]
+
+
+def test_motions_whose_names_end_with_a_number_are_separate_tables(tmp_path):
+    for number in ("bump-1", "bump-2"):
+        (tmp_path / f"curves_{number}.csv").write_text(f"travel_mm\n{number[-1]}\n")
+    for part in range(2):
+        (tmp_path / f"part-{part:09}.csv").write_text(f"design\n{part}\n")
+    run = hp.read_run(tmp_path)
+    assert set(run) == {"curves_bump-1", "curves_bump-2", "designs"}
+    assert run["curves_bump-2"]["travel_mm"].tolist() == [2.0] and run["designs"].rows == 2
+
+
+def test_limits_of_builds_that_cannot_be_assembled_are_unknown():
+    scatter = [{"hardpoint": "tie_rod_inner", "axis": "y", "limits": [5000.0, 6000.0]}]
+    found = hp.limits(hp.load(STUDIES / "macpherson_front.toml", {"tolerance": {"scatter": scatter}}), builds=4)
+    assert found.rejected == 4
+    for end in (found.travel.low, found.travel.high):
+        assert np.isnan(end.value) and end.build is None and "no build" in end.cause
+
+
+def test_signs_of_the_coordinates_of_a_motion():
+    info = hp.solve(STUDIES / "macpherson_axle.toml", threads=1).info
+    assert info["roll_deg"].positive.startswith("right wheel in jounce")
+    assert info["heave_mm"].positive == "in jounce"
+
+
+def test_endings_give_the_format_of_an_export(tmp_path):
+    study = hp.load(STUDIES / "macpherson_front.toml")
+    hp.export(study, tmp_path / "POINTS.CSV")
+    assert "strut_top" in (tmp_path / "POINTS.CSV").read_text()
+    hp.export(study, tmp_path / "study.toml")
+    assert hp.load(tmp_path / "study.toml").points == study.points
+    with pytest.raises(hp.HardpointError, match="to="):
+        hp.export(study, tmp_path / "points")

@@ -40,3 +40,11 @@ def test_the_drawing_is_the_mechanism_along_its_motion(front):
     np.testing.assert_allclose(at_design["pose"]["Ok"]["points"], front.design, atol=1e-9)
     ends = [frame["pose"]["Ok"]["points"][front.points.index("wheel_centre")][2] for frame in drawing["frames"]]
     np.testing.assert_allclose(np.array(ends) - front["wheel_centre"][2], [f["drive"] for f in drawing["frames"]], atol=1e-9)
+
+
+def test_a_named_coordinate_starts_at_the_design(front):
+    pytest.importorskip("anywidget")
+    z = front["tie_rod_inner"][2]
+    variable = {"hardpoint": "tie_rod_inner", "axis": "z", "range": [z - 5.0, z + 5.0], "absolute": True, "name": "height"}
+    study = hp.Study.from_dict({**front.to_dict(), "sweep": {"method": "sobol", "samples": 4, "variables": [variable]}})
+    assert hp.view(study, ["height"], columns=["toe_deg"]).offsets == [z]

@@ -40,7 +40,7 @@ pub struct BushingFile {
     pub curves: [Vec<CurvePoint>; 6],
 }
 
-/// Units of a file, as multiples of SI units.
+/// Units of a file, as multiples of metre, radian and newton.
 struct Units {
     length: f64,
     angle: f64,
@@ -76,7 +76,7 @@ fn force(word: &str) -> Option<f64> {
     })
 }
 
-/// Lines of a file without comments, with their byte ranges.
+/// Lines of a file without comments (after `$` or `!`), each with the byte range of the whole line.
 fn lines(text: &str) -> impl Iterator<Item = (&str, Range<usize>)> {
     let mut start = 0;
     text.split_inclusive('\n').map(move |whole| {
@@ -87,7 +87,10 @@ fn lines(text: &str) -> impl Iterator<Item = (&str, Range<usize>)> {
     })
 }
 
-/// Reads a bushing property file.
+/// Reads a bushing property file. Each of the six curves needs at least two points. Their order is not checked.
+///
+/// # Errors
+/// An unknown or missing unit, a missing or repeated block, or a line of a curve that is not two finite numbers.
 pub fn read(source: &Arc<Source>) -> Result<BushingFile, StudyErrors> {
     let wrong = |place: Range<usize>, message: String| {
         Err(StudyError::new(source.clone(), Some(place), message).into())
@@ -148,12 +151,13 @@ pub fn read(source: &Arc<Source>) -> Result<BushingFile, StudyErrors> {
     Ok(BushingFile { curves })
 }
 
-/// Name of a block, in capitals.
+/// Name of a block, in capitals. `None` if the line does not begin a block.
 fn block_name(line: &str) -> Option<String> {
     let name = line.strip_prefix('[')?.strip_suffix(']')?;
     Some(name.trim().to_ascii_uppercase())
 }
 
+/// Units in the block `[UNITS]`.
 fn units(source: &Arc<Source>) -> Result<Units, StudyErrors> {
     let mut found: [Option<f64>; 3] = [None; 3];
     let keys = ["LENGTH", "ANGLE", "FORCE"];

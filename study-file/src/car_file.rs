@@ -37,9 +37,9 @@ pub struct Car {
     pub rear: Text,
     /// Distance between the mean wheel centres of both axles. An alternative is `rear_offset`.
     pub wheelbase: Option<Number>,
-    /// Position of the rear study's origin. An alternative to `wheelbase`.
+    /// Position of the rear study's origin, in the axes of the front study. An alternative to `wheelbase`.
     pub rear_offset: Option<Coordinates>,
-    /// Unit of masses.
+    /// Unit of masses: `kg` or `lb`.
     pub mass_unit: Option<Text>,
     /// Mass of the whole car. An alternative is `sprung_mass`.
     pub mass: Option<Number>,
@@ -87,8 +87,8 @@ pub struct Aero {
 pub struct Downforce {
     /// Point of the body on which the force acts.
     pub point: Coordinates,
-    /// Downforce coefficient times area, as a polynomial in the ride heights: one number for each of the terms 1, hf, hr,
-    /// hf2, hf hr, hr2.
+    /// Downforce coefficient times area (m2), as a polynomial in the ride heights hf (front) and hr (rear), in the length unit:
+    /// one number for each of the terms 1, hf, hr, hf2, hf hr, hr2.
     pub downforce: Spanned<Vec<Number>>,
 }
 
@@ -98,7 +98,7 @@ pub struct Downforce {
 pub struct Drag {
     /// Point of the body on which the force acts.
     pub point: Coordinates,
-    /// Coefficient times area, m2.
+    /// Drag coefficient times area, m2.
     pub drag_area: Number,
 }
 
@@ -128,7 +128,7 @@ pub struct Case {
     pub longitudinal: Option<Text>,
     /// `by_load` or `equal`.
     pub lateral_shares: Option<Text>,
-    /// Share of each left wheel in the lateral force of its axle.
+    /// Shares `[front, rear]` of the left wheels in the lateral forces of their axles. An alternative to `lateral_shares`.
     pub lateral_share_left: Option<Spanned<Vec<Number>>>,
     /// `by_load` or `equal`.
     pub longitudinal_shares: Option<Text>,
@@ -178,7 +178,7 @@ pub struct Outputs {
     pub characteristics: Option<Spanned<Vec<Text>>>,
     /// True if derivatives with respect to parameters and hardpoints are written.
     pub sensitivities: Option<Spanned<bool>>,
-    /// True if forces in links, rods and joints are written.
+    /// True if forces in links, rods, joints and springs are written.
     pub member_loads: Option<Spanned<bool>>,
 }
 
@@ -225,7 +225,8 @@ macro_rules! variable {
             pub car: Option<Text>,
             /// Lowest and highest offset of a hardpoint. For a rate or a value of the car: lowest and highest value.
             pub range: Option<Spanned<Vec<Number>>>,
-            /// Largest change, in percent of the study's value.
+            /// Largest change of a rate or a value of the car in both directions, in percent of the study's value. An
+            /// alternative to `range`.
             pub percent: Option<Number>,
             $($further)*
         }
@@ -273,7 +274,7 @@ pub struct Scatter {
     pub hardpoints: Option<Spanned<Vec<Text>>>,
     /// Name of a member whose length scatters.
     pub length: Option<Spanned<MemberName>>,
-    /// Names of hardpoints that a jig moves together.
+    /// Names of hardpoints on one jig. They scatter together as a rigid body.
     pub jig: Option<Spanned<Vec<Text>>>,
     /// Name of a rate of the axle.
     pub rate: Option<Text>,
@@ -285,7 +286,7 @@ pub struct Scatter {
     pub axis: Option<Text>,
     /// Standard deviation of a normal scatter.
     pub sigma: Option<Number>,
-    /// Standard deviation of a rate or a value, in percent.
+    /// Standard deviation of a rate or a value of the car, in percent of the study's value. An alternative to `sigma`.
     pub percent: Option<Number>,
     /// Ends of a uniform scatter.
     pub limits: Option<Spanned<Vec<Number>>>,
@@ -296,7 +297,7 @@ pub struct Scatter {
 }
 
 impl Scatter {
-    /// Converts the entry to the form that the study of an axle would have.
+    /// Converts the entry to the form of an axle's study, without `rate`, `car` and `percent`.
     pub fn of_axle(&self) -> file::Scatter {
         let own = self.clone();
         file::Scatter {

@@ -37,7 +37,7 @@ impl Powers {
     pub const MASS: Powers = Powers::new(0, 0, 1);
     /// A force per length.
     pub const RATE: Powers = Powers::new(-1, 1, 0);
-    /// A torque, or a torque per radian.
+    /// A torque, or a torque per radian. Its unit is the force times the length.
     pub const TORQUE: Powers = Powers::new(1, 1, 0);
 }
 
@@ -52,7 +52,8 @@ pub enum Dimension {
     Moment,
     /// A displacement along the study's y axis.
     AlongY,
-    /// Direction `[x, y, z]` of a displacement. The displacement is positive if it points along the study's y axis.
+    /// Direction `[x, y, z]` of a displacement whose value is [`Dimension::AlongY`]. If the y axis is reversed, the value
+    /// changes its sign, so the direction changes its sign, too.
     DirectionForY,
     /// Six numbers of a bushing: three along its axes, then three about these axes. The units are force and torque, divided by
     /// a power of the deflection.
@@ -62,7 +63,7 @@ pub enum Dimension {
     },
     /// A list of `[x, y]` pairs.
     Pairs([Powers; 2]),
-    /// Coefficients of the terms 1, hf, hr, hf2, hf hr and hr2, where hf and hr are lengths.
+    /// Areas in m2 as coefficients of the terms 1, hf, hr, hf2, hf hr and hr2, where hf and hr are lengths.
     ByTwoLengths,
     /// A number whose dimension depends on other keys of its entry, such as a target.
     OfEntry(Role),

@@ -1,5 +1,6 @@
 //! Errors in a study, each with its position in the file and a remedy.
 
+use crate::parse::KeyPlaces;
 use crate::source::advice;
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use std::fmt;
@@ -104,7 +105,7 @@ impl StudyError {
         ))
     }
 
-    /// Path of the key that contains the error, such as `optimise.variables[0].range`.
+    /// Path of the key that contains the error, such as `optimise.variables[0].range`. `None` if no single key contains it.
     pub fn path(&self) -> Option<&str> {
         self.key.as_deref()
     }
@@ -114,7 +115,7 @@ impl StudyError {
         &self.message
     }
 
-    /// Remedy for the error.
+    /// Remedy for the error, if there is one.
     pub fn suggestion(&self) -> Option<&str> {
         self.help.as_deref()
     }
@@ -173,7 +174,7 @@ fn within_line(text: &str, span: Range<usize>) -> Range<usize> {
     start..boundary(span.end).clamp(start, line_end)
 }
 
-/// All errors of a study, at least one, in the order of the file.
+/// All errors of a study, at least one, in the order of their positions.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{}", self.render(false))]
 pub struct StudyErrors(Vec<StudyError>);
@@ -209,6 +210,8 @@ impl std::error::Error for StudyError {}
 pub struct Problems {
     source: Arc<Source>,
     errors: Vec<StudyError>,
+    /// Keys of the source. They are read at the first error.
+    keys: Option<KeyPlaces>,
 }
 
 impl Problems {
@@ -217,12 +220,15 @@ impl Problems {
         Problems {
             source,
             errors: Vec::new(),
+            keys: None,
         }
     }
 
     /// Records an error at a position in the study file.
     pub fn add(&mut self, span: Range<usize>, message: impl Into<String>) -> &mut StudyError {
-        let key = crate::parse::key_at(&self.source.text, span.start);
+        let source = &self.source;
+        let keys = self.keys.get_or_insert_with(|| KeyPlaces::of(&source.text));
+        let key = keys.key_at(span.start);
         let mut error = StudyError::new(self.source.clone(), Some(span), message);
         error.key_named(key);
         self.errors.push(error);
@@ -240,7 +246,7 @@ impl Problems {
         self.errors.extend(errors.0);
     }
 
-    /// Returns the result if there is no error.
+    /// Returns the result if there is no error. Sorts the errors by their positions, those without a position first.
     pub fn finish<T>(mut self, result: Option<T>) -> Result<T, StudyErrors> {
         match result {
             Some(result) if self.errors.is_empty() => Ok(result),

@@ -1,15 +1,15 @@
 //! Study files of `hardpoint` as written: sections, keys, values with their positions, and errors with the lines that contain
 //! them.
 //!
-//! This crate makes a [`file::File`] from a text. `hardpoint-engine` makes a study from that file: it checks the meaning of
-//! names and the combinations of values. Both crates report errors with [`error`]. This crate contains nothing about
-//! suspensions, so it need not be compiled again when a formula changes. Serde's code for a hundred keys is then compiled only
-//! once.
+//! This crate makes a [`file::File`] (a wheel or an axle) or a [`car_file::CarFile`] (a car) from a text. `hardpoint-engine` makes
+//! a study from that file: it checks the meaning of names and the combinations of values. Both crates report errors with
+//! [`error`]. This crate contains nothing about suspensions, so it need not be compiled again when a formula changes. Serde's
+//! code for a hundred keys is then compiled only once.
 //!
 //! | module | content |
 //! |---|---|
 //! | [`bushing_file`] | property files of bushings |
-//! | [`mod@file`], [`value`] | sections and keys, and their possible values |
+//! | [`mod@file`], [`car_file`], [`value`] | sections and keys, and their possible values |
 //! | [`parse`] | from text to the file, with the parser's messages in plain words |
 //! | [`overrides`] | `--set path=value` |
 //! | [`error`] | errors with file, line, key and help |

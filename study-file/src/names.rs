@@ -3,7 +3,7 @@
 use crate::error::Problems;
 use crate::value::Text;
 
-/// Usual names for parts, which do not resemble the names in this program. Each has the corresponding name of this program.
+/// Common names that do not resemble the names in this program, each with the corresponding name of this program.
 const SYNONYMS: [(&str, &str); 31] = [
     ("kpi", "kingpin_inclination"),
     ("sai", "kingpin_inclination"),
@@ -38,7 +38,7 @@ const SYNONYMS: [(&str, &str); 31] = [
     ("wedge", "cross_weight"),
 ];
 
-/// Endings of names in other programs and of columns: `roll_angle`, `heave_mm`.
+/// Endings that names of other programs and of columns have in addition, as in `roll_angle` and `heave_mm`.
 const ENDINGS: [&str; 5] = ["_angle", "_deg", "_mm", "_in", "_percent"];
 
 /// Candidate that the user probably meant by `name`. `None` if no candidate is similar.
@@ -77,7 +77,8 @@ fn nearest_of<'a>(name: &str, candidates: &[&'a str]) -> Option<&'a str> {
     if let Some((.., candidate)) = near {
         return Some(candidate);
     }
-    // If no candidate matches in this way, finds a candidate that shares all or most of the words, in any order.
+    // If no candidate matches in this way, finds a candidate that shares at least two words, and at least half of the words of
+    // `name`, in any order.
     let words: Vec<&str> = name.split('_').collect();
     let shared = |candidate: &str| {
         let own: Vec<&str> = candidate.split('_').collect();
@@ -90,7 +91,7 @@ fn nearest_of<'a>(name: &str, candidates: &[&'a str]) -> Option<&'a str> {
         .map(|(_, candidate)| candidate)
 }
 
-/// List of names in quotes: "a", "a or b", "a, b or c".
+/// List of names, each in quotes: `"a"`, `"a" or "b"`, `"a", "b" or "c"`.
 pub fn alternatives<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let names: Vec<String> = names.into_iter().map(|n| format!("\"{n}\"")).collect();
     match names.as_slice() {

@@ -1,4 +1,7 @@
 //! `--set path=value`: changes a study's text before it is read.
+//!
+//! A path consists of keys and of positions in lists (from 0), separated by dots: `optimise.variables.0.range`. A value that is
+//! not valid TOML is a text, so `suspension.side=right` needs no quotes.
 
 use crate::error::{StudyError, StudyErrors};
 use toml_edit::{DocumentMut, Item, Key, Table, TableLike, Value};
@@ -46,7 +49,7 @@ enum KeyPath<'a> {
 }
 
 impl<'a> KeyPath<'a> {
-    /// Enters the item with this key or index. Creates a missing section.
+    /// Enters the item with this key or index. Creates a missing section, but no missing element of a list.
     fn enter(self, key: &Key) -> Result<KeyPath<'a>, String> {
         match self {
             KeyPath::Item(Item::ArrayOfTables(tables)) => {
@@ -81,7 +84,7 @@ impl<'a> KeyPath<'a> {
         }
     }
 
-    /// Sets the value of a key or index. Keeps the comments around the old value.
+    /// Sets the value of a key or of an existing index. Keeps the comments around the old value.
     fn put(self, key: &Key, mut value: Value) -> Result<(), String> {
         let table: &mut dyn TableLike = match self {
             KeyPath::Item(Item::Value(inner)) => return KeyPath::Value(inner).put(key, value),

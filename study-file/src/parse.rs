@@ -7,6 +7,7 @@ use crate::names::nearest;
 use crate::source::advice;
 use crate::value::Number;
 use serde::de::DeserializeOwned;
+use std::ops::Range;
 use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -23,7 +24,7 @@ pub fn parse_car(source: &Arc<Source>) -> Result<CarFile, StudyErrors> {
 }
 
 /// Position of `[car]` in a text, if the text is the study of a car.
-pub fn car_section(text: &str) -> Option<std::ops::Range<usize>> {
+pub fn car_section(text: &str) -> Option<Range<usize>> {
     let root = DeTable::parse(text).ok()?;
     let (key, _) = root.get_ref().get_key_value("car")?;
     Some(key.span())
@@ -47,7 +48,9 @@ fn parse_as<T: DeserializeOwned>(source: &Arc<Source>) -> Result<T, StudyErrors>
         // A section that is completely missing has no position.
         let span = error.span().filter(|span| *span != root.span());
         let place = span.clone().and_then(|span| text.get(span)).unwrap_or("");
-        let key = span.as_ref().and_then(|span| key_at(text, span.start));
+        let key = span
+            .as_ref()
+            .and_then(|span| KeyPlaces::of(text).key_at(span.start));
         let replaced = replaced_key(root.get_ref(), text, key.as_deref(), error.message());
         let (message, help) = match replaced {
             Some(message) => (message, None),
@@ -63,7 +66,7 @@ fn parse_as<T: DeserializeOwned>(source: &Arc<Source>) -> Result<T, StudyErrors>
     Ok(file)
 }
 
-/// Explains a key of an earlier version that another key replaces.
+/// Explains a key that this version or this kind of study replaces by another key. `None` for other messages.
 fn replaced_key(root: &DeTable, text: &str, key: Option<&str>, message: &str) -> Option<String> {
     if root.get("car").is_some() && message.starts_with("unknown field `relative`") {
         return Some(
@@ -93,37 +96,55 @@ fn replaced_key(root: &DeTable, text: &str, key: Option<&str>, message: &str) ->
     })
 }
 
-/// Path of the key whose name or value is at this byte, such as `optimise.variables[0].range`.
-pub fn key_at(text: &str, at: usize) -> Option<String> {
-    let root = DeTable::parse(text).ok()?;
-    key_in_table(root.get_ref(), at, "")
-}
+/// Keys and values of a text: the byte range of each, and the path of its key.
+///
+/// A key or value comes before the value that contains it. So the first range with a byte is the smallest one.
+#[derive(Default)]
+pub(crate) struct KeyPlaces(Vec<(Range<usize>, String)>);
 
-fn key_in_table(table: &DeTable, at: usize, path: &str) -> Option<String> {
-    table.iter().find_map(|(key, value)| {
-        let dot = if path.is_empty() { "" } else { "." };
-        let path = format!("{path}{dot}{}", key.get_ref());
-        key_in_value(value, at, &path).or_else(|| key.span().contains(&at).then_some(path))
-    })
-}
+impl KeyPlaces {
+    /// Reads a text. The list is empty if the text is not valid TOML.
+    pub(crate) fn of(text: &str) -> Self {
+        let mut places = KeyPlaces::default();
+        if let Ok(root) = DeTable::parse(text) {
+            places.add_table(root.get_ref(), "");
+        }
+        places
+    }
 
-fn key_in_value(value: &Spanned<DeValue>, at: usize, path: &str) -> Option<String> {
-    let inner = match value.get_ref() {
-        DeValue::Table(table) => key_in_table(table, at, path),
-        // The excerpt shows the faulty number of a list, so a list of numbers needs no index. Tables in a list need
-        // their index.
-        DeValue::Array(array) => array.iter().enumerate().find_map(|(i, element)| {
-            let is_table = matches!(element.get_ref(), DeValue::Table(_));
-            let path = if is_table {
-                format!("{path}[{i}]")
-            } else {
-                path.to_owned()
-            };
-            key_in_value(element, at, &path)
-        }),
-        _ => None,
-    };
-    inner.or_else(|| value.span().contains(&at).then(|| path.to_owned()))
+    /// Path of the key whose name or value is at this byte, such as `optimise.variables[0].range`. `None` if there is no key.
+    pub(crate) fn key_at(&self, at: usize) -> Option<String> {
+        let found = self.0.iter().find(|(place, _)| place.contains(&at));
+        found.map(|(_, path)| path.clone())
+    }
+
+    fn add_table(&mut self, table: &DeTable, path: &str) {
+        for (key, value) in table {
+            let dot = if path.is_empty() { "" } else { "." };
+            let path = format!("{path}{dot}{}", key.get_ref());
+            self.add_value(value, &path);
+            self.0.push((key.span(), path));
+        }
+    }
+
+    fn add_value(&mut self, value: &Spanned<DeValue>, path: &str) {
+        match value.get_ref() {
+            DeValue::Table(table) => self.add_table(table, path),
+            // The excerpt shows the faulty number of a list, so a list of numbers needs no index. Tables in a list need
+            // their index.
+            DeValue::Array(array) => {
+                for (i, element) in array.iter().enumerate() {
+                    match element.get_ref() {
+                        DeValue::Table(_) => self.add_value(element, &format!("{path}[{i}]")),
+                        DeValue::Array(_) => self.add_value(element, path),
+                        _ => {}
+                    }
+                }
+            }
+            _ => {}
+        }
+        self.0.push((value.span(), path.to_owned()));
+    }
 }
 
 /// Sections that only the study of a car has.
@@ -211,5 +232,30 @@ fn value(found: &str, place: &str) -> String {
                 .strip_prefix("string ")
                 .map(|text| format!("the text {text}")))
             .unwrap_or_else(|| found.to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_byte_has_the_path_of_its_innermost_key() {
+        let text = "[motion]\nrack = [1.0, 2.0]\n[[optimise.targets]]\npoints = [[0.0, 1.0]]\n\
+                    [sweep]\nvariables = [{ axis = \"x\" }, { range = [0.0, 1.0] }]\n";
+        let places = KeyPlaces::of(text);
+        for (written, path) in [
+            ("rack", "motion.rack"),
+            ("2.0", "motion.rack"),
+            ("[0.0, 1.0]]", "optimise.targets[0].points"),
+            ("axis", "sweep.variables[0].axis"),
+            ("range", "sweep.variables[1].range"),
+            ("{ range", "sweep.variables[1]"),
+        ] {
+            let at = text.find(written).unwrap();
+            assert_eq!(places.key_at(at).as_deref(), Some(path), "{written}");
+        }
+        assert_eq!(places.key_at(text.len() + 1), None);
+        assert_eq!(KeyPlaces::of("not = [valid").key_at(0), None);
     }
 }

@@ -89,7 +89,7 @@ impl Probe {
         self.root.is_read(source)
     }
 
-    /// Runs the study parser until it accepts the offered values. After each refused value, offers the next kind at its path.
+    /// Runs the study parser until it accepts the offered values. After each refused value, it offers the next kind at this path.
     /// Returns false if the parser refuses all kinds.
     fn settle(&self) -> bool {
         for _ in 0..1000 {

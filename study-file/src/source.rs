@@ -16,7 +16,7 @@ pub fn read_text(path: &Path, longest: u64) -> Result<String, String> {
     text_of(read_bytes(path, longest)?)
 }
 
-/// Reads a text like [`read_text`], but only from a regular file.
+/// Reads a text like [`read_text`], but only from a regular file, and not from a pipe.
 pub fn read_regular_text(path: &Path, longest: u64) -> Result<String, String> {
     match path.metadata() {
         Ok(there) if !there.is_file() && !there.is_dir() => {
@@ -104,7 +104,7 @@ fn text_of(bytes: Vec<u8>) -> Result<String, String> {
     Ok(text)
 }
 
-/// Name of the kind of file, if a file of this kind cannot be read to its end. `None` for a regular file.
+/// Name of the kind of file, if it may have no end or no writer. `None` for regular files, directories and pipes of this process.
 #[cfg(unix)]
 fn no_file(kind: std::fs::FileType, path: &Path) -> Option<&'static str> {
     use std::os::unix::fs::FileTypeExt;

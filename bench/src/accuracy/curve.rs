@@ -2,7 +2,7 @@
 
 use super::poses::lagrange;
 use super::subject::Subject;
-use super::{Clock, Family, Measurement, Unmeasurable};
+use super::{Clock, Family, Measurement, Unmeasurable, worse};
 use crate::DoubleDouble;
 use hardpoint_engine::mechanism::Pose;
 use hardpoint_engine::number::Scalar;
@@ -12,13 +12,15 @@ use std::f64::consts::PI;
 /// Number of points at which an interpolated curve is compared with the exact one.
 const READ: usize = 161;
 
+/// Numbers of stations between which curves are interpolated.
 const STATIONS: [usize; 10] = [3, 5, 7, 9, 13, 17, 25, 33, 65, 129];
 
+/// Method of interpolation between stations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Between {
     /// Straight lines between evenly spaced stations.
     Linear,
-    /// Cubic through the four nearest of evenly spaced stations.
+    /// Cubic through the four nearest of evenly spaced stations; a parabola if there are only three stations.
     Cubic,
     /// Polynomial through stations at Chebyshev points.
     Chebyshev,
@@ -29,7 +31,7 @@ impl Between {
         ["linear", "cubic", "Chebyshev"][self as usize]
     }
 
-    /// The stations in a range.
+    /// Stations in a range, including both ends.
     fn stations(self, count: usize, [low, high]: [f64; 2]) -> Vec<f64> {
         let last = (count - 1) as f64;
         let share = |i: usize| match self {
@@ -74,6 +76,7 @@ fn barycentric(nodes: &[f64], x: f64) -> Vec<f64> {
     terms.into_iter().map(|t| t / sum).collect()
 }
 
+/// Measures all interpolations. The time is the time per point of the interpolated curve.
 pub(super) fn measure(
     subject: &Subject<'_>,
     clock: &Clock,
@@ -119,7 +122,7 @@ pub(super) fn measure(
                 let missed = *exact + DoubleDouble::from(-*value);
                 missed.value().abs().to_degrees()
             });
-            let error = errors.fold(0.0, |a: f64, e| if e.is_nan() { e } else { a.max(e) });
+            let error = errors.fold(0.0, worse);
             let time = clock.time(exact.len(), || draw(&mut curve));
             found.push(Measurement {
                 family: Family::Curve,

@@ -26,7 +26,7 @@ pub struct Measurement {
     pub setting: String,
     /// Time per pose.
     pub time: Timing,
-    /// Largest true error, in the unit of the method's family ([`Family::unit`]).
+    /// Largest true error, in the unit of the method's family ([`Family::unit`]). NaN if the method gave no number.
     pub error: f64,
     /// Evaluations of the equations per pose. `None` for methods without iteration.
     pub evaluations: Option<f64>,
@@ -63,6 +63,11 @@ impl Family {
     }
 }
 
+/// Larger of two errors. If one of them is NaN, the result is NaN, so a failed computation is not hidden.
+fn worse(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
+}
+
 /// All measurements of one study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Accuracy {
@@ -78,5 +83,19 @@ impl Accuracy {
         measurements.extend(curve::measure(&subject, clock)?);
         measurements.extend(derivatives::measure(&subject, clock)?);
         Ok(Accuracy { measurements })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_that_is_not_a_number_is_not_lost() {
+        let of = |errors: [f64; 3]| errors.into_iter().fold(0.0, worse);
+        assert_eq!(of([1.0, 3.0, 2.0]), 3.0);
+        assert!(of([1.0, f64::NAN, 2.0]).is_nan());
+        assert!(of([f64::NAN, 1.0, 2.0]).is_nan());
+        assert!(of([1.0, 2.0, f64::NAN]).is_nan());
     }
 }

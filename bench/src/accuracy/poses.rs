@@ -1,7 +1,7 @@
 //! Poses: effect of tolerance, arithmetic, formulation and start.
 
 use super::subject::{Measured, Subject, camber};
-use super::{Clock, Family, Measurement, Unmeasurable};
+use super::{Clock, Family, Measurement, Unmeasurable, worse};
 use crate::DoubleDouble;
 use crate::Job;
 use crate::single::Single;
@@ -124,7 +124,7 @@ impl<'s, T: Measured, E: Equations<T>> Traversal<'s, T, E> {
         }
     }
 
-    /// Calls `visit` with each station and its camber.
+    /// Solves every pose, and calls `visit` with each station and its camber (rad).
     #[inline]
     fn run(&self, mut visit: impl FnMut(usize, T)) {
         let mut known = self.known.borrow_mut();
@@ -164,13 +164,7 @@ impl<'s, T: Measured, E: Equations<T>> Traversal<'s, T, E> {
         setting: String,
     ) -> Measurement {
         let mut error = 0.0_f64;
-        self.run(|station, camber| {
-            let here = self.subject.error(station, camber);
-            // If a camber is NaN, the error must be NaN.
-            if here.is_nan() || here > error {
-                error = here;
-            }
-        });
+        self.run(|station, camber| error = worse(error, self.subject.error(station, camber)));
         let stations = self.travels.len();
         let time = clock.time(stations, || {
             let mut sum = 0.0;
@@ -198,6 +192,7 @@ fn tolerance_name(metres: f64) -> String {
     }
 }
 
+/// Measures poses by tolerance, arithmetic, formulation and start.
 pub(super) fn measure(
     subject: &Subject<'_>,
     clock: &Clock,
@@ -260,10 +255,12 @@ pub(super) fn measure(
     Ok(found)
 }
 
+/// Converts metres to the length unit of the subject.
 fn in_length_units(metres: f64, subject: &Subject<'_>) -> f64 {
     subject.suspension.length_unit.per_metre() * metres
 }
 
+/// Measures the closed form without checks. `None` if the mechanism has no closed form.
 fn by_closed_form<T: Measured>(
     subject: &Subject<'_>,
     clock: &Clock,
@@ -340,7 +337,9 @@ fn production(subject: &Subject<'_>, clock: &Clock) -> Result<Vec<Measurement>, 
         solver.work()
     };
     let mut error = 0.0_f64;
-    let before = run(&mut |station, pose| error = error.max(subject.error(station, read(pose))));
+    let before = run(&mut |station, pose| {
+        error = worse(error, subject.error(station, read(pose)));
+    });
     let after = run(&mut |_, _| ());
     let evaluations = |work: Work| work.closed_form_evaluations + work.newton_iterations;
     let count = evaluations(after) - evaluations(before);
@@ -359,7 +358,8 @@ fn production(subject: &Subject<'_>, clock: &Clock) -> Result<Vec<Measurement>, 
     }])
 }
 
-/// Measures the fifteen equations of Attia's paper.
+/// Measures the fifteen equations of Attia's paper. `None` if the suspension is not a strut, or if the equations have no pose at
+/// the subject's rack displacement.
 fn point_coordinates(subject: &Subject<'_>, clock: &Clock) -> Option<Measurement> {
     let suspension = subject.suspension;
     let strut = Strut::of(&suspension.mechanism, &suspension.design)?;
@@ -379,7 +379,7 @@ fn point_coordinates(subject: &Subject<'_>, clock: &Clock) -> Option<Measurement
         });
     };
     let mut error = 0.0_f64;
-    run(&mut |station, camber| error = error.max(subject.error(station, camber)));
+    run(&mut |station, camber| error = worse(error, subject.error(station, camber)));
     let before = equations.work().factorisations;
     run(&mut |_, _| {});
     let evaluations = equations.work().factorisations - before;

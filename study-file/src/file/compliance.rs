@@ -10,7 +10,8 @@ use toml::Spanned;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Compliance {
-    /// `free` or `at_design_load`.
+    /// `free`: bushings and links have no force in the design position. `at_design_load`: the design position is the equilibrium
+    /// with the spring force.
     pub relaxed: Option<Text>,
     /// Tests of `hardpoint kc`.
     pub tests: Option<Spanned<Vec<Spanned<ComplianceTest>>>>,
@@ -28,7 +29,7 @@ pub struct ComplianceTest {
     pub trail: Option<Number>,
     /// `wheel_height` or `wheel_load`.
     pub hold: Option<Text>,
-    /// Largest value of the load. The load varies from `-window` to `window`.
+    /// Largest value of the load: a force, or a moment for `aligning`. The load varies from `-window` to `window`.
     pub window: Option<Number>,
     /// Number of load values.
     pub levels: Option<Whole>,
@@ -49,7 +50,7 @@ pub type BushingCurve = Option<Spanned<Vec<Spanned<Vec<Number>>>>>;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bushing {
-    /// Stiffness along and about the axes of the bushing. Six numbers are valid.
+    /// Stiffness along the three axes of the bushing, then torque per radian about them. Six numbers are valid.
     pub stiffness: Option<Spanned<Vec<Number>>>,
     /// Coefficients of the cubed deflection. Six numbers are valid.
     pub cubic: Option<Spanned<Vec<Number>>>,
@@ -67,7 +68,7 @@ pub struct Bushing {
     pub tz: BushingCurve,
     /// Direction of the x axis.
     pub x_axis: Option<Coordinates>,
-    /// Direction whose component normal to the x axis is the z axis.
+    /// Direction whose component normal to the x axis defines the z axis.
     pub z_axis: Option<Coordinates>,
     /// Constant forces and torques. Six numbers are valid.
     pub preload: Option<Spanned<Vec<Number>>>,
@@ -93,7 +94,7 @@ pub struct Subframe {
 pub struct LinkStiffness {
     /// Axial stiffness, as force per length. An alternative is `modulus` with `area`.
     pub axial_stiffness: Option<Number>,
-    /// Elastic modulus, as force per area and strain.
+    /// Young's modulus, as force per area. It needs `area`.
     pub modulus: Option<Number>,
     /// Area of the cross-section.
     pub area: Option<Number>,

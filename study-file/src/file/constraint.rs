@@ -19,7 +19,7 @@ pub struct Constraint {
     pub length: Option<Spanned<MemberName>>,
     /// Name of a point.
     pub point: Option<Text>,
-    /// Two members that must stay apart, or members that must stay inside of the rim.
+    /// Two members that must stay apart. With `inside`, any number of members that must stay inside the rim.
     pub members: Option<Spanned<Vec<Text>>>,
     /// Name of a joint whose angle is limited.
     pub articulation: Option<Text>,
@@ -39,13 +39,13 @@ pub struct Constraint {
     pub at_least: Option<Number>,
     /// Upper limit.
     pub at_most: Option<Number>,
-    /// True if a length must keep its design value.
+    /// True if the length must keep its design value.
     pub kept: Option<Spanned<bool>>,
     /// Region in which a point must stay.
     pub inside: Option<Spanned<Region>>,
     /// Region that a point must not enter.
     pub outside: Option<Spanned<Region>>,
-    /// Smallest distance.
+    /// Smallest permitted distance: between two members, or from a point or a member to the boundary of the region.
     pub clearance: Option<Number>,
     /// Radii of the members.
     pub radii: Option<Spanned<Vec<Number>>>,

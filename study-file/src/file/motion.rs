@@ -9,27 +9,27 @@ use toml::Spanned;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Motion {
-    /// `travel`, `arm_angle` or `paper_theta`.
+    /// `travel`, `arm_angle` or `paper_theta`. For an axle with `time`, the key of the coordinate that depends on time.
     pub drive: Option<Text>,
     /// Heights of the wheel centre above its design position.
     pub travel: Option<Spanned<Values>>,
-    /// Angles of the first arm from its design position.
+    /// Angles of the first arm from its design position, in `angle_unit`.
     pub arm_angle: Option<Spanned<Values>>,
-    /// Values of the angle theta of Attia's paper.
+    /// Values of the angle theta of Attia's paper, in `angle_unit`.
     pub theta: Option<Spanned<Values>>,
-    /// `deg` or `rad`.
+    /// Unit of `arm_angle` and `theta`: `deg` or `rad`.
     pub angle_unit: Option<Text>,
-    /// Displacements of the rack along +y.
+    /// Displacements of the rack along the study's +y.
     pub rack: Option<Spanned<Values>>,
     /// Mean travels of an axle's wheel centres.
     pub heave: Option<Spanned<Values>>,
-    /// Roll angles of the body, degrees.
+    /// Roll angles of the body, degrees; positive with the right wheel in jounce.
     pub roll: Option<Spanned<Values>>,
     /// Travels of the left wheel.
     pub travel_left: Option<Spanned<Values>>,
     /// Travels of the right wheel.
     pub travel_right: Option<Spanned<Values>>,
-    /// Angles of the steering wheel, degrees.
+    /// Angles of the steering wheel, degrees; positive to the left.
     pub steering_wheel_angle: Option<Spanned<Values>>,
     /// `plane` or `pads`.
     pub ground: Option<Text>,

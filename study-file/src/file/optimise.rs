@@ -36,7 +36,7 @@ pub struct SweepVariable {
     pub hardpoint: Option<Text>,
     /// Names of several hardpoints that move together.
     pub hardpoints: Option<Spanned<Vec<Text>>>,
-    /// Displacement of each coordinate per unit of the variable.
+    /// Displacement of each hardpoint per unit of the variable.
     pub factors: Option<Spanned<Vec<Number>>>,
     /// Name of a bushing whose stiffness varies.
     pub bushing: Option<Text>,
@@ -72,14 +72,14 @@ pub struct Optimise {
     pub seed: Option<Whole>,
     /// Largest number of iterations.
     pub max_iterations: Option<Whole>,
-    /// Misfit that is good enough. Among the designs with a smaller misfit, the tuning chooses the one nearest to the present
-    /// design.
+    /// Largest misfit that is good enough. Among the designs with at most this misfit, the tuning chooses the design with the
+    /// smallest change.
     pub good_enough: Option<Number>,
     /// True if the targets are measurements.
     pub fit: Option<Spanned<bool>>,
     /// Number of builds of `[tolerance]` over which the misfit is averaged.
     pub scatter: Option<Whole>,
-    /// Objective of a robust tuning: the misfit of the builds, or the share of builds within the bands.
+    /// Objective of a robust tuning: `misfit` (of the builds), or `yield` (share of builds within the bands).
     pub robust: Option<Text>,
     /// Names of the targets whose trade-off is traced.
     pub front: Option<Spanned<Vec<Text>>>,
@@ -114,13 +114,13 @@ pub struct Variable {
     pub rate: Option<Text>,
     /// True if the range of a rate is in factors.
     pub relative: Option<Spanned<bool>>,
-    /// Displacement of each coordinate per unit of the variable.
+    /// Displacement of each hardpoint per unit of the variable.
     pub factors: Option<Spanned<Vec<Number>>>,
     /// Direction of the move: `x`, `y` or `z`.
     pub axis: Option<Text>,
     /// Direction of the move as a vector. An alternative to `axis`.
     pub direction: Option<Coordinates>,
-    /// Lowest and highest offset. Two numbers are valid.
+    /// Lowest and highest offset; for a rate, the lowest and highest rate or factor. Two numbers are valid.
     pub range: Option<Spanned<Vec<Number>>>,
     /// Largest shift of a body along each axis, in both directions.
     pub shift: Option<Number>,
@@ -154,7 +154,7 @@ pub struct Target {
     pub points: Option<Spanned<Vec<Spanned<Vec<Number>>>>>,
     /// Path of a CSV file with a curve.
     pub file: Option<Text>,
-    /// Column of this file that contains the values.
+    /// Column of `file` that contains the values.
     pub column: Option<Text>,
     /// Single drive value.
     pub at: Option<Number>,
@@ -184,7 +184,7 @@ pub struct Target {
     pub rack: Option<Spanned<Numbers>>,
     /// Name of a motion.
     pub motion: Option<Text>,
-    /// Deviation that is still acceptable.
+    /// Acceptable deviation, in the unit of the quantity.
     pub tolerance: Number,
     /// Weight relative to the other targets.
     pub weight: Option<Number>,

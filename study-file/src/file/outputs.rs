@@ -51,8 +51,8 @@ pub struct Load {
     pub side: Option<Text>,
     /// With elastic parts, the quantity that stays fixed: `wheel_load` or `wheel_height`.
     pub hold: Option<Text>,
-    /// Force. Three components are valid.
+    /// Force in the study's axes. Three components are valid.
     pub force: Option<Coordinates>,
-    /// Moment. Three components are valid.
+    /// Moment about the study's axes. Three components are valid.
     pub moment: Option<Coordinates>,
 }

@@ -51,9 +51,9 @@ pub struct HeaveSpring {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HeaveBar {
-    /// Torque per angle.
+    /// Torque per radian of the sum of both rocker angles.
     pub rate: Number,
-    /// Torque in the design position.
+    /// Torque in the design position, positive if jounce increases it.
     pub torque: Number,
 }
 
@@ -61,7 +61,7 @@ pub struct HeaveBar {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rate {
-    /// Torque per angle, or force per length.
+    /// Torque per radian.
     pub rate: Number,
 }
 
@@ -69,6 +69,6 @@ pub struct Rate {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TwistBeam {
-    /// Torque per angle between the two arms.
+    /// Torque per radian of twist between the two arms.
     pub torsional_rate: Number,
 }

@@ -18,7 +18,7 @@ pub struct Suspension {
     pub length_unit: Option<Text>,
     /// `N` or `lbf`.
     pub force_unit: Option<Text>,
-    /// `kg` or `lb`.
+    /// Unit of the masses in `[vehicle]`: `kg` or `lb`.
     pub mass_unit: Option<Text>,
     /// Name of the axis convention.
     pub frame: Option<Text>,
@@ -59,6 +59,6 @@ pub struct Wheel {
     pub rim_diameter: Option<Number>,
     /// Camber in the design position, degrees.
     pub static_camber: Option<Number>,
-    /// Toe in the design position, degrees.
+    /// Toe in the design position, degrees; positive for toe-in.
     pub static_toe: Option<Number>,
 }

@@ -11,7 +11,7 @@ use toml::Spanned;
 pub struct Setup {
     /// Adjustments.
     pub adjust: Spanned<Vec<Spanned<Adjustment>>>,
-    /// Target values in the static position, by characteristic.
+    /// Target values in the static position by name, in the unit of the quantity.
     pub want: Option<BTreeMap<Text, Number>>,
     /// Target change of the ride height, positive if the car becomes higher. An alternative is `travel`.
     pub ride_height_change: Option<Number>,
@@ -29,11 +29,12 @@ pub struct Adjustment {
     pub shim: Option<Text>,
     /// Direction in which shims move the hardpoint.
     pub axis: Option<Text>,
-    /// Change of length per turn, of both threads of a turnbuckle together.
+    /// Change of the length per turn. For a turnbuckle, the sum of both threads.
     pub per_turn: Option<Number>,
     /// Thickness of the thinnest shim.
     pub step: Option<Number>,
-    /// Half of a solid axle whose part is adjusted. Without this key, each half has a separate adjustment.
+    /// For an axle that is set up as a whole, the side whose part is adjusted. Without this key, the parts of both sides are
+    /// adjusted independently.
     pub side: Option<Text>,
 }
 
@@ -63,7 +64,7 @@ pub struct Scatter {
     pub hardpoints: Option<Spanned<Vec<Text>>>,
     /// Name of a member whose length scatters.
     pub length: Option<Spanned<MemberName>>,
-    /// Names of hardpoints that a jig moves together.
+    /// Names of hardpoints on one jig. They scatter together as a rigid body.
     pub jig: Option<Spanned<Vec<Text>>>,
     /// Name of a bushing whose stiffness scatters.
     pub bushing: Option<Text>,

@@ -28,9 +28,9 @@ pub struct Vehicle {
     pub brakes: Option<Text>,
     /// `shafts` or `carrier`.
     pub drive_torque: Option<Text>,
-    /// Mass that the axle carries, kg.
+    /// Mass that the axle carries, in `mass_unit`.
     pub sprung_mass: Option<Number>,
-    /// Mass of the axle itself, kg.
+    /// Mass of the axle itself, in `mass_unit`.
     pub unsprung_mass: Option<Number>,
 }
 
@@ -46,7 +46,7 @@ pub struct Axle {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OwnRight {
-    /// Hardpoints that are not the mirror images of the left ones.
+    /// Hardpoints that are not the mirror images of the left ones, with their actual coordinates in the study's axes.
     #[serde(default)]
     pub hardpoints: BTreeMap<Text, Coordinates>,
     /// Bodies on which ends of springs and rods are mounted, if they differ from those of the left wheel.
@@ -56,10 +56,10 @@ pub struct OwnRight {
     pub wheel: Option<Spanned<OwnAngles>>,
     /// Spring of the right wheel.
     pub spring: Option<Spanned<Spring>>,
-    /// Rates of bushings that differ from those of the left wheel.
+    /// Bushings whose rates differ from those of the left wheel.
     #[serde(default)]
     pub bushings: BTreeMap<Text, Spanned<OwnBushing>>,
-    /// Stiffness of links that differs from that of the left wheel.
+    /// Links whose stiffness differs from that of the left wheel.
     #[serde(default)]
     pub links: BTreeMap<Text, Spanned<LinkStiffness>>,
 }
@@ -80,7 +80,7 @@ pub struct OwnBushing {
 pub struct OwnAngles {
     /// Camber in the design position, degrees.
     pub static_camber: Option<Number>,
-    /// Toe in the design position, degrees.
+    /// Toe in the design position, degrees; positive for toe-in.
     pub static_toe: Option<Number>,
 }
 
@@ -88,11 +88,11 @@ pub struct OwnAngles {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Steering {
-    /// Rack displacement along +y per turn of the steering wheel to the left.
+    /// Rack displacement along the study's +y per full turn of the steering wheel to the left.
     pub c_factor: Option<Number>,
     /// Stiffness between commanded and actual rack position, as force per length.
     pub rack_stiffness: Option<Number>,
-    /// Stiffness of the steering column: torque per angle at the pinion. This key requires `c_factor`.
+    /// Stiffness of the steering column: torque per radian at the pinion. This key requires `c_factor`.
     pub column_stiffness: Option<Number>,
     /// Direction in which the steering gear moves the drag link of a solid axle.
     pub direction: Option<Coordinates>,

@@ -95,10 +95,15 @@ pub(crate) fn sweep_columns(study: &Study, variables: Vec<String>) -> PyResult<V
     let variables = swept(&study.study, Some(variables))?;
     let wheel = study.study.wheel();
     let column = |variable: &SweepVariable| {
-        let column = variable.column(wheel.length_unit);
-        (column, variable.at_design(wheel))
+        let value = variable.at_design(wheel).ok_or_else(|| {
+            failure(format!(
+                "{} has no value at the design, because several hardpoints share it; use an offset",
+                variable.name
+            ))
+        })?;
+        Ok((variable.column(wheel.length_unit), value))
     };
-    Ok(variables.iter().map(column).collect())
+    variables.iter().map(column).collect()
 }
 
 /// Distributes the values of consecutive rows to the columns.

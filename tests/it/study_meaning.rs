@@ -322,12 +322,12 @@ variables = [
     let names: Vec<&str> = sampled.variables.iter().map(|v| v.name.as_str()).collect();
     let pair = "lower_arm_front+lower_arm_rear_dz";
     assert_eq!(names, ["tie_rod_inner_dz", "strut_top_y", pair]);
-    let at_design: Vec<f64> = sampled
+    let at_design: Vec<Option<f64>> = sampled
         .variables
         .iter()
         .map(|v| v.at_design(study.wheel()))
         .collect();
-    assert_eq!(at_design, [0.0, 575.0, 0.0]);
+    assert_eq!(at_design, [Some(0.0), Some(575.0), Some(0.0)]);
     let factors: Vec<f64> = sampled.variables[2]
         .moves
         .iter()

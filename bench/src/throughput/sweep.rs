@@ -201,27 +201,33 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// Makes a job that solves the fifteen equations of Attia's paper.
+    /// Makes a job that solves the fifteen equations of Attia's paper. `None` for other suspensions than struts, or if no pose
+    /// can be solved.
     pub(super) fn by_the_paper(&self) -> Option<Job<'a>> {
         let sweep = *self;
         let mechanism = &self.suspension.mechanism;
         Strut::of(mechanism, &self.suspension.design)?;
-        Some(Job {
-            items: FEW * self.stations.count(),
-            work: Box::new(move || {
-                for design in sweep.few() {
-                    let strut = Strut::of(mechanism, design).expect("the suspension is a strut");
-                    let travel = hardpoint_attia::Drive::Travel;
-                    let equations = PointCoordinates::new(&strut, StrutPoints::Spread, travel);
-                    let Ok(equations) = equations else { continue };
-                    let Ok(start) = equations.placed(0.0) else {
-                        continue;
-                    };
-                    equations.for_each_pose(&start, sweep.stations.values(), &mut |_, pose| {
-                        let _ = black_box(pose);
-                    });
-                }
-            }),
+        let solved = move || {
+            let mut solved = 0;
+            for design in sweep.few() {
+                let strut = Strut::of(mechanism, design).expect("the suspension is a strut");
+                let travel = hardpoint_attia::Drive::Travel;
+                let equations = PointCoordinates::new(&strut, StrutPoints::Spread, travel);
+                let Ok(equations) = equations else { continue };
+                let Ok(start) = equations.placed(0.0) else {
+                    continue;
+                };
+                equations.for_each_pose(&start, sweep.stations.values(), &mut |_, pose| {
+                    solved += usize::from(black_box(pose).is_ok());
+                });
+            }
+            solved
+        };
+        // Designs without a pose do not reduce the time per pose.
+        let items = solved();
+        (items > 0).then(|| Job {
+            items,
+            work: Box::new(move || _ = black_box(solved())),
         })
     }
 }

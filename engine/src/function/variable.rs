@@ -150,8 +150,7 @@ impl DesignVariable {
         let [m] = self.moved.moves[..] else {
             return None;
         };
-        let at = suspension.design[m.point.0][m.axis] * suspension.frame.sign(m.axis);
-        Some((self.moved.clone(), at / m.factor + 0.0))
+        Some((self.moved.clone(), m.value_at(suspension)))
     }
 
     /// Converts the variable to a column of a table of designs. `None` for a rotation and for a stiffness (rate) of an

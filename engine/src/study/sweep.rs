@@ -82,17 +82,19 @@ impl SweepVariable {
         evenly_spaced_at(low, high, self.steps.unwrap_or(1), level)
     }
 
-    /// Value of the variable in the study's own design.
-    pub fn at_design(&self, suspension: &Suspension) -> f64 {
+    /// Value of the variable in the study's own design: 0 for an offset. `None` for a coordinate that several points share,
+    /// because such a coordinate has no single value at the design.
+    pub fn at_design(&self, suspension: &Suspension) -> Option<f64> {
         if let Some(rate) = &self.rate {
-            return rate.own_value();
+            return Some(rate.own_value());
         }
-        match (self.absolute, self.moves.as_slice()) {
-            (true, [only]) => {
-                suspension.design[only.point.0][only.axis] * suspension.frame.sign(only.axis)
-            }
-            _ => 0.0,
+        if !self.absolute {
+            return Some(0.0);
         }
+        let [only] = self.moves[..] else {
+            return None;
+        };
+        Some(only.value_at(suspension))
     }
 }
 

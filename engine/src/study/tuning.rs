@@ -26,6 +26,13 @@ impl Move {
             *coordinate += along
         }
     }
+
+    /// Value of an absolute variable at which the coordinate is the coordinate of the study's design, in study units.
+    pub fn value_at(&self, suspension: &Suspension) -> f64 {
+        let coordinate = suspension.design[self.point.0][self.axis];
+        // The sum removes the sign of a zero.
+        coordinate * suspension.frame.sign(self.axis) / self.factor + 0.0
+    }
 }
 
 /// An optimisation (tuning) of a study.

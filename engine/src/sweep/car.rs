@@ -306,7 +306,7 @@ fn describe(study: &CarStudy, sweep: &CarSweep, targets: &[CarTarget]) -> SweepR
             low: variable.range[0],
             high: variable.range[1],
             steps: column.steps.filter(|_| method == Sampling::Grid),
-            at_design: variable.moves.value(car).unwrap_or(f64::NAN) + 0.0,
+            at_design: variable.moves.value(car).map(|value| value + 0.0),
             moves: moves.collect(),
         }
     });

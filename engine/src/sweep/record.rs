@@ -83,8 +83,9 @@ pub struct VariableRecord {
     pub high: f64,
     /// Number of values in a grid.
     pub steps: Option<u64>,
-    /// Value in the study's design.
-    pub at_design: f64,
+    /// Value in the study's design. `None` if the design has no single value, for example for a coordinate that several
+    /// hardpoints share.
+    pub at_design: Option<f64>,
     /// Coordinates that the variable moves.
     pub moves: Vec<MoveRecord>,
 }

@@ -22,7 +22,7 @@ pub(super) fn describe(
         low: v.range[0],
         high: v.range[1],
         steps: v.steps.filter(|_| method == "grid"),
-        at_design: v.at_design(suspension) + 0.0,
+        at_design: v.at_design(suspension).map(|value| value + 0.0),
         moves: v
             .moves
             .iter()

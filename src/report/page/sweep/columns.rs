@@ -32,13 +32,12 @@ pub(super) fn columns(run: &SweepRun) -> Vec<Column<'_>> {
     let variables = record.variables.iter().enumerate().map(|(k, v)| {
         let unit = unit_of_variable(record, &v.column);
         let title = without_unit(&v.column, &unit).to_owned();
-        let at_design = Some(v.at_design);
         Column::of(
             &v.column,
             title,
             readable_unit(&unit),
             None,
-            at_design,
+            v.at_design,
             || shown(k),
         )
     });

@@ -44,7 +44,9 @@ fn the_answers_at_sixty_digits_lie_within_the_proof() {
         let mut solver = AxleSolver::<2>::new(&both, &[], false).unwrap();
         let certifier = AxleCertifier::new(&both);
         let names = names(&case, "values");
-        for state in case["states"].as_array().unwrap() {
+        let states = case["states"].as_array().unwrap();
+        assert!(states.len() >= 13, "{name}");
+        for state in states {
             let label = state["motion"].to_string();
             let placement = placement(&state["motion"]);
             let placed = solver.place(&placement).expect(&label);
@@ -103,6 +105,7 @@ fn every_station_of_the_samples_is_proved() {
         overrides.push("outputs.certify=true");
         let both = study(name, &overrides).axle().unwrap().clone();
         let curves = axle_curves(&both.axle, &both.plan).unwrap().curves;
+        assert!(curves.stations.len() >= 12, "{name}");
         for station in &curves.stations {
             let proof = station.proof.as_ref();
             let proof = proof.unwrap_or_else(|| panic!("{:?}", station.status));
@@ -223,6 +226,7 @@ fn poses_over_an_interval_of_travel_are_enclosed() {
         .wheel(Side::Left)
         .over_travels(&at(middle).0, interval, 0.0)
         .unwrap();
+    // The slack covers the error of the solver, and for slopes the error of the finite differences.
     let holds = |enclosed: Interval, value: f64, slack: f64| {
         assert!(enclosed.low - slack <= value && value <= enclosed.high + slack);
         assert!(enclosed.high - enclosed.low < 10.0 * reach);
@@ -239,7 +243,7 @@ fn poses_over_an_interval_of_travel_are_enclosed() {
         };
         let check = |enclosed: Jet<Interval, 2>,
                      number: &dyn Fn(&hardpoint::mechanism::Pose<f64>) -> f64| {
-            holds(enclosed[0], number(&pose), 1e-12 * 1e3);
+            holds(enclosed[0], number(&pose), 1e-9);
             holds(enclosed[1], rate(number), 1e-8);
         };
         check(inclusion.pose.origin.x, &|p| p.origin.x);

@@ -1,9 +1,8 @@
 //! Tests of every quantity of an axle with different sides. One reference is the mirrored axle. The other reference is
 //! an independent evaluation from wheel positions, ground geometry and finite differences between positions.
 
-use super::one_state::axles;
+use super::one_state::{axles, natural};
 use super::reference::condition;
-use hardpoint::ask::Unit;
 use hardpoint::axle::{
     Axle, AxlePose, AxleQuantity as A, AxleSolver, Placement, Quantity, WheelQuantity as W,
 };
@@ -13,18 +12,6 @@ use hardpoint::model::{AxlePosition, Side, SpinAxis};
 use hardpoint::number::Vector3;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
-
-/// Typical magnitude of a value with this unit, in mm, N and rad.
-fn natural(unit: Unit) -> f64 {
-    match unit {
-        Unit::Length | Unit::LengthPerAngle => 1e3,
-        Unit::Percent | Unit::ForcePerLength => 100.0,
-        Unit::Force => 1e4,
-        Unit::Torque => 1e7,
-        Unit::TorquePerAngle => 1e8,
-        _ => 1.0,
-    }
-}
 
 /// Axles whose right wheel is not the mirror image of the left one.
 fn different() -> Vec<(&'static str, Axle)> {
@@ -723,7 +710,6 @@ fn quantities_are_those_of_an_independent_evaluation() {
             }
         }
     }
-    println!("{compared:?}");
     assert_all_compared(&compared);
 }
 

@@ -51,7 +51,7 @@ fn most(study: &Study, travels: [f64; 2]) -> f64 {
 }
 
 /// A limit over a motion of the axle applies to both wheels, each with its own travel. If `side` names a wheel, the
-/// limit applies only to that wheel. The limit is active at the wheel that moves farther.
+/// limit applies only to that wheel. The limit is active at one wheel at least.
 #[test]
 fn a_constraint_holds_at_both_wheels_or_at_one() {
     let given = study("macpherson_axle_front", &[]);
@@ -63,19 +63,19 @@ fn a_constraint_holds_at_both_wheels_or_at_one() {
         let study = with(&given, &[motion, &constraint, "optimise.starts=1"]).unwrap();
         let tuning = study.tune(Control::default()).unwrap();
         let best = tuning.best.unwrap();
-        let rooms: Vec<f64> = best.constraints.iter().map(|c| c.margin).collect();
-        (study.at_design(best.design), rooms)
+        let margins: Vec<f64> = best.constraints.iter().map(|c| c.margin).collect();
+        (study.at_design(best.design), margins)
     };
-    let (both, rooms) = tuned("");
-    assert_eq!(rooms.len(), 2);
+    let (both, margins) = tuned("");
+    assert_eq!(margins.len(), 2);
     let (left, right) = (most(&both, [-60.0, 60.0]), most(&both, [-90.0, 45.0]));
-    for (room, most) in rooms.iter().zip([left, right]) {
-        assert!((0.5 - most - room).abs() < 1e-5, "{room} {most}");
+    for (margin, most) in margins.iter().zip([left, right]) {
+        assert!((0.5 - most - margin).abs() < 1e-5, "{margin} {most}");
     }
-    assert!(rooms.iter().all(|room| *room > -1e-6), "{rooms:?}");
-    assert!(rooms.iter().any(|room| *room < 1e-5), "{rooms:?}");
-    let (one, rooms) = tuned(", side = \"left\"");
-    assert_eq!(rooms.len(), 1);
+    assert!(margins.iter().all(|margin| *margin > -1e-6), "{margins:?}");
+    assert!(margins.iter().any(|margin| *margin < 1e-5), "{margins:?}");
+    let (one, margins) = tuned(", side = \"left\"");
+    assert_eq!(margins.len(), 1);
     assert!(most(&one, [-60.0, 60.0]) < 0.5 + 1e-5);
 }
 

@@ -116,6 +116,7 @@ fn tyres_are_in_series_with_the_roll_stiffness() {
             .map(|column| opposite.iter().map(|station| column[*station]).collect())
             .collect();
         let stations = found[0].len();
+        assert_eq!(stations, 8, "{name}");
         let angle = |station: usize, yields: f64| {
             let side = |camber: usize, load: usize, travel: f64| {
                 let below = radius * found[camber][station].to_radians().cos();

@@ -46,7 +46,7 @@ fn parameter(assembler: &Assembler, of: &str, axis: Option<&str>) -> BuildParame
     }
 }
 
-/// Plan that computes camber, toe and their derivatives.
+/// Plan with the outputs of the study.
 fn plan(study: &Study) -> Plan {
     Plan::of(study.one_wheel().unwrap())
 }

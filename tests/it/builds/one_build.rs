@@ -91,7 +91,9 @@ fn a_printed_build_is_the_build_and_can_be_proved() {
         let header = table.headers().unwrap().clone();
         let column = |name: &str| header.iter().position(|h| h == name).unwrap();
         let (error, apart) = (column("position_error_mm"), column("uniqueness_mm"));
-        for row in table.records().map(Result::unwrap) {
+        let rows: Vec<_> = table.records().map(Result::unwrap).collect();
+        assert!(rows.len() > 20, "{name}");
+        for row in rows {
             let [error, apart] = [&row[error], &row[apart]].map(|v| v.parse::<f64>().unwrap());
             assert!(error < 1e-9 && apart > 0.1, "{name}: {error} {apart}");
         }

@@ -429,7 +429,7 @@ fn builds_have_a_spread_where_the_nominal_value_is_missing() {
     }
 }
 
-/// A percentile that does not exist is an empty cell, for a wheel and for an axle.
+/// A percentile that does not exist is a column without values, for a wheel and for an axle.
 #[test]
 fn percentiles_that_do_not_exist_are_empty_cells() {
     for name in ["macpherson_tolerance", "double_wishbone_axle"] {

@@ -86,7 +86,7 @@ fn a_tenth_of_a_degree_counts_as_a_millimetre() {
     ]);
     let found = found.unwrap();
     let (errors, by) = (found.misses(), &found.last().by[0]);
-    let (mut slope, mut curvature) = (0.0, 0.0);
+    let (mut slope, mut curvature, mut targets) = (0.0, 0.0, 0);
     for ((of, error), by) in found.statics.iter().zip(errors).zip(by) {
         let weight = match of.unit() {
             Unit::Angle => 1.0 / 0.1,
@@ -97,8 +97,10 @@ fn a_tenth_of_a_degree_counts_as_a_millimetre() {
         if let Some(error) = error {
             slope += weight * weight * error * by;
             curvature += (weight * by).powi(2);
+            targets += 1;
         }
     }
+    assert_eq!(targets, 3);
     // The continuous optimum is within one shim step.
     assert!((slope / curvature).abs() < 1e-4, "{}", slope / curvature);
 }

@@ -287,6 +287,7 @@ fn member_loads_are_written() {
     let csv = text(&said.success().get_output().stdout);
     let mut rows = csv.lines();
     let header: Vec<&str> = rows.next().unwrap().split(',').collect();
+    assert_eq!(csv.lines().count(), 1 + 5);
     let columns = ["front_left_tie_rod_N", "rear_right_toe_link_N"];
     for name in columns {
         let column = header.iter().position(|column| *column == name).unwrap();

@@ -37,7 +37,7 @@ fn directions(car: &Car) -> Vec<Case> {
 fn limits_are_where_loads_vanish() {
     let car = car(&reference());
     let mut solver = CarSolver::new(&car).unwrap();
-    let mut lifts = 0;
+    let (mut lifts, mut single, mut ends) = (0, 0, 0);
     for case in directions(&car) {
         let limits = solver.limits(&case).unwrap();
         if let Some(lift) = limits.lift {
@@ -56,14 +56,17 @@ fn limits_are_where_loads_vanish() {
                 assert!(others.clone().all(|other| found[other] > 1.0), "{found:?}");
                 let (_, up) = loads(&mut solver, &at(&case, lift.acceleration + 1e-5));
                 assert!(up[wheel], "{case:?}");
+                single += 1;
             }
         }
         if limits.why.is_some() {
             assert!(solver.solve(&at(&case, limits.end - 1e-5)).is_ok());
             assert!(solver.solve(&at(&case, limits.end + 1e-4)).is_err());
+            ends += 1;
         }
     }
     assert!(lifts >= 4, "{lifts}");
+    assert!(single > 0 && ends > 0, "{single} {ends}");
 }
 
 /// A symmetric car lifts mirrored wheels at the same accelerations. In straight acceleration it lifts both front wheels

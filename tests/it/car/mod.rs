@@ -61,12 +61,9 @@ fn suspension(axle: &Value) -> Suspension {
         text += &format!("{name} = {body}\n");
     }
     text += &format!("[wheel]\nradius = {}\n", axle["radius"]);
-    for (key, name) in [
-        ("static_camber", "static_camber"),
-        ("static_toe", "static_toe"),
-    ] {
+    for key in ["static_camber", "static_toe"] {
         if !axle[key].is_null() {
-            text += &format!("{name} = {}\n", axle[key]);
+            text += &format!("{key} = {}\n", axle[key]);
         }
     }
     let torque = |path: &Value| match path.as_str() {

@@ -207,7 +207,7 @@ fn second_order_is_that_of_complete_solutions() {
 }
 
 /// The second-order terms of cars with solid axles equal finite differences of complete solutions. One of the axles is
-/// steered by a drag link. This test omits derivatives of a state.
+/// steered by a drag link. Derivatives of a state, here the roll gradient, have no second-order terms for these axles.
 #[test]
 fn second_order_of_solid_axles_is_that_of_complete_solutions() {
     let results = [

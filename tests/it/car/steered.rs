@@ -68,7 +68,7 @@ fn places(car: &Car, placed: &AxlePose, names: &[&str]) -> Vec<V> {
     now.collect()
 }
 
-/// Forces of the tyre, of the wheel's inertia and of the spring at one wheel, each with its point of application.
+/// Forces of the tyre and of the inertia of one wheel, each with its point of application.
 fn outside(state: &Balance<f64>, case: &Case, number: usize, unsprung: f64) -> [(V, V); 2] {
     let wheel = &state.wheels[number];
     let road = &state.road;

@@ -194,6 +194,7 @@ fn tuned_rates_are_in_the_units_of_the_study() {
             });
             rows.collect::<Vec<_>>()
         });
+        assert!(rows[0].len() == rows[1].len() && rows[0].len() >= 5);
         for (own, again) in rows[0].iter().flatten().zip(rows[1].iter().flatten()) {
             match (own.parse::<f64>(), again.parse::<f64>()) {
                 (Ok(own), Ok(again)) => {

@@ -1,22 +1,17 @@
 //! Tests of certificates of axles: the bounds contain the 60-digit reference values, and the certifier never certifies
 //! a false pose.
 
-use super::axle;
 use super::reference::{names, placement, read};
+use super::{axle, sample};
 use hardpoint::axle::{AxleCertifier, AxlePose, AxleSolver, Hold, Placement, axle_curves};
 use hardpoint::mechanism::Configuration;
 use hardpoint::model::Side;
 use hardpoint::number::{Interval, Jet, Vector3};
 use hardpoint::study::Study;
 use serde_json::Value;
-use std::path::Path;
 
 fn study(name: &str, overrides: &[&str]) -> Study {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("studies")
-        .join(name);
-    let overrides: Vec<_> = overrides.iter().map(|o| (*o).to_owned()).collect();
-    Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"))
+    sample(name, overrides).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// Positions of the wheel centres, each in the solver's frame of its side.
@@ -95,10 +90,10 @@ fn the_answers_at_sixty_digits_lie_within_the_proof() {
 #[test]
 fn every_station_of_the_samples_is_proved() {
     let samples = [
-        ("macpherson_axle.toml", &[][..]),
-        ("five_link_axle.toml", &[][..]),
-        ("macpherson_axle.toml", &TRAVELS[..]),
-        ("macpherson_axle.toml", &TRAVELS[..2]),
+        ("macpherson_axle", &[][..]),
+        ("five_link_axle", &[][..]),
+        ("macpherson_axle", &TRAVELS[..]),
+        ("macpherson_axle", &TRAVELS[..2]),
     ];
     for (name, overrides) in samples {
         let mut overrides = overrides.to_vec();
@@ -134,7 +129,7 @@ const TRAVELS: [&str; 3] = [
 /// angle.
 #[test]
 fn a_false_root_is_not_proved_to_be_near() {
-    let both = study("macpherson_axle.toml", &[])
+    let both = study("macpherson_axle", &[])
         .axle()
         .unwrap()
         .clone()
@@ -201,7 +196,7 @@ fn a_false_root_is_not_proved_to_be_near() {
 /// contains the derivative of the Taylor series.
 #[test]
 fn poses_over_an_interval_of_travel_are_enclosed() {
-    let both = study("five_link_axle.toml", &[])
+    let both = study("five_link_axle", &[])
         .axle()
         .unwrap()
         .clone()

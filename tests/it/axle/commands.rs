@@ -1,5 +1,6 @@
 //! Tests of the commands with studies of axles, as a user runs them.
 
+use crate::support::one_line;
 use assert_cmd::Command;
 use hardpoint::Study;
 use hardpoint::ask::{Info, Need};
@@ -195,7 +196,6 @@ fn what_is_not_there_for_an_axle_is_refused_by_name() {
 /// warning with both distances. This holds for an axle and for one wheel.
 #[test]
 fn a_track_agrees_with_wheel_centres_or_contact_points() {
-    let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
     for (name, outputs) in [
         (
             "macpherson_axle_front.toml",
@@ -217,7 +217,7 @@ fn a_track_agrees_with_wheel_centres_or_contact_points() {
                 "--set",
                 outputs,
             ];
-            words(&run(&arguments, 0).0)
+            one_line(&run(&arguments, 0).0)
         };
         let wrong = checked(1400.0);
         let (_, apart) = wrong
@@ -304,7 +304,7 @@ fn springs_that_do_not_carry_the_sprung_mass_are_reported() {
         let mass = factor * load / 9.80665;
         let set = format!("vehicle={{ wheelbase = 2650.0, sprung_mass = {mass:?} }}");
         let (said, _) = run(&["check", path, "--set", &set], 0);
-        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        let said = one_line(&said);
         let weight = format!("but sprung_mass weighs {:.0} N", factor * load);
         assert_eq!(said.contains(&weight), is_off, "{factor}: {said}");
         assert_eq!(
@@ -588,7 +588,7 @@ fn axles_are_swept() {
     let further = "outputs.characteristics=[\"roll_centre_migration_lateral\", \"steer\"]";
     let (said, _) = run(&["check", file, "--set", further], 0);
     let words = "one by one instead of several at once in SIMD lanes: lanes do not support a requested output: roll_centre_migration_lateral.";
-    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    let said = one_line(&said);
     assert!(said.contains(words), "{said}");
     swept(&[
         "--out",
@@ -635,8 +635,7 @@ fn said(arguments: &[&str], sets: &[&str], code: i32) -> String {
     let sets = sets.iter().flat_map(|set| ["--set", set]);
     let arguments: Vec<&str> = arguments.iter().copied().chain(sets).collect();
     let (out, err) = run(&arguments, code);
-    let words = format!("{out} {err}");
-    words.split_whitespace().collect::<Vec<_>>().join(" ")
+    one_line(&format!("{out} {err}"))
 }
 
 /// Every incomplete station comes with a message that names the wheel. The message names the wheel whose drop link is

@@ -2,16 +2,11 @@
 
 use super::commands::{folder, run, study as sample};
 use super::tuning::study;
-use crate::support::larger;
+use super::with;
+use crate::support::{larger, one_line};
 use hardpoint::characteristics::Characteristic;
 use hardpoint::optimise::Control;
 use hardpoint::study::{Motion, Study, Vehicle, WheelStudy};
-
-fn with(study: &Study, edits: &[&str]) -> Result<Study, String> {
-    let edits: Vec<String> = edits.iter().map(|edit| (*edit).to_owned()).collect();
-    let study = study.with_overrides("named.toml", &edits);
-    study.map_err(|error| error.to_string())
-}
 
 /// A motion in `[motions.NAME]` has the same curves as the same motion in `[motion]`. The test covers each kind of
 /// motion.
@@ -167,8 +162,7 @@ fn a_value_of_another_motion_is_enough() {
         let solved = run(&[&["solve", path][..], &directory, &sets].concat(), code);
         let checked = run(&[&["check", path][..], &sets].concat(), code);
         [solved, checked].map(|(said, errors)| {
-            let words = said + &errors;
-            words.split_whitespace().collect::<Vec<_>>().join(" ")
+            one_line(&(said + &errors))
         })
     };
     for said in said(heave, steer, 0) {

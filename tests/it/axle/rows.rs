@@ -1,17 +1,13 @@
 //! Tests of motions of an axle that are given as a table of rows: row n contains the n-th value of every coordinate.
 
 use super::tuning::{evaluate, layout, study};
+use super::with;
+use crate::support::one_line;
 use hardpoint::curves::Curves;
 use hardpoint::optimise::Control;
 use hardpoint::study::Study;
 use hardpoint::tolerance::Problem;
 use nalgebra::DVector;
-
-fn with(study: &Study, edits: &[&str]) -> Result<Study, String> {
-    let edits: Vec<String> = edits.iter().map(|edit| (*edit).to_owned()).collect();
-    let study = study.with_overrides("rows.toml", &edits);
-    study.map_err(|error| error.to_string())
-}
 
 /// Values of a column, or of a coordinate of the motion.
 fn column(curves: &Curves, name: &str) -> Vec<f64> {
@@ -175,7 +171,7 @@ fn rows_that_do_not_fit_are_refused() {
     let given = study("macpherson_axle_front", &[]);
     let refused = |edits: &[&str], said: &str| {
         let error = with(&given, edits).unwrap_err();
-        let error = error.split_whitespace().collect::<Vec<_>>().join(" ");
+        let error = one_line(&error);
         assert!(error.contains(said), "{error}");
     };
     refused(

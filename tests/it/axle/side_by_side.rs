@@ -92,7 +92,7 @@ fn wheels_and_axles_and_other_motions_are_not_mixed() {
     let (wheel, axle) = (wheel.to_str().unwrap(), axle.to_str().unwrap());
     for pair in [[wheel, axle], [axle, wheel]] {
         let (_, said) = run(&["compare", pair[0], pair[1], "--out", "-"], 2);
-        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        let said = one_line(&said);
         assert!(said.contains("compare axles with axles"), "{said}");
     }
     let folder = folder("compare_motions");
@@ -135,7 +135,7 @@ fn wheels_and_axles_and_other_motions_are_not_mixed() {
     }
     for pair in [[runs[0], runs[1]], [runs[1], runs[0]]] {
         let (_, said) = run(&["compare", pair[0], pair[1], "--out", "-"], 2);
-        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        let said = one_line(&said);
         assert!(said.contains("run them over the same motion"), "{said}");
     }
 }

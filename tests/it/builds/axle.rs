@@ -1,5 +1,6 @@
 //! Tests of builds of axles: two wheels that scatter independently, on one rack and one ground.
 
+use crate::support::one_line;
 use hardpoint::assembly::Assembler;
 use hardpoint::axle::{Axle, AxleSolver, Placement, Quantity, axle_curves};
 use hardpoint::model::Side;
@@ -531,7 +532,7 @@ fn tolerance_of_an_axle_as_a_command() {
         let mut arguments = vec!["tolerance", "axle.toml"];
         arguments.extend(set.iter().flat_map(|set| ["--set", set]));
         let [_, said] = run(&arguments, 2);
-        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        let said = one_line(&said);
         assert!(said.contains(words), "{said}");
     };
     refused(
@@ -554,7 +555,7 @@ fn tolerance_of_an_axle_as_a_command() {
     let wheel = study_of_one_wheel();
     std::fs::write(directory.path().join("wheel.toml"), wheel).unwrap();
     let [_, said] = run(&["tolerance", "wheel.toml"], 2);
-    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    let said = one_line(&said);
     assert!(
         said.contains("side needs [axle]") && said.contains("over needs [axle]"),
         "{said}"

@@ -2,13 +2,12 @@
 //! solved separately. One test also measures the time.
 
 use super::commands::hardpoint;
-use super::{car, reference};
+use super::{car, formula_student_car, reference};
 use crate::support::larger;
 use hardpoint::car::{
     Car, CarQuantity, CarSolver, Case, Equilibrium, GRAVITY, Longitudinal, LongitudinalShares,
 };
 use hardpoint::number::Width;
-use hardpoint::study::CarStudy;
 use std::time::Instant;
 
 /// Load cases of a grid over ax and ay, row by row.
@@ -26,11 +25,6 @@ fn map(car: &Car, count: usize) -> Vec<Vec<Case>> {
     };
     let row = |i: usize| (0..count).map(|j| case(i, j)).collect();
     (0..count).map(row).collect()
-}
-
-fn formula_student_car() -> Car {
-    let path = super::commands::studies().join("formula_student_car.toml");
-    CarStudy::read(&path, &[]).unwrap().car
 }
 
 /// Solves a map, and passes each state to `visit`.

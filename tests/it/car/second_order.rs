@@ -1,6 +1,7 @@
 //! Tests of second-order scatter of a car against finite differences of complete solutions, and against statistical
 //! laws.
 
+use super::problem;
 use hardpoint::assembly::Assembler;
 use hardpoint::axle::Axle;
 use hardpoint::car::{Car, CarQuantity};
@@ -22,11 +23,6 @@ fn car(file: &str, results: &[&str], scatter: &str) -> CarStudy {
     ]
     .map(str::to_owned);
     CarStudy::read(&path, &set).unwrap_or_else(|e| panic!("{}", e.render(false)))
-}
-
-fn problem(study: &CarStudy) -> CarProblem<'_> {
-    CarProblem::of(study, study.tolerance.as_ref().unwrap())
-        .unwrap_or_else(|(axle, _)| panic!("axle {axle}"))
 }
 
 fn expansion(problem: &CarProblem<'_>) -> Vec<CarExpansion> {

@@ -2,9 +2,9 @@
 //! laws.
 
 use super::commands::{hardpoint, studies, text};
+use super::problem;
 use hardpoint::car::moved;
 use hardpoint::study::{CarContributor, CarStudy};
-use hardpoint::tolerance::CarProblem;
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -18,11 +18,6 @@ fn car(directory: &Path, tolerance: &str) -> CarStudy {
     let outputs = "[outputs]\ncharacteristics = [\"roll\", \"wheel_load\", \"camber_to_road\", \"toe\", \"roll_gradient\", \"lateral_load_transfer_distribution\"]\n";
     fs::write(&path, format!("{head}{outputs}{tolerance}")).unwrap();
     CarStudy::read(&path, &[]).unwrap_or_else(|e| panic!("{}", e.render(false)))
-}
-
-fn problem(study: &CarStudy) -> CarProblem<'_> {
-    CarProblem::of(study, study.tolerance.as_ref().unwrap())
-        .unwrap_or_else(|(axle, _)| panic!("axle {axle}"))
 }
 
 /// Rates and values of the car scatter. The first-order standard deviations equal those from difference quotients of

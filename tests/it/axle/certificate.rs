@@ -129,11 +129,7 @@ const TRAVELS: [&str; 3] = [
 /// angle.
 #[test]
 fn a_false_root_is_not_proved_to_be_near() {
-    let both = study("macpherson_axle", &[])
-        .axle()
-        .unwrap()
-        .clone()
-        .axle;
+    let both = study("macpherson_axle", &[]).axle().unwrap().clone().axle;
     let mut solver = AxleSolver::<2>::new(&both, &[], false).unwrap();
     let certifier = AxleCertifier::new(&both);
     let (heave, roll, rack) = (12.0, 0.04, 7.0);
@@ -196,11 +192,7 @@ fn a_false_root_is_not_proved_to_be_near() {
 /// contains the derivative of the Taylor series.
 #[test]
 fn poses_over_an_interval_of_travel_are_enclosed() {
-    let both = study("five_link_axle", &[])
-        .axle()
-        .unwrap()
-        .clone()
-        .axle;
+    let both = study("five_link_axle", &[]).axle().unwrap().clone().axle;
     let mut solver = AxleSolver::<2>::new(&both, &[], false).unwrap();
     let certifier = AxleCertifier::new(&both);
     let mut at = |travel: f64| {

@@ -36,8 +36,7 @@ fn on_pads_the_left_wheel_carries_what_a_corner_does() {
         let both = study(name, &[LOADS, few, &motion, "outputs.sensitivities=false"]).unwrap();
         let left = {
             let text = std::fs::read_to_string(
-                Path::new(env!("CARGO_MANIFEST_DIR"))
-                    .join(format!("studies/{name}.toml")),
+                Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("studies/{name}.toml")),
             )
             .unwrap();
             // Same study without its axle.
@@ -228,11 +227,7 @@ fn mistakes_in_loads_are_named() {
             "expected three components",
         ),
     ] {
-        let said = study(
-            "macpherson_axle",
-            &[&format!("outputs.loads=[{loads}]")],
-        )
-        .unwrap_err();
+        let said = study("macpherson_axle", &[&format!("outputs.loads=[{loads}]")]).unwrap_err();
         assert!(said.contains(words), "{loads}: {said}");
     }
     let load = "outputs.loads=[{name=\"a\", at=\"wheel_centre\", side=\"left\", force=[0, 0, 1]}]";

@@ -161,9 +161,7 @@ fn a_value_of_another_motion_is_enough() {
         let directory = ["--out", out.to_str().unwrap(), "--force"];
         let solved = run(&[&["solve", path][..], &directory, &sets].concat(), code);
         let checked = run(&[&["check", path][..], &sets].concat(), code);
-        [solved, checked].map(|(said, errors)| {
-            one_line(&(said + &errors))
-        })
+        [solved, checked].map(|(said, errors)| one_line(&(said + &errors)))
     };
     for said in said(heave, steer, 0) {
         assert!(

@@ -1,7 +1,9 @@
 //! Tests of built mechanisms: their properties and their values.
 
 mod axle;
+mod axle_derivatives;
 mod independent;
+mod instructions;
 mod lanes;
 mod legs;
 mod one_build;

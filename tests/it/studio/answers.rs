@@ -159,7 +159,10 @@ fn margins_have_the_unit_of_the_study() {
         let inches = of(&inches, "constraints");
         of(&mm, "constraints").into_iter().zip(inches)
     };
-    assert_eq!(of(&mm, "constraints").len(), of(&inches, "constraints").len());
+    assert_eq!(
+        of(&mm, "constraints").len(),
+        of(&inches, "constraints").len()
+    );
     assert!(pairs().count() >= 5);
     for (mm, inches) in pairs() {
         let margins = [&mm, &inches].map(|c| c["margin"].as_f64().unwrap());

@@ -244,10 +244,7 @@ fn elastic_wheels_are_drawn_in_equilibrium() {
             let camber = values[station].as_f64().unwrap();
             // If the top of the wheel leans outboard, the spin axis points outboard and down.
             let drawn = -axis[2].asin().to_degrees();
-            assert!(
-                (drawn - camber).abs() < 1e-9,
-                "{name}: {drawn} {camber}"
-            );
+            assert!((drawn - camber).abs() < 1e-9, "{name}: {drawn} {camber}");
         }
     }
 }

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 /// Axle with its name.
 pub(super) type Named = (&'static str, Axle);
 
-/// Axles of struts, links and wishbones with rockers. The first one is mirrored; all others have different sides.
+/// Axles of struts, links, and wishbones with rockers. The first and the last axle are mirrored; the others have different sides.
 pub(super) fn axles() -> [Named; 5] {
     let of = |name, changes: &[(&str, &str)]| study(name, changes).axle().unwrap().clone().axle;
     let lopsided = "[axle.right.hardpoints]\ntie_rod_outer = [-133.0, -687.0, 244.0]\n\

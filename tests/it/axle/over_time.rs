@@ -110,8 +110,8 @@ fn derivatives_by_time_are_slopes() {
                 seen += 1;
             }
         }
-        // Four characteristics with seven columns, and two points of both wheels. Each column has two derivatives; of each point the
-        // test takes the velocity along x and the acceleration along z.
+        // The four characteristics have seven columns with two derivatives each. For two points of both wheels, the test takes
+        // the velocity along x and the acceleration along z.
         assert_eq!(seen, count * (7 * 2 + 2 * 2 * 2), "{drive}");
     }
 }

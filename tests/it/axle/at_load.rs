@@ -177,7 +177,11 @@ fn a_load_is_held_where_the_motion_says_so() {
             "outputs.order=\"velocity\"",
             "does not work with derivatives",
         ),
-        ("motion={ roll = 1.0, hold = \"weight\" }", "", "expected"),
+        (
+            "motion={ roll = 1.0, hold = \"weight\" }",
+            "",
+            "unknown hold \"weight\"",
+        ),
     ] {
         let mut arguments = vec!["check", path, "--set", motion, "--set", outputs];
         if !more.is_empty() {
@@ -210,9 +214,11 @@ fn the_load_is_found_where_the_level_travel_is_out_of_reach() {
             .collect()
     };
     let level = loads("motion={ heave = [-30.0], roll = [0.0] }")[0];
-    for load in loads(
+    let held = loads(
         "motion={ heave = [-30.0], roll = [-6.4, -6.0, 5.8, 6.0, 6.4], hold = \"wheel_load\" }",
-    ) {
+    );
+    assert_eq!(held.len(), 5);
+    for load in held {
         assert!((load - level).abs() < 1e-9 * level, "{load} {level}");
     }
     let out_of_reach = loads("motion={ heave = [-30.0], roll = [6.0] }")[0];

@@ -37,6 +37,7 @@ fn assemblies_of_a_mirror_image_are_mirror_images() {
             let (ours, theirs) = (number(right, name), sign * number(left, name));
             assert!((ours - theirs).abs() < 1e-9, "{name}: {ours} {theirs}");
         }
+        assert!(left["connected"].is_boolean(), "{left}");
         assert_eq!(right["connected"], left["connected"]);
     }
     // With the rack at zero, the assemblies of one wheel apply to both wheels.
@@ -55,8 +56,6 @@ fn at_design(out: &std::path::Path, name: &str) -> f64 {
     curves.column(name).unwrap()[row.unwrap()].unwrap()
 }
 
-/// One set-up applies to both wheels of a mirrored axle. Both wheels reach the target camber and toe. The curves of the
-/// axle start from these values.
 /// A set-up of an axle has target values of each wheel. The program refuses a quantity of both wheels and names the alternative.
 #[test]
 fn a_set_up_has_target_values_of_each_wheel() {
@@ -75,6 +74,8 @@ fn a_set_up_has_target_values_of_each_wheel() {
     }
 }
 
+/// One set-up applies to both wheels of a mirrored axle. Both wheels reach the target camber and toe. The curves of the
+/// axle start from these values.
 #[test]
 fn a_mirrored_axle_is_set_up_alike() {
     let (path, out) = (study("macpherson_axle.toml"), folder("setup_mirrored"));
@@ -217,6 +218,7 @@ fn builds_of_an_axle_have_limits_of_both_wheels() {
     fs::write(&built, text).unwrap();
     let (out, _) = run(&["limits", built.to_str().unwrap(), "--format", "json"], 0);
     let own = number(&json(&out)["limits"][0], "from");
+    // The printed study has rounded numbers of the build, so the limits differ by rounding errors.
     assert!((own - number(&rows[0], "nearest")).abs() < 1e-6, "{own}");
 }
 

@@ -1,22 +1,17 @@
 //! Tests of certificates of axles: the bounds contain the 60-digit reference values, and the certifier never certifies
 //! a false pose.
 
-use super::axle;
 use super::reference::{names, placement, read};
+use super::{axle, sample};
 use hardpoint::axle::{AxleCertifier, AxlePose, AxleSolver, Hold, Placement, axle_curves};
 use hardpoint::mechanism::Configuration;
 use hardpoint::model::Side;
 use hardpoint::number::{Interval, Jet, Vector3};
 use hardpoint::study::Study;
 use serde_json::Value;
-use std::path::Path;
 
 fn study(name: &str, overrides: &[&str]) -> Study {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("studies")
-        .join(name);
-    let overrides: Vec<_> = overrides.iter().map(|o| (*o).to_owned()).collect();
-    Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"))
+    sample(name, overrides).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// Positions of the wheel centres, each in the solver's frame of its side.
@@ -44,7 +39,9 @@ fn the_answers_at_sixty_digits_lie_within_the_proof() {
         let mut solver = AxleSolver::<2>::new(&both, &[], false).unwrap();
         let certifier = AxleCertifier::new(&both);
         let names = names(&case, "values");
-        for state in case["states"].as_array().unwrap() {
+        let states = case["states"].as_array().unwrap();
+        assert!(states.len() >= 13, "{name}");
+        for state in states {
             let label = state["motion"].to_string();
             let placement = placement(&state["motion"]);
             let placed = solver.place(&placement).expect(&label);
@@ -93,16 +90,17 @@ fn the_answers_at_sixty_digits_lie_within_the_proof() {
 #[test]
 fn every_station_of_the_samples_is_proved() {
     let samples = [
-        ("macpherson_axle.toml", &[][..]),
-        ("five_link_axle.toml", &[][..]),
-        ("macpherson_axle.toml", &TRAVELS[..]),
-        ("macpherson_axle.toml", &TRAVELS[..2]),
+        ("macpherson_axle", &[][..]),
+        ("five_link_axle", &[][..]),
+        ("macpherson_axle", &TRAVELS[..]),
+        ("macpherson_axle", &TRAVELS[..2]),
     ];
     for (name, overrides) in samples {
         let mut overrides = overrides.to_vec();
         overrides.push("outputs.certify=true");
         let both = study(name, &overrides).axle().unwrap().clone();
         let curves = axle_curves(&both.axle, &both.plan).unwrap().curves;
+        assert!(curves.stations.len() >= 12, "{name}");
         for station in &curves.stations {
             let proof = station.proof.as_ref();
             let proof = proof.unwrap_or_else(|| panic!("{:?}", station.status));
@@ -131,11 +129,7 @@ const TRAVELS: [&str; 3] = [
 /// angle.
 #[test]
 fn a_false_root_is_not_proved_to_be_near() {
-    let both = study("macpherson_axle.toml", &[])
-        .axle()
-        .unwrap()
-        .clone()
-        .axle;
+    let both = study("macpherson_axle", &[]).axle().unwrap().clone().axle;
     let mut solver = AxleSolver::<2>::new(&both, &[], false).unwrap();
     let certifier = AxleCertifier::new(&both);
     let (heave, roll, rack) = (12.0, 0.04, 7.0);
@@ -198,11 +192,7 @@ fn a_false_root_is_not_proved_to_be_near() {
 /// contains the derivative of the Taylor series.
 #[test]
 fn poses_over_an_interval_of_travel_are_enclosed() {
-    let both = study("five_link_axle.toml", &[])
-        .axle()
-        .unwrap()
-        .clone()
-        .axle;
+    let both = study("five_link_axle", &[]).axle().unwrap().clone().axle;
     let mut solver = AxleSolver::<2>::new(&both, &[], false).unwrap();
     let certifier = AxleCertifier::new(&both);
     let mut at = |travel: f64| {
@@ -223,6 +213,7 @@ fn poses_over_an_interval_of_travel_are_enclosed() {
         .wheel(Side::Left)
         .over_travels(&at(middle).0, interval, 0.0)
         .unwrap();
+    // The slack covers the error of the solver, and for slopes the error of the finite differences.
     let holds = |enclosed: Interval, value: f64, slack: f64| {
         assert!(enclosed.low - slack <= value && value <= enclosed.high + slack);
         assert!(enclosed.high - enclosed.low < 10.0 * reach);
@@ -239,7 +230,7 @@ fn poses_over_an_interval_of_travel_are_enclosed() {
         };
         let check = |enclosed: Jet<Interval, 2>,
                      number: &dyn Fn(&hardpoint::mechanism::Pose<f64>) -> f64| {
-            holds(enclosed[0], number(&pose), 1e-12 * 1e3);
+            holds(enclosed[0], number(&pose), 1e-9);
             holds(enclosed[1], rate(number), 1e-8);
         };
         check(inclusion.pose.origin.x, &|p| p.origin.x);

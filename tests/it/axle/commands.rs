@@ -1,5 +1,6 @@
 //! Tests of the commands with studies of axles, as a user runs them.
 
+use crate::support::one_line;
 use assert_cmd::Command;
 use hardpoint::Study;
 use hardpoint::ask::{Info, Need};
@@ -78,10 +79,9 @@ fn sample_axles_are_solved_and_written() {
         for column in columns {
             assert!(header.contains(&column), "{name}: {column} in {header:?}");
         }
-        assert!(
-            csv.lines().skip(1).all(|line| line.ends_with(",ok")),
-            "{csv}"
-        );
+        let mut stations = csv.lines().skip(1);
+        assert!(csv.lines().count() > 30, "{csv}");
+        assert!(stations.all(|line| line.ends_with(",ok")), "{csv}");
         let (again, _) = run(&["solve", path, "--out", "-"], 0);
         assert_eq!(again, csv);
     }
@@ -136,67 +136,10 @@ fn sample_axles_are_solved_and_written() {
     }
 }
 
-#[test]
-fn what_is_not_there_for_an_axle_is_refused_by_name() {
-    let path = study("macpherson_axle.toml");
-    let path = path.to_str().unwrap();
-    for (command, why) in [
-        ("tolerance", "the section [tolerance] is missing"),
-        ("setup", "the section [setup] is missing"),
-        ("kc", "of an axle needs stations on level pads"),
-    ] {
-        let (_, said) = run(&[command, path], 2);
-        assert!(said.contains(why), "{command}: {said}");
-    }
-    let (said, _) = run(&["limits", path], 0);
-    assert!(
-        said.contains("roll_deg") && said.contains("left wheel:"),
-        "{said}"
-    );
-    for (set, words) in [
-        ("motion.travel=1.0", "travel drives one wheel only"),
-        (
-            "motion.travel_left=1.0",
-            "roll keeps the mean travel constant",
-        ),
-        ("motion.ground=\"pads\"", "expected ground = \"plane\""),
-        ("motion.rack=1.0", "both give the rack"),
-        ("outputs.points=[\"wheel_center\"]", "unknown point"),
-        ("outputs.knuckle=true", "but order is \"position\""),
-        (
-            "outputs.order=\"acceleration\"",
-            "contains second derivatives",
-        ),
-        ("steering.c_factor=0.0", "never moves the rack"),
-        ("vehicle.position=\"middle\"", "unknown position"),
-        (
-            "spring.force_curve=[[0.0, 1.0], [0.0, 2.0]]",
-            "force_curve already gives the spring",
-        ),
-        (
-            "bump_stop.force_curve=[[0.0, 1.0]]",
-            "expected two or more pairs",
-        ),
-        ("axle.right=\"copied\"", "expected \"mirrored\" or a table"),
-        (
-            "outputs.characteristics=[\"rol_steer\"]",
-            "did you mean \"roll_steer\"?",
-        ),
-    ] {
-        let (_, said) = run(&["check", path, "--set", set], 2);
-        assert!(said.contains(words), "{set}: {said}");
-    }
-    let corner = study("macpherson_solve.toml");
-    let corner = corner.to_str().unwrap();
-    let (_, said) = run(&["check", corner, "--set", "motion.roll=1.0"], 2);
-    assert!(said.contains("roll needs [axle]"), "{said}");
-}
-
 /// The given track may be the distance of the wheel centres or the distance of the contact points. Any other track gives a
 /// warning with both distances. This holds for an axle and for one wheel.
 #[test]
 fn a_track_agrees_with_wheel_centres_or_contact_points() {
-    let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
     for (name, outputs) in [
         (
             "macpherson_axle_front.toml",
@@ -218,7 +161,7 @@ fn a_track_agrees_with_wheel_centres_or_contact_points() {
                 "--set",
                 outputs,
             ];
-            words(&run(&arguments, 0).0)
+            one_line(&run(&arguments, 0).0)
         };
         let wrong = checked(1400.0);
         let (_, apart) = wrong
@@ -305,7 +248,7 @@ fn springs_that_do_not_carry_the_sprung_mass_are_reported() {
         let mass = factor * load / 9.80665;
         let set = format!("vehicle={{ wheelbase = 2650.0, sprung_mass = {mass:?} }}");
         let (said, _) = run(&["check", path, "--set", &set], 0);
-        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        let said = one_line(&said);
         let weight = format!("but sprung_mass weighs {:.0} N", factor * load);
         assert_eq!(said.contains(&weight), is_off, "{factor}: {said}");
         assert_eq!(
@@ -398,6 +341,7 @@ fn the_page_shows_both_wheels_on_the_ground() {
     assert_eq!(frames.len(), rows.len());
     let design = &frames[6]["pose"]["Ok"];
     let ground = number(&design["contact"][2]);
+    let mut circles = 0;
     for (frame, row) in frames.iter().zip(&rows) {
         assert!((number(&frame["drive"]) - row[column("roll_deg")].unwrap()).abs() < 1e-12);
         let pose = &frame["pose"]["Ok"];
@@ -433,7 +377,10 @@ fn the_page_shows_both_wheels_on_the_ground() {
             (2.0 * radius - circle).abs() < 0.1 * 300.0,
             "{radius} {circle}"
         );
+        circles += 1;
     }
+    // Half of the stations are steered.
+    assert_eq!(2 * circles, rows.len());
 }
 
 /// The workbook of a study has the curves that `hardpoint solve` writes.
@@ -456,454 +403,6 @@ fn the_workbook_of_an_axle_has_its_curves() {
     let curves = curves_in(&outgoing, curves);
     assert!(curves.rows.len() == 1 + 39 && curves.rows[0].len() > 20);
     assert!(fs::read(book).unwrap() == workbook(&[points, curves]));
-}
-
-/// Tuning an axle writes its curves before and after, and a study that other commands accept.
-#[test]
-fn an_axle_is_tuned() {
-    let path = study("macpherson_axle_front.toml");
-    let out = folder("tuned");
-    let [path, directory] = [&path, &out].map(|p| p.to_str().unwrap());
-    let fewer = [
-        "optimise.starts=1",
-        "motion.roll=[-2.0, 0.0, 2.0]",
-        "motion.heave=[-40.0, 40.0]",
-        "motion.steering_wheel_angle=[-360.0, 0.0, 360.0]",
-    ];
-    let fewer = fewer.iter().flat_map(|set| ["--set", set]);
-    let front = "optimise.front=[\"roll_steer\", \"force_roll_centre_height\"]";
-    let fewer = fewer.chain(["--set", front, "--report"]);
-    let arguments = ["optimise", path, "--out", directory].into_iter();
-    let (said, _) = run(&arguments.chain(fewer).collect::<Vec<_>>(), 0);
-    assert!(said.contains("roll_steer_deg_per_deg over roll"), "{said}");
-    assert!(
-        said.contains("Smallest misfit by the size of the change"),
-        "{said}"
-    );
-    // The page contains the Pareto front too, so that the user can pick a design.
-    let record = fs::read_to_string(out.join("report.json")).unwrap();
-    assert!(record.contains("\"targets\":[\"roll_steer\",\"force_roll_centre_height\"]"));
-    for file in [
-        "curves.csv",
-        "front.csv",
-        "report.html",
-        "curves_before.csv",
-        "history.csv",
-        "summary.json",
-    ] {
-        assert!(out.join(file).is_file(), "{file}");
-    }
-    let again = out.join("optimised.toml");
-    let (said, _) = run(&["check", again.to_str().unwrap()], 0);
-    assert!(said.contains("18 of 18 stations solved"), "{said}");
-}
-
-/// The Pareto front of two goals has a design that is at least as good as the tuned design in both goals. The tolerance is the
-/// spacing of the front's points.
-#[test]
-fn no_tuned_design_is_better_than_its_front() {
-    let path = study("macpherson_axle_front.toml");
-    let out = folder("front_of_two");
-    let [path, directory] = [&path, &out].map(|p| p.to_str().unwrap());
-    let sets = [
-        "optimise.starts=1",
-        "motion.roll=[-3.0, 0.0, 3.0]",
-        "motion.heave=[-40.0, 0.0, 40.0]",
-        "motion.steering_wheel_angle=[-360.0, 0.0, 360.0]",
-        "optimise.front=[\"ackermann_error\", \"force_roll_centre_height\"]",
-    ];
-    let sets = sets.iter().flat_map(|set| ["--set", set]);
-    let arguments = ["optimise", path, "--out", directory].into_iter();
-    run(&arguments.chain(sets).collect::<Vec<_>>(), 0);
-    let summary = fs::read_to_string(out.join("summary.json")).unwrap();
-    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
-    let mean_square = |name: &str| {
-        let all = summary["targets"].as_array().unwrap().iter();
-        let own = all.filter(|target| target["output"].as_str().unwrap().starts_with(name));
-        let squares: Vec<f64> = own
-            .map(|target| target["after"]["rms"].as_f64().unwrap().powi(2))
-            .collect();
-        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
-    };
-    let kept = ["ackermann_error", "force_roll_centre_height"].map(mean_square);
-    let file = fs::read(out.join("front.csv")).unwrap();
-    let points: Vec<[f64; 2]> = crate::support::rows_by_column(&file)
-        .iter()
-        .map(|row| {
-            ["misfit_ackermann_error", "misfit_force_roll_centre_height"]
-                .map(|column| row[column].parse().unwrap())
-        })
-        .collect();
-    let (first, last) = (points[0], points[points.len() - 1]);
-    let apart = [last[0] - first[0], first[1] - last[1]].map(|extent| extent / 25.0);
-    // Each end of a Pareto front is a minimum of one goal, accurate to 0.01 %.
-    let is_as_good = |point: &[f64; 2]| (0..2).all(|k| point[k] <= 1.0001 * kept[k] + apart[k]);
-    assert!(points.iter().any(is_as_good), "{kept:?} {points:?}");
-}
-
-/// A sweep of axles writes identical files with one CPU thread and with two CPU threads. It also writes a page.
-#[test]
-fn axles_are_swept() {
-    if !crate::support::has_lanes() {
-        return;
-    }
-    let text = fs::read_to_string(study("macpherson_axle_front.toml")).unwrap();
-    let head = text.split("[optimise]").next().unwrap();
-    let place = folder("swept");
-    fs::create_dir_all(&place).unwrap();
-    let file = place.join("study.toml");
-    let sweep = "[sweep]\nmethod = \"grid\"\nvariables = [{ hardpoint = \"tie_rod_outer\", axis = \"x\", range = [-20.0, 20.0], steps = 150 }]\n";
-    fs::write(&file, format!("{head}{sweep}")).unwrap();
-    let few = [
-        "motion.roll=[-2.0, 2.0]",
-        "motion.heave=0.0",
-        "motion.steering_wheel_angle=[-180.0, 180.0]",
-        "outputs.characteristics=[\"roll_steer\", \"ackermann_error\", \"mean_steer\"]",
-    ];
-    let file = file.to_str().unwrap();
-    let swept = |more: &[&str]| {
-        let mut arguments = vec!["sweep", file];
-        arguments.extend(few.iter().flat_map(|set| ["--set", set]));
-        arguments.extend(more);
-        run(&arguments, 0)
-    };
-    let (one, _) = swept(&["--out", "-", "--threads", "1"]);
-    let (two, _) = swept(&["--out", "-", "--threads", "2"]);
-    assert_eq!(one, two);
-    assert_eq!(one.lines().count(), 151);
-    let out = place.join("out");
-    swept(&["--out", out.to_str().unwrap(), "--report"]);
-    assert_eq!(fs::read_to_string(out.join("designs.csv")).unwrap(), one);
-    assert!(out.join("report.html").is_file());
-    let (text, _) = swept(&["--design", "149"]);
-    assert!(text.contains("-110.0"), "{text}");
-    let (said, _) = run(&["check", file, "--set", few[0]], 0);
-    assert!(
-        said.contains("150 designs") && !said.contains("one by one"),
-        "{said}"
-    );
-    let further = "outputs.characteristics=[\"roll_centre_migration_lateral\", \"steer\"]";
-    let (said, _) = run(&["check", file, "--set", further], 0);
-    let words = "one by one instead of several at once in SIMD lanes: lanes do not support a requested output: roll_centre_migration_lateral.";
-    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(said.contains(words), "{said}");
-    swept(&[
-        "--out",
-        out.to_str().unwrap(),
-        "--force",
-        "--set",
-        "sweep.curves=true",
-    ]);
-    let curves = fs::read_to_string(out.join("curves.csv")).unwrap();
-    let mut lines = curves.lines();
-    assert_eq!(
-        lines.next(),
-        Some(
-            "design,roll_deg,heave_mm,steering_wheel_angle_deg,left_roll_steer_deg_per_deg,right_roll_steer_deg_per_deg,\
-             roll_steer_deg_per_deg,ackermann_error_deg,mean_steer_deg,status"
-        )
-    );
-    // The file has 4 stations per design: two roll angles times two steering wheel angles. Each station has the values that
-    // `solve` finds for the study of this design.
-    assert_eq!(curves.lines().count(), 1 + 150 * 4);
-    let design = place.join("149.toml");
-    fs::write(&design, text).unwrap();
-    let (solved, _) = run(&["solve", design.to_str().unwrap(), "--out", "-"], 0);
-    let numbers = |line: &str, from: usize| -> Vec<f64> {
-        let cells = line.split(',').skip(from);
-        cells.filter_map(|cell| cell.parse().ok()).collect()
-    };
-    for (ours, theirs) in curves.lines().skip(1 + 149 * 4).zip(solved.lines().skip(1)) {
-        let (ours, mut theirs) = (numbers(ours, 1), numbers(theirs, 0));
-        // Removes the columns of the travels and of the rack displacement. The solver finds the travels, and the rack
-        // displacement follows from the steering wheel angle.
-        theirs.drain(2..5);
-        assert_eq!((ours.len(), &ours[..3]), (8, &theirs[..3]));
-        for (a, b) in ours.iter().zip(&theirs) {
-            assert!((a - b).abs() < 1e-9, "{ours:?} {theirs:?}");
-        }
-    }
-}
-
-/// Messages of a run, joined into one line.
-fn said(arguments: &[&str], sets: &[&str], code: i32) -> String {
-    let sets = sets.iter().flat_map(|set| ["--set", set]);
-    let arguments: Vec<&str> = arguments.iter().copied().chain(sets).collect();
-    let (out, err) = run(&arguments, code);
-    let words = format!("{out} {err}");
-    words.split_whitespace().collect::<Vec<_>>().join(" ")
-}
-
-/// Every incomplete station comes with a message that names the wheel. The message names the wheel whose drop link is
-/// at toggle, or the wheel that reaches the end of the rack first. `limits` names the same wheel.
-#[test]
-fn what_an_axle_lacks_is_said_with_the_wheel() {
-    let (path, out) = (study("macpherson_axle.toml"), folder("lacking"));
-    let [path, out] = [&path, &out].map(|p| p.to_str().unwrap());
-    let solved = |sets: &[&str]| said(&["solve", path, "--out", out, "--force"], sets, 1);
-    let few = "outputs.characteristics=[\"camber\", \"roll_stiffness\"]";
-    let stuck = solved(&[few, "motion={ roll = [0.0, -20.0, 20.0, 25.0] }"]);
-    for side in ["left", "right"] {
-        let warning =
-            format!("warning: the {side} wheel's drop link is at toggle or beyond it at ");
-        assert!(stuck.contains(&warning), "{stuck}");
-    }
-    assert!(
-        stuck.contains("it cannot turn the anti-roll bar any further there"),
-        "{stuck}"
-    );
-    // Both tie rods reach their limit at mirrored rack displacements, so the nearer limit may belong to either wheel.
-    let few = "outputs.characteristics=[\"camber\"]";
-    for motion in ["heave = 0.0", "roll = 1.0"] {
-        for (rack, side, sign) in [("-300", "left", "-"), ("300", "right", "")] {
-            let motion = format!("motion={{ {motion}, rack = [0.0, {rack}] }}");
-            let end = format!(
-                "rack {rack} mm: {side} wheel: the rack moves no further than {sign}113.32"
-            );
-
-            let found = solved(&[few, &motion]);
-            assert!(found.contains(&end) && found.contains(" mm: "), "{found}");
-        }
-    }
-    let found = solved(&[few, "motion={ travel_left = 500.0, travel_right = 0.0 }"]);
-    let end = "left wheel at travel 500.000000 mm: the wheel travel ends at 349.667807 mm: ";
-    assert!(found.contains(end), "{found}");
-
-    // A sweep reports the reasons without numbers. It also explains why it omits the effects of the variables.
-    let swept = |sets: &[&str]| {
-        let variable =
-            "{ hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-1.0, 1.0], steps = 2 }";
-        let sweep = format!("sweep={{ method = \"grid\", variables = [{variable}] }}");
-        said(
-            &["sweep", path, "--out", out, "--force"],
-            &[sets, &[&sweep]].concat(),
-            1,
-        )
-    };
-    let found = swept(&[few, "motion={ heave = 0.0, rack = [0.0, 300.0] }"]);
-    assert!(
-        found.contains("right wheel: the rack cannot move further:"),
-        "{found}"
-    );
-    let found = swept(&[few, "motion={ roll = [0.0, 60.0] }"]);
-    assert!(
-        found.contains(
-            "there is no difference of the travels at which both wheels touch the ground"
-        ),
-        "{found}"
-    );
-    let few = "outputs.characteristics=[\"camber\", \"ackermann\"]";
-    let found = swept(&[few, "motion={ heave = [0.0, 10.0] }"]);
-    let why = "Main effects are not known: they need designs that have a value for every output, \
-               and no design has all values; leave out ackermann to get them.";
-    assert!(found.contains(why), "{found}");
-}
-
-/// Commands that handle one wheel either refuse an axle or report that they show only one wheel.
-#[test]
-fn what_knows_one_wheel_does_not_pass_for_the_axle() {
-    let path = study("five_link_axle.toml");
-    let path = path.to_str().unwrap();
-    // An export contains both wheels if they differ. Rounding is available only for a wheel and its mirror image.
-    let table = said(&["export", path, "--to", "csv"], &[], 0);
-    for row in ["toe_link_inner,-180.0,345.0", "toe_link_inner,-180.0,-"] {
-        assert!(table.contains(row), "{table}");
-    }
-    let adams = said(&["export", path, "--to", "adams"], &[], 0);
-    for row in [
-        "'toe_link_inner ' 'left ' 180.0 -345.0 262.0",
-        "'toe_link_inner ' 'right ' 180.0 347.0 262.0",
-    ] {
-        assert!(adams.contains(row), "{adams}");
-    }
-    let round = said(&["export", path, "--to", "csv", "--round", "1"], &[], 2);
-    assert!(round.contains("axle.right: --round needs"), "{round}");
-    let path = study("macpherson_axle.toml");
-    let (mirrored, _) = run(&["export", path.to_str().unwrap(), "--to", "adams"], 0);
-    assert!(!mirrored.contains("'right     '"), "{mirrored}");
-}
-
-/// The program warns of a hardpoint of the right wheel whose y is on the left wheel's side.
-#[test]
-fn a_right_hardpoint_at_the_left_is_doubted() {
-    let path = study("five_link_axle.toml");
-    let path = path.to_str().unwrap();
-    let doubt = "please check: right wheel: toe_link_inner is at the left wheel's side";
-    let own = said(&["check", path], &[], 0);
-    assert!(!own.contains("please check"), "{own}");
-    let set = "axle.right.hardpoints.toe_link_inner=[-180.0, 347.0, 262.0]";
-    let own = said(&["check", path], &[set], 0);
-    assert!(own.contains(doubt), "{own}");
-}
-
-/// Equal tolerances scatter both wheels alike, in mirror image. Additional scatter of one side affects only that side.
-#[test]
-fn the_wheels_of_the_sample_scatter_alike_but_for_the_slotted_hole() {
-    let out = folder("tolerance");
-    fs::create_dir_all(&out).unwrap();
-    let text = fs::read_to_string(study("five_link_axle_tolerance.toml")).unwrap();
-    let is_common = |line: &&str| !line.contains("side = \"right\"");
-    let alike: Vec<&str> = text.lines().filter(is_common).collect();
-    // Mirrored first-order standard deviations of the left and right wheel.
-    let sigmas = |text: &str, quantity: &str, roll: f64| -> [f64; 2] {
-        let path = out.join("study.toml");
-        fs::write(&path, text).unwrap();
-        let path = path.to_str().unwrap();
-        let (csv, _) = run(
-            &[
-                "tolerance",
-                path,
-                "--out",
-                "-",
-                "--set",
-                "tolerance.builds=100",
-            ],
-            0,
-        );
-        let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
-        let column = rows[0].iter().position(|c| *c == "sigma_linear").unwrap();
-        [("left", roll), ("right", -roll)].map(|(side, roll)| {
-            let is_it = |row: &&Vec<&str>| {
-                row[0] == format!("{side}_{quantity}_deg") && row[1].parse() == Ok(roll)
-            };
-            rows.iter().find(is_it).unwrap()[column].parse().unwrap()
-        })
-    };
-    for roll in [-3.0, 0.0, 2.0] {
-        let [left, right] = sigmas(&text, "toe", roll);
-        assert!(right > 1.1 * left, "{left} {right}");
-        for quantity in ["toe", "camber"] {
-            let [left, right] = sigmas(&alike.join("\n"), quantity, roll);
-            assert!((left - right).abs() < 1e-12, "{quantity}: {left} {right}");
-        }
-    }
-}
-
-#[test]
-fn mistakes_in_targets_of_an_axle_are_named() {
-    let path = study("macpherson_axle_front.toml");
-    let path = path.to_str().unwrap();
-    let target = |text: &str| {
-        format!("optimise.targets=[{{ {text}, at = 0.0, value = 0.0, tolerance = 1.0 }}]")
-    };
-    for (text, words) in [
-        (
-            "characteristic = \"mean_steer\"",
-            "expected over = one of roll, heave, steering_wheel_angle",
-        ),
-        (
-            "characteristic = \"mean_steer\", over = \"roll\", roll = 1.0",
-            "so roll cannot have a fixed value",
-        ),
-        (
-            "characteristic = \"mean_steer\", over = \"rack\"",
-            "unknown over \"rack\"",
-        ),
-        (
-            "characteristic = \"mean_steer\", over = \"roll\", travel_left = 1.0",
-            "but no travel_left",
-        ),
-        (
-            "characteristic = \"track\", side = \"left\", over = \"roll\"",
-            "belongs to the axle",
-        ),
-        (
-            "characteristic = \"wheel_load\", over = \"roll\"",
-            "wheel_load needs [spring]",
-        ),
-        (
-            "point = \"wheel_centre\", axis = \"z\", over = \"roll\"",
-            "point is available for one wheel only",
-        ),
-        (
-            "characteristic = \"roll_ster\", over = \"roll\"",
-            "did you mean \"roll_steer\"?",
-        ),
-    ] {
-        let (_, said) = run(&["check", path, "--set", &target(text)], 2);
-        assert!(said.contains(words), "{text}: {said}");
-    }
-    let constraint = "optimise.constraints=[{ characteristic = \"camber\", at_most = 1.0 }]";
-    let (_, said) = run(&["check", path, "--set", constraint], 2);
-    assert!(said.contains("expected motion = \"NAME\""), "{said}");
-    let motion = "motions.wheel={ travel = [0.0], heave = 3.0 }";
-    let (_, said) = run(&["check", path, "--set", motion], 2);
-    assert!(said.contains("travel drives one wheel only"), "{said}");
-    let corner = study("macpherson_front.toml");
-    let over = "optimise.targets=[{ characteristic = \"camber\", over = \"roll\", at = 0.0, value = 0.0, tolerance = 1.0 }]";
-    let (_, said) = run(&["check", corner.to_str().unwrap(), "--set", over], 2);
-    assert!(said.contains("over needs [axle]"), "{said}");
-}
-
-#[test]
-fn a_c_factor_of_the_wrong_sign_is_doubted() {
-    let path = study("macpherson_axle.toml");
-    let path = path.to_str().unwrap();
-    let doubt = "turn against the steering wheel";
-    let (said, _) = run(&["check", path], 0);
-    assert!(!said.contains(doubt), "{said}");
-    let (said, _) = run(&["check", path, "--set", "steering.c_factor=52.0"], 0);
-    assert!(said.contains(doubt), "{said}");
-}
-
-/// The same axle in another coordinate frame has the same results. Only the rack displacement, which is along the
-/// frame's y axis, changes its sign.
-#[test]
-fn frames_change_the_rack_alone() {
-    let solved = |set: &[&str]| {
-        let path = study("macpherson_axle.toml");
-        let mut arguments = vec!["solve", path.to_str().unwrap(), "--out", "-"];
-        for set in set {
-            arguments.extend(["--set", set]);
-        }
-        let (csv, _) = run(&arguments, 0);
-        csv
-    };
-    let plain = solved(&["steering.c_factor=-60.0"]);
-    let text = fs::read_to_string(study("macpherson_axle.toml")).unwrap();
-    let mut mirrored = String::new();
-    for line in text.lines() {
-        let point = line.split_once('[').and_then(|(name, rest)| {
-            let (numbers, _) = rest.split_once(']')?;
-            let numbers: Vec<f64> = numbers
-                .split(',')
-                .map_while(|n| n.trim().parse().ok())
-                .collect();
-            match (name.contains('='), numbers.as_slice()) {
-                (true, [x, y, z]) if !name.contains("heave") => {
-                    Some(format!("{name}[{x:?}, {:?}, {:?}]", -y, -z))
-                }
-                _ => None,
-            }
-        });
-        mirrored += &point.unwrap_or_else(|| line.to_owned());
-        mirrored += "\n";
-    }
-    let mirrored = mirrored
-        .replace("topology =", "frame = \"sae_j670\"\ntopology =")
-        .replace("c_factor = -52.0", "c_factor = 60.0");
-    let folder = folder("sae");
-    fs::create_dir_all(&folder).unwrap();
-    let file = folder.join("sae.toml");
-    fs::write(&file, mirrored).unwrap();
-    let (sae, _) = run(&["solve", file.to_str().unwrap(), "--out", "-"], 0);
-    let rack = plain
-        .lines()
-        .next()
-        .unwrap()
-        .split(',')
-        .position(|c| c == "rack_mm")
-        .unwrap();
-    for (one, two) in plain.lines().zip(sae.lines()).skip(1) {
-        let [one, two] = [one, two].map(|line| line.split(',').collect::<Vec<_>>());
-        for (column, (one, two)) in one.iter().zip(&two).enumerate() {
-            if column == rack {
-                assert_eq!(one.parse::<f64>().unwrap(), -two.parse::<f64>().unwrap())
-            } else {
-                assert_eq!(one, two)
-            }
-        }
-    }
 }
 
 /// The table in `docs/axle.md` equals the catalogue. To renew it, run `UPDATE_README=1 cargo test --test it

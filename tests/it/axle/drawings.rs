@@ -4,7 +4,8 @@ use super::one_state::axles;
 use crate::compliance::support::{elastic, with};
 use hardpoint::axle::{Placement, WheelMotion, axle_curves, axle_frames};
 
-/// A drawing of the design position has the points of the design. In roll both wheels stand on the same level ground.
+/// A drawing of a mirrored axle in the design position has the points of the design. In roll both wheels stand on the same level
+/// ground.
 #[test]
 fn the_ground_of_a_drawing_stays_where_it_is_in_the_design_position() {
     for (name, axle) in axles() {
@@ -22,6 +23,9 @@ fn the_ground_of_a_drawing_stays_where_it_is_in_the_design_position() {
         let right = frames[0].right.as_ref().unwrap().contact.unwrap()[2];
         let ground = 0.5 * (level + right);
         let own = &axle.left;
+        assert!(frames[0].points.len() >= own.design.len(), "{name}");
+        // If the sides differ, the drawing rotates and lifts both wheels, so that they stand on level ground.
+        let most = if axle.right.is_some() { 5.0 } else { 1e-9 };
         for (drawn, design) in frames[0].points.iter().zip(&own.design) {
             let design = own.frame.vector(*design).to_array();
             for axis in 0..2 {
@@ -32,7 +36,7 @@ fn the_ground_of_a_drawing_stays_where_it_is_in_the_design_position() {
                 );
             }
             assert!(
-                (drawn[2] - design[2]).abs() < 5.0,
+                (drawn[2] - design[2]).abs() < most,
                 "{name}: {drawn:?} {design:?}"
             );
         }
@@ -58,6 +62,7 @@ fn an_elastic_axle_is_drawn_in_equilibrium() {
         on_plane: false,
     });
     let frames = axle_frames(&both.axle, &placements).unwrap();
+    assert_eq!(frames.len(), pads.len());
     for ((left, right), drawn) in pads.into_iter().zip(frames) {
         let drawn = drawn.unwrap();
         both.plan.motion.wheels = WheelMotion::Travels {

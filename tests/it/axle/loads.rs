@@ -1,26 +1,13 @@
 //! Tests of loads on both wheels of an axle: against each wheel alone, against mirror images, and against the work of the
 //! spring.
 
+use super::{sample as study, solved};
 use hardpoint::axle::axle_curves;
-use hardpoint::curves::Curves;
-use hardpoint::curves::curves;
+use hardpoint::curves::{Curves, curves};
 use hardpoint::plan::Plan;
 use hardpoint::report::curves_csv;
 use hardpoint::study::Study;
 use std::path::Path;
-
-fn study(name: &str, overrides: &[&str]) -> Result<Study, String> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("studies")
-        .join(name);
-    let overrides: Vec<_> = overrides.iter().map(|o| (*o).to_owned()).collect();
-    Study::read(&path, &overrides).map_err(|e| e.to_string())
-}
-
-fn solved(name: &str, overrides: &[&str]) -> Curves {
-    let both = study(name, overrides).unwrap().axle().unwrap().clone();
-    axle_curves(&both.axle, &both.plan).unwrap().curves
-}
 
 fn column<'c>(curves: &'c Curves, name: &str) -> impl Iterator<Item = f64> + 'c {
     let place = curves.columns.iter().position(|c| c.name == name);
@@ -39,19 +26,17 @@ const LOADS: &str = "outputs.loads=[{name=\"braking\", at=\"contact_point\", for
 fn on_pads_the_left_wheel_carries_what_a_corner_does() {
     for (name, corner) in [
         (
-            "macpherson_axle.toml",
+            "macpherson_axle",
             "motion={travel=[-30.0, 0.0, 40.0], rack=[0.0, 20.0]}",
         ),
-        ("five_link_axle.toml", "motion={travel=[-30.0, 0.0, 40.0]}"),
+        ("five_link_axle", "motion={travel=[-30.0, 0.0, 40.0]}"),
     ] {
         let few = "outputs.characteristics=[\"camber\"]";
         let motion = corner.replace("travel=", "heave=");
         let both = study(name, &[LOADS, few, &motion, "outputs.sensitivities=false"]).unwrap();
         let left = {
             let text = std::fs::read_to_string(
-                Path::new(env!("CARGO_MANIFEST_DIR"))
-                    .join("studies")
-                    .join(name),
+                Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("studies/{name}.toml")),
             )
             .unwrap();
             // Same study without its axle.
@@ -70,7 +55,7 @@ fn on_pads_the_left_wheel_carries_what_a_corner_does() {
             let sets = [LOADS, few, corner, "outputs.sensitivities=false"];
             let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join("axle_loads");
             std::fs::create_dir_all(&directory).unwrap();
-            let file = directory.join(name);
+            let file = directory.join(format!("{name}.toml"));
             std::fs::write(&file, kept).unwrap();
             Study::read(&file, &sets.map(str::to_owned)).unwrap_or_else(|e| panic!("{e}"))
         };
@@ -106,10 +91,10 @@ fn mirrored_loads_are_carried_alike() {
         moment=[-2e4, -3e4, -5e4]}]";
     // A load name may appear once on each side, but a load for both sides may not reuse that name.
     let both = loads.replacen("side=\"left\", ", "", 1);
-    let said = study("macpherson_axle.toml", &[&both]).unwrap_err();
+    let said = study("macpherson_axle", &[&both]).unwrap_err();
     assert!(said.contains("is the name of another load"), "{said}");
     let motion = "motion={roll=[-2.0, 2.0], heave=10.0}";
-    let found = solved("macpherson_axle.toml", &[loads, few, motion]);
+    let found = solved("macpherson_axle", &[loads, few, motion]);
     let mut seen = 0;
     for name in found.columns.iter().map(|c| &c.name) {
         let Some(rest) = name.strip_prefix("left_side_") else {
@@ -132,7 +117,7 @@ fn mirrored_loads_are_carried_alike() {
 fn the_spring_takes_the_work() {
     let quantities = "outputs.characteristics=[\"wheel_load\", \"spring_force\", \"motion_ratio\"]";
     let motion = "motion={roll=3.0, heave=-12.0, rack=15.0}";
-    let mut without_bar = study("macpherson_axle.toml", &[quantities, motion])
+    let mut without_bar = study("macpherson_axle", &[quantities, motion])
         .unwrap()
         .axle()
         .unwrap()
@@ -150,7 +135,7 @@ fn the_spring_takes_the_work() {
         let loads = format!(
             "outputs.loads=[{{name=\"ground\", side=\"{side}\", at=\"contact_point\", force=[0.0, {y:?}, {z:?}]}}]"
         );
-        let found = solved("macpherson_axle.toml", &[quantities, motion, &loads]);
+        let found = solved("macpherson_axle", &[quantities, motion, &loads]);
         let carried = column(&found, &format!("{side}_ground_spring_N"))
             .next()
             .unwrap();
@@ -163,7 +148,7 @@ fn the_spring_takes_the_work() {
     // At the wheel centre, the work of a vertical force is the force times the travel.
     let loads = "outputs.loads=[{name=\"kerb\", at=\"wheel_centre\", force=[0.0, 0.0, 2500.0]}]";
     let found = solved(
-        "five_link_axle.toml",
+        "five_link_axle",
         &[
             "outputs={characteristics=[\"motion_ratio\"], sensitivities=false}",
             "motion={roll=[-3.0, 0.0, 3.0]}",
@@ -242,14 +227,10 @@ fn mistakes_in_loads_are_named() {
             "expected three components",
         ),
     ] {
-        let said = study(
-            "macpherson_axle.toml",
-            &[&format!("outputs.loads=[{loads}]")],
-        )
-        .unwrap_err();
+        let said = study("macpherson_axle", &[&format!("outputs.loads=[{loads}]")]).unwrap_err();
         assert!(said.contains(words), "{loads}: {said}");
     }
     let load = "outputs.loads=[{name=\"a\", at=\"wheel_centre\", side=\"left\", force=[0, 0, 1]}]";
-    let said = study("macpherson_solve.toml", &[load]).unwrap_err();
+    let said = study("macpherson_solve", &[load]).unwrap_err();
     assert!(said.contains("side needs [axle]"), "{said}");
 }

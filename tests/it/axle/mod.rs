@@ -8,6 +8,8 @@ mod commands;
 mod different_sides;
 mod drawings;
 mod gradients;
+mod independent;
+mod independent_values;
 mod lanes;
 mod limits;
 mod loads;
@@ -17,9 +19,11 @@ mod over_time;
 mod own;
 mod points;
 mod reference;
+mod refusals;
 mod right;
 mod rocker_springs;
 mod rows;
+mod runs;
 mod side_by_side;
 mod springs;
 mod sweep;
@@ -28,8 +32,9 @@ mod targets_of_motions;
 mod toggles;
 mod tuning;
 
-use hardpoint::axle::{Axle, Law, Setup, SpringLaw};
+use hardpoint::axle::{Axle, Law, Setup, SpringLaw, axle_curves};
 use hardpoint::characteristics::Constants;
+use hardpoint::curves::Curves;
 use hardpoint::model::Suspension;
 use hardpoint::study::Study;
 use serde_json::Value;
@@ -81,4 +86,32 @@ fn axle(case: &Value) -> Axle {
         setup,
         elastic: None,
     }
+}
+
+/// Sample study with overrides, or the errors of the study.
+fn sample(name: &str, overrides: &[&str]) -> Result<Study, String> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("studies/{name}.toml"));
+    let overrides: Vec<_> = overrides.iter().map(|o| (*o).to_owned()).collect();
+    Study::read(&path, &overrides).map_err(|e| e.to_string())
+}
+
+/// Curves of a sample study of an axle with overrides.
+fn solved(name: &str, overrides: &[&str]) -> Curves {
+    let study = sample(name, overrides).unwrap_or_else(|e| panic!("{e}"));
+    let both = study.axle().unwrap();
+    axle_curves(&both.axle, &both.plan).unwrap().curves
+}
+
+/// Value of a column at a station. Panics if there is no value.
+fn value(curves: &Curves, station: usize, name: &str) -> f64 {
+    let found = curves.columns.iter().position(|c| c.name == name);
+    let column = found.unwrap_or_else(|| panic!("no column {name}"));
+    curves.stations[station].values[column].unwrap_or_else(|void| panic!("{name}: {void:?}"))
+}
+
+/// Study with changed keys, or the errors of the changed study.
+fn with(study: &Study, edits: &[&str]) -> Result<Study, String> {
+    let edits: Vec<String> = edits.iter().map(|edit| (*edit).to_owned()).collect();
+    let study = study.with_overrides("changed.toml", &edits);
+    study.map_err(|error| error.to_string())
 }

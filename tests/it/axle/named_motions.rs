@@ -2,16 +2,11 @@
 
 use super::commands::{folder, run, study as sample};
 use super::tuning::study;
-use crate::support::larger;
+use super::with;
+use crate::support::{larger, one_line};
 use hardpoint::characteristics::Characteristic;
 use hardpoint::optimise::Control;
 use hardpoint::study::{Motion, Study, Vehicle, WheelStudy};
-
-fn with(study: &Study, edits: &[&str]) -> Result<Study, String> {
-    let edits: Vec<String> = edits.iter().map(|edit| (*edit).to_owned()).collect();
-    let study = study.with_overrides("named.toml", &edits);
-    study.map_err(|error| error.to_string())
-}
 
 /// A motion in `[motions.NAME]` has the same curves as the same motion in `[motion]`. The test covers each kind of
 /// motion.
@@ -51,7 +46,7 @@ fn most(study: &Study, travels: [f64; 2]) -> f64 {
 }
 
 /// A limit over a motion of the axle applies to both wheels, each with its own travel. If `side` names a wheel, the
-/// limit applies only to that wheel. The limit is active at the wheel that moves farther.
+/// limit applies only to that wheel. The limit is active at one wheel at least.
 #[test]
 fn a_constraint_holds_at_both_wheels_or_at_one() {
     let given = study("macpherson_axle_front", &[]);
@@ -63,19 +58,19 @@ fn a_constraint_holds_at_both_wheels_or_at_one() {
         let study = with(&given, &[motion, &constraint, "optimise.starts=1"]).unwrap();
         let tuning = study.tune(Control::default()).unwrap();
         let best = tuning.best.unwrap();
-        let rooms: Vec<f64> = best.constraints.iter().map(|c| c.margin).collect();
-        (study.at_design(best.design), rooms)
+        let margins: Vec<f64> = best.constraints.iter().map(|c| c.margin).collect();
+        (study.at_design(best.design), margins)
     };
-    let (both, rooms) = tuned("");
-    assert_eq!(rooms.len(), 2);
+    let (both, margins) = tuned("");
+    assert_eq!(margins.len(), 2);
     let (left, right) = (most(&both, [-60.0, 60.0]), most(&both, [-90.0, 45.0]));
-    for (room, most) in rooms.iter().zip([left, right]) {
-        assert!((0.5 - most - room).abs() < 1e-5, "{room} {most}");
+    for (margin, most) in margins.iter().zip([left, right]) {
+        assert!((0.5 - most - margin).abs() < 1e-5, "{margin} {most}");
     }
-    assert!(rooms.iter().all(|room| *room > -1e-6), "{rooms:?}");
-    assert!(rooms.iter().any(|room| *room < 1e-5), "{rooms:?}");
-    let (one, rooms) = tuned(", side = \"left\"");
-    assert_eq!(rooms.len(), 1);
+    assert!(margins.iter().all(|margin| *margin > -1e-6), "{margins:?}");
+    assert!(margins.iter().any(|margin| *margin < 1e-5), "{margins:?}");
+    let (one, margins) = tuned(", side = \"left\"");
+    assert_eq!(margins.len(), 1);
     assert!(most(&one, [-60.0, 60.0]) < 0.5 + 1e-5);
 }
 
@@ -166,10 +161,7 @@ fn a_value_of_another_motion_is_enough() {
         let directory = ["--out", out.to_str().unwrap(), "--force"];
         let solved = run(&[&["solve", path][..], &directory, &sets].concat(), code);
         let checked = run(&[&["check", path][..], &sets].concat(), code);
-        [solved, checked].map(|(said, errors)| {
-            let words = said + &errors;
-            words.split_whitespace().collect::<Vec<_>>().join(" ")
-        })
+        [solved, checked].map(|(said, errors)| one_line(&(said + &errors)))
     };
     for said in said(heave, steer, 0) {
         assert!(

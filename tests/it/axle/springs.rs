@@ -1,6 +1,7 @@
 //! Tests of force curves of springs and bump stops, between and beyond their points.
 
 use super::commands::{run, study};
+use crate::support::one_line;
 use hardpoint::axle::ForceCurve;
 
 /// The manual's example, calculated by hand: the slopes are 176/3 and 3850/23 at the neighbours of 15 mm. So the cubic
@@ -29,10 +30,7 @@ fn travels_beyond_a_force_curve_are_named() {
         let mut arguments = vec!["check", path, "--set", outputs];
         arguments.extend(more.iter().flat_map(|set| ["--set", set]));
         let (said, doubts) = run(&arguments, 0);
-        (said + &doubts)
-            .split_whitespace()
-            .collect::<Vec<_>>()
-            .join(" ")
+        one_line(&(said + &doubts))
     };
     let motion = "motion={ travel_left = [0.0, 60.0], travel_right = [-10.0, 20.0] }";
     let short =
@@ -116,6 +114,7 @@ fn tyres_are_in_series_with_the_roll_stiffness() {
             .map(|column| opposite.iter().map(|station| column[*station]).collect())
             .collect();
         let stations = found[0].len();
+        assert_eq!(stations, 8, "{name}");
         let angle = |station: usize, yields: f64| {
             let side = |camber: usize, load: usize, travel: f64| {
                 let below = radius * found[camber][station].to_radians().cos();
@@ -178,7 +177,7 @@ fn a_spring_that_pulls_is_warned_of() {
             .into_iter()
             .flat_map(of)
             .fold(f64::INFINITY, f64::min);
-        (least, said.split_whitespace().collect::<Vec<_>>().join(" "))
+        (least, one_line(&said))
     };
     let (least, said) = solved("100.0");
     assert!(least < 0.0, "{least}");
@@ -214,7 +213,7 @@ fn a_c_factor_of_the_wrong_sign_is_doubted_with_the_right_one() {
         let path = study(&format!("{name}.toml"));
         let set = format!("steering.c_factor={wrong}");
         let (said, _) = run(&["check", path.to_str().unwrap(), "--set", &set], 0);
-        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        let said = one_line(&said);
         assert!(said.contains(words), "{said}");
     }
 }

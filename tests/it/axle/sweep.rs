@@ -178,6 +178,7 @@ fn misfits_are_those_that_tuning_lowers() {
             let plan = SweepPlan::of(&study, study.sweep.as_ref().unwrap()).unwrap();
             let outputs = &plan.record.outputs;
             let (misfit, deviations) = (plan.record.misfit().unwrap(), plan.record.deviations());
+            assert!(!deviations.is_empty());
             assert!(deviations.iter().all(|k| outputs[*k].kind == Kind::Rms));
             let check = |found: &dyn Fn(usize) -> f64, x: &[f64]| {
                 let tuned = tuning::evaluate(&study, &layout, &DVector::from_column_slice(x));
@@ -206,6 +207,7 @@ fn misfits_are_those_that_tuning_lowers() {
             assert_eq!(lanes.not_in_lanes(), None);
             for worker in [&mut lanes, &mut plan.worker_of_width(None).unwrap()] {
                 let rows = worker.rows(0).clone();
+                assert_eq!(rows.designs(), 3);
                 for design in 0..rows.designs() {
                     check(&|k| rows.outputs(design)[k], rows.variables(design));
                 }
@@ -242,6 +244,7 @@ fn gains_are_what_the_designs_own_curves_have() {
         // derivatives with respect to two coordinates.
         assert_eq!(outputs.iter().filter(is_gain).count(), 6 * 2);
         let rows = plan.worker().unwrap().rows(0).clone();
+        assert_eq!(rows.designs(), 3);
         for design in 0..rows.designs() {
             let text = study.with_points_of(&study.at_design(plan.design(design as u64)));
             let alone = Study::from_text("design.toml", &text, Path::new(".")).unwrap();

@@ -1,5 +1,6 @@
 //! Tests of an axle without reference: mirror images, the curves of one wheel, statics.
 
+use super::commands::{folder, run, study};
 use super::{axle, reference::read};
 use hardpoint::analyse::{Load, Support};
 use hardpoint::axle::{
@@ -13,6 +14,7 @@ use hardpoint::number::Vector3;
 use hardpoint::plan::Plan;
 use hardpoint::solve::{Solver, StationOrder};
 use hardpoint::study::Study;
+use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -112,6 +114,8 @@ fn an_axle_in_heave_is_two_corners() {
         let quantities = asked.iter().map(|c| Quantity::Corner(Left, *c)).collect();
         let plan = AxlePlan::of(course, quantities);
         let axle = axle_curves(&both, &plan).unwrap().curves;
+        assert_eq!(axle.stations.len(), corner.stations.len());
+        assert!(asked.len() >= 2 && corner.stations.len() >= 3, "{name}");
         for (k, c) in asked.iter().enumerate() {
             let column = corner
                 .columns
@@ -155,6 +159,7 @@ fn jacking_and_wheel_loads_are_those_of_the_links() {
             let mut links = Solver::new(mechanism, &axle.left.design).unwrap();
             let order = StationOrder::through(&[placed.travels[0]]);
             let drive = hardpoint::model::Drive::Travel;
+            let mut compared = 0;
             links
                 .for_each_pose(drive, &order, rack, |solver, _, pose| {
                     let pose = pose.unwrap();
@@ -178,9 +183,74 @@ fn jacking_and_wheel_loads_are_those_of_the_links() {
                     let force = carried(spring, ground.normal() * load);
                     let error = (force - spring_force).abs() / spring_force.abs();
                     assert!(error < 1e-12, "{force} {spring_force}");
+                    compared += 1;
                     ControlFlow::Continue(())
                 })
                 .unwrap();
+            assert!(compared > 0, "{name}");
+        }
+    }
+}
+
+/// The same axle in another coordinate frame has the same results. Only the rack displacement, which is along the
+/// frame's y axis, changes its sign.
+#[test]
+fn frames_change_the_rack_alone() {
+    let solved = |set: &[&str]| {
+        let path = study("macpherson_axle.toml");
+        let mut arguments = vec!["solve", path.to_str().unwrap(), "--out", "-"];
+        for set in set {
+            arguments.extend(["--set", set]);
+        }
+        let (csv, _) = run(&arguments, 0);
+        csv
+    };
+    let plain = solved(&["steering.c_factor=-60.0"]);
+    let text = fs::read_to_string(study("macpherson_axle.toml")).unwrap();
+    let mut mirrored = String::new();
+    for line in text.lines() {
+        let point = line.split_once('[').and_then(|(name, rest)| {
+            let (numbers, _) = rest.split_once(']')?;
+            let numbers: Vec<f64> = numbers
+                .split(',')
+                .map_while(|n| n.trim().parse().ok())
+                .collect();
+            match (name.contains('='), numbers.as_slice()) {
+                (true, [x, y, z]) if !name.contains("heave") => {
+                    Some(format!("{name}[{x:?}, {:?}, {:?}]", -y, -z))
+                }
+                _ => None,
+            }
+        });
+        mirrored += &point.unwrap_or_else(|| line.to_owned());
+        mirrored += "\n";
+    }
+    let mirrored = mirrored
+        .replace("topology =", "frame = \"sae_j670\"\ntopology =")
+        .replace("c_factor = -52.0", "c_factor = 60.0");
+    let folder = folder("sae");
+    fs::create_dir_all(&folder).unwrap();
+    let file = folder.join("sae.toml");
+    fs::write(&file, mirrored).unwrap();
+    let (sae, _) = run(&["solve", file.to_str().unwrap(), "--out", "-"], 0);
+    let rack = plain
+        .lines()
+        .next()
+        .unwrap()
+        .split(',')
+        .position(|c| c == "rack_mm")
+        .unwrap();
+    assert_eq!(plain.lines().count(), sae.lines().count());
+    assert!(plain.lines().count() > 30);
+    for (one, two) in plain.lines().zip(sae.lines()).skip(1) {
+        let [one, two] = [one, two].map(|line| line.split(',').collect::<Vec<_>>());
+        assert_eq!(one.len(), two.len());
+        for (column, (one, two)) in one.iter().zip(&two).enumerate() {
+            if column == rack {
+                assert_eq!(one.parse::<f64>().unwrap(), -two.parse::<f64>().unwrap())
+            } else {
+                assert_eq!(one, two)
+            }
         }
     }
 }

@@ -1,17 +1,12 @@
 //! Tests of targets and bands of an axle in `[motions.NAME]`.
 
 use super::tuning::{evaluate, layout, study};
-use crate::support::larger;
+use super::with;
+use crate::support::{larger, one_line};
 use hardpoint::optimise::Control;
 use hardpoint::study::Study;
 use hardpoint::tolerance::{Expansion, Problem};
 use nalgebra::DVector;
-
-fn with(study: &Study, edits: &[&str]) -> Result<Study, String> {
-    let edits: Vec<String> = edits.iter().map(|edit| (*edit).to_owned()).collect();
-    let study = study.with_overrides("named.toml", &edits);
-    study.map_err(|error| error.to_string())
-}
 
 /// Motions of each kind, with the keys of a target in them.
 const MOTIONS: [(&str, &str); 5] = [
@@ -196,7 +191,7 @@ fn motions_that_a_target_cannot_have_are_refused() {
     };
     let refused = |edits: &[&str], said: &str| {
         let error = with(&given, edits).unwrap_err();
-        let error = error.split_whitespace().collect::<Vec<_>>().join(" ");
+        let error = one_line(&error);
         assert!(error.contains(said), "{error}");
     };
     let turn = "motions.turn={ roll = [-1.0, 1.0] }";

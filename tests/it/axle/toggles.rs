@@ -1,19 +1,9 @@
 //! Tests of axles beyond a toggle: only values that depend on the rocker at its toggle do not exist.
 
+use super::solved;
 use hardpoint::ask::NoValue;
-use hardpoint::axle::axle_curves;
 use hardpoint::curves::{Curves, Status};
 use hardpoint::model::Rod;
-use hardpoint::study::Study;
-use std::path::Path;
-
-fn solved(name: &str, changes: &[&str]) -> Curves {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("studies/{name}.toml"));
-    let changes: Vec<String> = changes.iter().map(|change| (*change).to_owned()).collect();
-    let study = Study::read(&path, &changes).unwrap_or_else(|e| panic!("{e}"));
-    let both = study.axle().unwrap();
-    axle_curves(&both.axle, &both.plan).unwrap().curves
-}
 
 fn values(curves: &Curves, name: &str) -> Vec<Result<f64, NoValue>> {
     let place = curves.columns.iter().position(|column| column.name == name);

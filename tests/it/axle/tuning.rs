@@ -59,9 +59,9 @@ pub(super) fn own_right(shift: f64) -> String {
     format!("[axle.right.hardpoints]\n{}", points.join("\n"))
 }
 
-/// Residuals equal the deviations from the targets, computed from results of the axle's solver. A wheel quantity without a side
-/// has one residual for each wheel. The derivatives equal the slopes of the residuals, with mirrored and with separate right
-/// hardpoints.
+/// The residual of the roll centre equals its deviation from the target, computed from a result of the axle's solver. A wheel
+/// quantity without a side has one residual for each wheel. The derivatives equal the slopes of all residuals, with mirrored and
+/// with separate right hardpoints.
 #[test]
 fn rows_are_deviations_and_their_derivatives_are_slopes() {
     let mirrored = ("[axle]\nright = \"mirrored\"", own_right(1.5));
@@ -210,7 +210,8 @@ fn a_steered_front_axle_is_tuned() {
     }
 }
 
-/// If the right toe link has another length, tuning moves both sides together, and the tuned study reports this.
+/// If the right toe link has another length, tuning moves both sides together. The text of the tuned study has the moved
+/// points of both sides.
 #[test]
 fn a_rear_axle_is_tuned_for_roll_steer() {
     let own = "[axle.right.hardpoints]\ntoe_link_inner = [-180.0, -347.0, 262.0]";

@@ -69,7 +69,7 @@ fn values(spread: &Spread) -> impl Iterator<Item = f64> {
 }
 
 /// Builds that are sampled, assembled and solved in SIMD lanes have the same values as builds that are evaluated one
-/// by one. The test covers every topology, with and without alignment. The results have the same bits at any lane
+/// by one. The test covers several topologies, with and without alignment. The results have the same bits at any lane
 /// width.
 #[test]
 fn builds_in_lanes_are_those_one_by_one() {

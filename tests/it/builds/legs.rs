@@ -23,6 +23,7 @@ fn derivatives_of_builds_with_long_legs_are_those_of_differences() {
             let longer = 5.0 - 2.0 * leg as f64;
             parts.change(mechanism, BuildParameter::Length(*member), longer);
         }
+        assert_ne!(parts.lengths, assembler.drawn().lengths, "{name}");
         let built = assembler.build(&parts, Rest::Height(0.0)).unwrap();
         for (member, length) in &members {
             let parameter = BuildParameter::Length(*length);

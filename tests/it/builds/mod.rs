@@ -1,7 +1,9 @@
 //! Tests of built mechanisms: their properties and their values.
 
 mod axle;
+mod axle_derivatives;
 mod independent;
+mod instructions;
 mod lanes;
 mod legs;
 mod one_build;
@@ -46,7 +48,7 @@ fn parameter(assembler: &Assembler, of: &str, axis: Option<&str>) -> BuildParame
     }
 }
 
-/// Plan that computes camber, toe and their derivatives.
+/// Plan with the outputs of the study.
 fn plan(study: &Study) -> Plan {
     Plan::of(study.one_wheel().unwrap())
 }

@@ -1,7 +1,7 @@
 //! Tests of one build as a separate study, and of limits of builds.
 
 use super::{plan, study};
-use crate::support::larger;
+use crate::support::{larger, one_line};
 use hardpoint::curves::curves;
 use hardpoint::study::Study;
 use hardpoint::tolerance::{Problem, monte_carlo};
@@ -91,7 +91,9 @@ fn a_printed_build_is_the_build_and_can_be_proved() {
         let header = table.headers().unwrap().clone();
         let column = |name: &str| header.iter().position(|h| h == name).unwrap();
         let (error, apart) = (column("position_error_mm"), column("uniqueness_mm"));
-        for row in table.records().map(Result::unwrap) {
+        let rows: Vec<_> = table.records().map(Result::unwrap).collect();
+        assert!(rows.len() > 20, "{name}");
+        for row in rows {
             let [error, apart] = [&row[error], &row[apart]].map(|v| v.parse::<f64>().unwrap());
             assert!(error < 1e-9 && apart > 0.1, "{name}: {error} {apart}");
         }
@@ -207,7 +209,7 @@ fn a_rack_out_of_reach_is_no_limit_of_the_travel() {
         let output = hardpoint(directory.path(), &[&arguments[..], &more].concat());
         assert_eq!(output.status.code(), Some(0));
         let text = String::from_utf8(output.stdout).unwrap();
-        text.split_whitespace().collect::<Vec<_>>().join(" ")
+        one_line(&text)
     };
     let [alone, both] = ["motion.rack=0.0", "motion.rack=[0.0, -150.0]"];
     for travel in ["motion.travel=[0.0]", "motion.travel=[0.0, 80.0]"] {

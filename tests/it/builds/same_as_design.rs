@@ -55,12 +55,14 @@ fn keep_links_in_arms(drawn: &Suspension, moved: &mut Suspension) {
     }
 }
 
-/// If points move and the lengths and carriers are changed to match, the built curves equal the curves of the moved design. The
-/// derivatives of both curves agree too, by the chain rule over all parts.
+/// If points on the body move and the lengths are changed to match, the built curves equal the curves of the moved design. This
+/// includes the first and second derivatives with respect to the travel.
 #[test]
 fn with_everything_recut_the_build_is_the_moved_drawing() {
-    // Skips the H-arm: no change of its parts can reproduce the design with the moved second joint.
-    for name in STUDIES.into_iter().filter(|name| *name != "h_arm_solve") {
+    // Skips the H-arm: no change of its parts can reproduce the design with the moved second joint. Skips the semi-trailing arm: it
+    // has no lengths.
+    let skipped = ["h_arm_solve", "semi_trailing_arm_solve"];
+    for name in STUDIES.into_iter().filter(|name| !skipped.contains(name)) {
         let study = study(name, &["outputs.order=\"acceleration\""]);
         let assembler = assembler(&study);
         let suspension = assembler.suspension();
@@ -73,6 +75,7 @@ fn with_everything_recut_the_build_is_the_moved_drawing() {
                 name.contains("lower_arm") || name.contains("lower_front_link_inner")
             })
             .collect();
+        assert!(!body.is_empty(), "{name}");
         for (k, i) in body.iter().enumerate() {
             moved.design[*i].z += 1.5 + k as f64;
             moved.design[*i].y -= 0.5;
@@ -101,6 +104,8 @@ fn with_everything_recut_the_build_is_the_moved_drawing() {
             }
         }
         let expected = curves(&expected, &plan).unwrap();
+        assert_eq!(found.stations.len(), expected.stations.len());
+        let mut compared = 0;
         for (a, b) in found.stations.iter().zip(&expected.stations) {
             for (column, (a, b)) in a.values.iter().zip(&b.values).enumerate() {
                 let (Ok(a), Ok(b)) = (a, b) else {
@@ -113,8 +118,10 @@ fn with_everything_recut_the_build_is_the_moved_drawing() {
                     "{name} {}: {a} {b}",
                     found.columns[column].name
                 );
+                compared += 1;
             }
         }
+        assert!(compared > 100, "{name}: {compared}");
     }
 }
 
@@ -169,6 +176,7 @@ fn derivatives_by_the_drawing_are_a_chain_rule_on_those_by_parts() {
             let output = &drawn.columns[column].output;
             ["spring", "motion"].iter().any(|w| output.contains(w))
         };
+        let mut compared = 0;
         for s in drawn.sensitivities.iter().filter(|s| !on_arm(s.column)) {
             let found = by_parts.derivative(s.axis as usize, s.station, s.column);
             let off = (found - s.value).abs() / (1e-3 + s.value.abs());
@@ -178,6 +186,8 @@ fn derivatives_by_the_drawing_are_a_chain_rule_on_those_by_parts() {
                 drawn.columns[s.column].name,
                 s.value
             );
+            compared += 1;
         }
+        assert!(compared > 2000, "{name}: {compared}");
     }
 }

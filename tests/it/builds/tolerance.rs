@@ -23,8 +23,8 @@ fn built(problem: &Problem) -> (Vec<f64>, Expansion, MonteCarlo) {
     (drawn, expansion, builds)
 }
 
-/// Where the first-order result is marked as valid, its standard deviation equals that of the builds within 2 % plus
-/// four standard errors.
+/// If a first-order result is marked as valid, its standard deviation equals that of the builds within 2 % plus four
+/// standard errors.
 #[test]
 fn first_order_is_the_monte_carlo_where_it_says_so() {
     for (name, travel) in [
@@ -429,7 +429,7 @@ fn builds_have_a_spread_where_the_nominal_value_is_missing() {
     }
 }
 
-/// A percentile that does not exist is an empty cell, for a wheel and for an axle.
+/// A percentile that does not exist is a column without values, for a wheel and for an axle.
 #[test]
 fn percentiles_that_do_not_exist_are_empty_cells() {
     for name in ["macpherson_tolerance", "double_wishbone_axle"] {

@@ -2,7 +2,8 @@
 
 use super::{assembler, parameter, plan, study};
 use hardpoint::ask::Unit;
-use hardpoint::assembly::{Rest, SetUp, SetUpError, built_curves};
+use hardpoint::assembly::{Rest, SetUp, SetUpError, Static, built_curves};
+use hardpoint::characteristics::Characteristic;
 
 const STUDY: &str = "double_wishbone_tolerance";
 
@@ -38,6 +39,37 @@ fn half_steps_allow_half_effects() {
         let turned = found.allowed_rounded[0] - found.allowed[0];
         assert!((turned - thread).abs() < 1e-12, "{turned} {thread}");
     }
+}
+
+/// A set-up counts as successful if each error is within half a shim step. If the adjustments cannot reach a target at
+/// all, the set-up is not successful, however coarse the shims are.
+#[test]
+fn half_steps_of_shims_do_not_fail_a_set_up() {
+    let adjust = "setup.adjust=[{length=\"pushrod\",per_turn=2.5},{shim=\"upper_ball_joint\",axis=\"y\",step=1.0}]";
+    for camber in (0..40).map(|k| -1.3 - 0.011 * f64::from(k)) {
+        let want = format!("setup.want={{camber={camber:?}}}");
+        let found = solved(&[adjust, &want]).unwrap();
+        assert!(
+            found.is_met(),
+            "{camber}: {:?} {:?}",
+            found.misses(),
+            found.allowed
+        );
+        // Half a shim of 1 mm changes camber by 0.115 deg at 0.23 deg/mm.
+        for (allowed, most) in found.allowed.iter().zip([0.13, 0.0, 0.0, 0.0, 0.0]) {
+            assert!(*allowed <= most, "{:?}", found.allowed);
+        }
+    }
+    let want = "setup.want={camber=-1.3,toe=3.0}";
+    let found = solved(&[adjust, want]).unwrap();
+    assert!(!found.is_met());
+    let toe = Static::Characteristic(Characteristic::Toe);
+    let place = found.statics.iter().position(|s| *s == toe).unwrap();
+    assert!(
+        !found.met()[place]
+            && !found.met_rounded()[place]
+            && found.misses()[place].unwrap().abs() > 1.0
+    );
 }
 
 /// The program accepts an adjustment up to a tenth of the suspension size. It refuses a larger one and states its
@@ -86,7 +118,7 @@ fn a_tenth_of_a_degree_counts_as_a_millimetre() {
     ]);
     let found = found.unwrap();
     let (errors, by) = (found.misses(), &found.last().by[0]);
-    let (mut slope, mut curvature) = (0.0, 0.0);
+    let (mut slope, mut curvature, mut targets) = (0.0, 0.0, 0);
     for ((of, error), by) in found.statics.iter().zip(errors).zip(by) {
         let weight = match of.unit() {
             Unit::Angle => 1.0 / 0.1,
@@ -97,8 +129,10 @@ fn a_tenth_of_a_degree_counts_as_a_millimetre() {
         if let Some(error) = error {
             slope += weight * weight * error * by;
             curvature += (weight * by).powi(2);
+            targets += 1;
         }
     }
+    assert_eq!(targets, 3);
     // The continuous optimum is within one shim step.
     assert!((slope / curvature).abs() < 1e-4, "{}", slope / curvature);
 }

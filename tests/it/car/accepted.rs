@@ -133,7 +133,7 @@ fn an_impossible_design_of_a_sweep_fails() {
     let sweep = "sweep={method=\"grid\",variables=[{car=\"cg_x\",range=[-2000.0,-900.0],steps=2}, \
                  {car=\"wheelbase\",range=[1500.0,2700.0],steps=2}]}";
     let arguments = ["sweep", "car.toml", "--set", sweep, "--out", "swept"];
-    hardpoint(directory, &arguments);
+    hardpoint(directory, &arguments).code(1);
     let designs = fs::read_to_string(directory.join("swept/designs.csv")).unwrap();
     let rows: Vec<&str> = designs.lines().skip(1).collect();
     assert_eq!(rows.len(), 4);

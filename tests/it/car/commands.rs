@@ -1,5 +1,6 @@
 //! Tests of commands on studies of cars.
 
+use crate::support::one_line;
 use std::fs;
 use std::path::Path;
 
@@ -287,6 +288,7 @@ fn member_loads_are_written() {
     let csv = text(&said.success().get_output().stdout);
     let mut rows = csv.lines();
     let header: Vec<&str> = rows.next().unwrap().split(',').collect();
+    assert_eq!(csv.lines().count(), 1 + 5);
     let columns = ["front_left_tie_rod_N", "rear_right_toe_link_N"];
     for name in columns {
         let column = header.iter().position(|column| *column == name).unwrap();
@@ -443,7 +445,7 @@ fn values_of_axles_that_contradict_the_car_are_named() {
         }
         let said = hardpoint(directory.path(), &arguments).success();
         let said = text(&said.get_output().stdout) + &text(&said.get_output().stderr);
-        said.split_whitespace().collect::<Vec<_>>().join(" ")
+        one_line(&said)
     };
     // Statics: the front axle carries 1450 kg times (2650 - 1290)/2650 = 744 kg.
     let same = said(&[
@@ -476,7 +478,7 @@ fn the_key_of_equal_shares_is_named() {
         fs::write(&path, format!("{head}[[cases]]\nname = \"a\"\n{keys}\n")).unwrap();
         let said = hardpoint(directory.path(), &["solve", "car.toml", "--force"]).code(code);
         let said = text(&said.get_output().stdout) + &text(&said.get_output().stderr);
-        said.split_whitespace().collect::<Vec<_>>().join(" ")
+        one_line(&said)
     };
     let words = said("ax = -2.435", 1);
     assert!(words.contains(remedy), "{words}");

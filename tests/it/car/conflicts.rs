@@ -1,6 +1,7 @@
 //! Tests of conflicts between constraints of a car.
 
 use super::commands::{hardpoint, studies, text};
+use crate::support::one_line;
 use hardpoint::study::CarStudy;
 
 /// Constraints and targets of a tuning. Two limits of the same result contradict each other. The other limits do not
@@ -33,7 +34,7 @@ fn a_smallest_set_is_named() {
     }
     let said = hardpoint(directory.path(), &arguments).code(1);
     let said = text(&said.get_output().stdout);
-    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    let said = one_line(&said);
     let words = "these constraints cannot all be satisfied: roll_gradient in static (at least 3.5";
     assert!(said.contains(words), "{said}");
     assert!(

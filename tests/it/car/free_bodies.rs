@@ -332,7 +332,7 @@ fn balance(seed: u64, cars: usize, states: usize) {
             };
             solved += 1;
             let here = worst(&car, &mut solver, &case, &found);
-            most = [most[0].max(here[0]), most[1].max(here[1])];
+            most = [larger(most[0], here[0]), larger(most[1], here[1])];
         }
     }
     println!(

@@ -1,10 +1,9 @@
 //! Tests of the limits of a car along directions of acceleration.
 
-use super::{car, reference};
+use super::{car, formula_student_car, reference};
 use crate::support::larger;
 use crate::support::rows_by_column;
 use hardpoint::car::{Car, CarQuantity, CarSolver, Case, WheelPlace, WheelResult};
-use hardpoint::study::CarStudy;
 
 /// Load case scaled to this horizontal acceleration, in g.
 fn at(case: &Case, g: f64) -> Case {
@@ -37,7 +36,7 @@ fn directions(car: &Car) -> Vec<Case> {
 fn limits_are_where_loads_vanish() {
     let car = car(&reference());
     let mut solver = CarSolver::new(&car).unwrap();
-    let mut lifts = 0;
+    let (mut lifts, mut single, mut ends) = (0, 0, 0);
     for case in directions(&car) {
         let limits = solver.limits(&case).unwrap();
         if let Some(lift) = limits.lift {
@@ -56,24 +55,26 @@ fn limits_are_where_loads_vanish() {
                 assert!(others.clone().all(|other| found[other] > 1.0), "{found:?}");
                 let (_, up) = loads(&mut solver, &at(&case, lift.acceleration + 1e-5));
                 assert!(up[wheel], "{case:?}");
+                single += 1;
             }
         }
         if limits.why.is_some() {
             assert!(solver.solve(&at(&case, limits.end - 1e-5)).is_ok());
             assert!(solver.solve(&at(&case, limits.end + 1e-4)).is_err());
+            ends += 1;
         }
     }
     assert!(lifts >= 4, "{lifts}");
+    assert!(single > 0 && ends > 0, "{single} {ends}");
 }
 
 /// A symmetric car lifts mirrored wheels at the same accelerations. In straight acceleration it lifts both front wheels
 /// at once.
 #[test]
 fn limits_of_a_mirror_image_are_mirrored() {
-    let path = super::commands::studies().join("formula_student_car.toml");
-    let study = CarStudy::read(&path, &[]).unwrap();
-    let mut solver = CarSolver::new(&study.car).unwrap();
-    let limits: Vec<_> = directions(&study.car)
+    let car = formula_student_car();
+    let mut solver = CarSolver::new(&car).unwrap();
+    let limits: Vec<_> = directions(&car)
         .iter()
         .map(|case| solver.limits(case).unwrap())
         .collect();
@@ -92,7 +93,7 @@ fn limits_of_a_mirror_image_are_mirrored() {
         (braking.end - lift.acceleration).abs() < 1e-5,
         "{braking:?}"
     );
-    let last = at(&directions(&study.car)[4], braking.end - 1e-5);
+    let last = at(&directions(&car)[4], braking.end - 1e-5);
     let (loads, _) = loads(&mut solver, &last);
     assert!(loads[2] > 0.0 && loads[2] < 0.1 * loads[0], "{loads:?}");
     assert!((loads[2] - loads[3]).abs() < 1e-6 * loads[0], "{loads:?}");
@@ -105,10 +106,9 @@ fn limits_of_a_mirror_image_are_mirrored() {
 /// equilibrium ends earlier, by less than a quarter.
 #[test]
 fn the_lateral_limit_is_below_that_of_a_rigid_car() {
-    let path = super::commands::studies().join("formula_student_car.toml");
-    let study = CarStudy::read(&path, &[]).unwrap();
-    let mut solver = CarSolver::new(&study.car).unwrap();
-    let case = &directions(&study.car)[2];
+    let car = formula_student_car();
+    let mut solver = CarSolver::new(&car).unwrap();
+    let case = &directions(&car)[2];
     let end = solver.limits(case).unwrap().end;
     let rest = Case::at_rest("static");
     let found = solver.solve(&rest).unwrap();

@@ -2,13 +2,12 @@
 //! solved separately. One test also measures the time.
 
 use super::commands::hardpoint;
-use super::{car, reference};
+use super::{car, formula_student_car, reference};
 use crate::support::larger;
 use hardpoint::car::{
     Car, CarQuantity, CarSolver, Case, Equilibrium, GRAVITY, Longitudinal, LongitudinalShares,
 };
 use hardpoint::number::Width;
-use hardpoint::study::CarStudy;
 use std::time::Instant;
 
 /// Load cases of a grid over ax and ay, row by row.
@@ -26,11 +25,6 @@ fn map(car: &Car, count: usize) -> Vec<Vec<Case>> {
     };
     let row = |i: usize| (0..count).map(|j| case(i, j)).collect();
     (0..count).map(row).collect()
-}
-
-fn formula_student_car() -> Car {
-    let path = super::commands::studies().join("formula_student_car.toml");
-    CarStudy::read(&path, &[]).unwrap().car
 }
 
 /// Solves a map, and passes each state to `visit`.
@@ -66,7 +60,7 @@ fn neighbours_are_the_states_of_their_cases() {
     for car in [car(&reference()), formula_student_car()] {
         let mut alone = CarSolver::new(&car).unwrap();
         let quantities = CarQuantity::default_columns(&car);
-        let mut most = 0.0_f64;
+        let (mut most, mut compared) = (0.0_f64, 0);
         walk(&car, 4, |solver, case, found| {
             let itself = alone.solve(case).unwrap();
             assert_eq!(found.lifted, itself.lifted);
@@ -75,6 +69,8 @@ fn neighbours_are_the_states_of_their_cases() {
             for quantity in &quantities {
                 let printed = |of| quantity.printed(of, case);
                 let (Some(a), Some(b)) = (printed(&ours), printed(&theirs)) else {
+                    let are_known = [&ours, &theirs].map(|of| printed(of).is_some());
+                    assert_eq!(are_known, [false; 2], "{}", quantity.name());
                     continue;
                 };
                 let size = b.abs().max(0.05);
@@ -84,9 +80,11 @@ fn neighbours_are_the_states_of_their_cases() {
                     "{}: {a} {b}",
                     quantity.name()
                 );
+                compared += 1;
             }
         });
         println!("largest difference {most:e}");
+        assert!(compared > 16 * 20, "{compared}");
     }
 }
 

@@ -243,6 +243,7 @@ fn solved_below_lift(seed: u64, cars: usize, directions: usize) -> [usize; 2] {
 #[test]
 fn states_below_the_lift_limit_are_solved() {
     let [solved, all] = solved_below_lift(7, 1, 2);
+    assert!(all >= 4, "{all}");
     assert_eq!(solved, all);
 }
 
@@ -251,7 +252,7 @@ fn states_below_the_lift_limit_are_solved() {
 fn nearly_all_states_below_the_lift_limit_are_solved() {
     let [solved, all] = solved_below_lift(8, 100, 25);
     println!("{solved} of {all} states below the lift limit are solved");
-    assert!(100 * solved >= 99 * all, "{solved} of {all}");
+    assert!(all > 9000 && 100 * solved >= 99 * all, "{solved} of {all}");
 }
 
 /// A weightless car, a car that overturns, and a car without springs have no equilibrium. The error states the reason.

@@ -33,7 +33,8 @@ use hardpoint::car::{
 use hardpoint::characteristics::Constants;
 use hardpoint::model::{Axis, LengthUnit, MassUnit, PointId, Suspension};
 use hardpoint::number::Vector3;
-use hardpoint::study::Study;
+use hardpoint::study::{CarStudy, Study};
+use hardpoint::tolerance::CarProblem;
 use serde_json::Value;
 use std::path::Path;
 
@@ -61,12 +62,9 @@ fn suspension(axle: &Value) -> Suspension {
         text += &format!("{name} = {body}\n");
     }
     text += &format!("[wheel]\nradius = {}\n", axle["radius"]);
-    for (key, name) in [
-        ("static_camber", "static_camber"),
-        ("static_toe", "static_toe"),
-    ] {
+    for key in ["static_camber", "static_toe"] {
         if !axle[key].is_null() {
-            text += &format!("{name} = {}\n", axle[key]);
+            text += &format!("{key} = {}\n", axle[key]);
         }
     }
     let torque = |path: &Value| match path.as_str() {
@@ -207,4 +205,16 @@ fn one_point(axle: usize, point: PointId, axis: Axis) -> Moves {
 pub fn reference() -> Value {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/reference/car/road_car.json");
     serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// Car of the sample study `formula_student_car.toml`.
+fn formula_student_car() -> Car {
+    let path = commands::studies().join("formula_student_car.toml");
+    CarStudy::read(&path, &[]).unwrap().car
+}
+
+/// Tolerance analysis of a car.
+fn problem(study: &CarStudy) -> CarProblem<'_> {
+    CarProblem::of(study, study.tolerance.as_ref().unwrap())
+        .unwrap_or_else(|(axle, _)| panic!("axle {axle}"))
 }

@@ -60,8 +60,8 @@ fn the_fault_of_an_axle_is_in_words() {
     assert!(!reason.contains("PointId"), "{reason}");
 }
 
-/// Gradients of all residuals equal finite differences. The misfit is the weighted mean over targets of load cases and
-/// targets of axles.
+/// A tuning meets a constraint of an axle and a constraint of a load case together. The misfit is the root mean square over
+/// targets of load cases and targets of axles.
 #[test]
 fn targets_of_cases_and_axles_are_tuned_together() {
     let directory = tempfile::tempdir().unwrap();
@@ -240,7 +240,7 @@ fn the_command_reports_both_kinds() {
 }
 
 /// Every target and constraint belongs to either a load case or an axle. The program refuses an entry with both or
-/// without either, and names its line. It also refuses keys and rates that a car does not have.
+/// without either. It also refuses keys and rates that a car does not have.
 #[test]
 fn mistakes_of_places_are_named() {
     let directory = tempfile::tempdir().unwrap();

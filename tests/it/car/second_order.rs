@@ -1,6 +1,7 @@
 //! Tests of second-order scatter of a car against finite differences of complete solutions, and against statistical
 //! laws.
 
+use super::problem;
 use hardpoint::assembly::Assembler;
 use hardpoint::axle::Axle;
 use hardpoint::car::{Car, CarQuantity};
@@ -22,11 +23,6 @@ fn car(file: &str, results: &[&str], scatter: &str) -> CarStudy {
     ]
     .map(str::to_owned);
     CarStudy::read(&path, &set).unwrap_or_else(|e| panic!("{}", e.render(false)))
-}
-
-fn problem(study: &CarStudy) -> CarProblem<'_> {
-    CarProblem::of(study, study.tolerance.as_ref().unwrap())
-        .unwrap_or_else(|(axle, _)| panic!("axle {axle}"))
 }
 
 fn expansion(problem: &CarProblem<'_>) -> Vec<CarExpansion> {
@@ -207,7 +203,7 @@ fn second_order_is_that_of_complete_solutions() {
 }
 
 /// The second-order terms of cars with solid axles equal finite differences of complete solutions. One of the axles is
-/// steered by a drag link. This test omits derivatives of a state.
+/// steered by a drag link. Derivatives of a state, here the roll gradient, have no second-order terms for these axles.
 #[test]
 fn second_order_of_solid_axles_is_that_of_complete_solutions() {
     let results = [

@@ -1,6 +1,7 @@
 //! Tests of the end of equilibrium: a car that is built to overturn, and stable states whose stiffness matrix is not
 //! symmetric.
 
+use super::formula_student_car;
 use crate::support::larger;
 use hardpoint::axle::{Preloaded, RockerSprings};
 use hardpoint::car::{
@@ -10,11 +11,6 @@ use hardpoint::mechanism::{Failure, LimitCause, NoPose};
 use hardpoint::model::Side;
 use hardpoint::study::CarStudy;
 use std::path::Path;
-
-fn formula_student_car() -> Car {
-    let path = super::commands::studies().join("formula_student_car.toml");
-    CarStudy::read(&path, &[]).unwrap().car
-}
 
 fn value(solver: &mut CarSolver<'_>, case: &Case, name: &str) -> f64 {
     let found = solver.solve(case).unwrap();

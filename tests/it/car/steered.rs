@@ -1,5 +1,6 @@
 //! Tests of steered solid axles in cars: free bodies, derivatives, and the roll centre of the axle.
 
+use super::problem;
 use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::axle::{AxlePose, AxleSolver, Placement};
@@ -10,7 +11,6 @@ use hardpoint::car::{
 use hardpoint::model::{Axis, PointId, Side};
 use hardpoint::number::Vector3;
 use hardpoint::study::CarStudy;
-use hardpoint::tolerance::CarProblem;
 use nalgebra::{DMatrix, DVector};
 use std::path::Path;
 
@@ -68,7 +68,7 @@ fn places(car: &Car, placed: &AxlePose, names: &[&str]) -> Vec<V> {
     now.collect()
 }
 
-/// Forces of the tyre, of the wheel's inertia and of the spring at one wheel, each with its point of application.
+/// Forces of the tyre and of the inertia of one wheel, each with its point of application.
 fn outside(state: &Balance<f64>, case: &Case, number: usize, unsprung: f64) -> [(V, V); 2] {
     let wheel = &state.wheels[number];
     let road = &state.road;
@@ -450,9 +450,4 @@ fn first_order_of_parts_is_that_of_built_cars() {
         }
         assert!(scatter > 20, "{part}: {scatter}");
     }
-}
-
-fn problem(study: &CarStudy) -> CarProblem<'_> {
-    CarProblem::of(study, study.tolerance.as_ref().unwrap())
-        .unwrap_or_else(|(axle, _)| panic!("axle {axle}"))
 }

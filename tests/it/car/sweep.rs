@@ -162,7 +162,7 @@ fn bytes_do_not_depend_on_the_run() {
     hardpoint(directory, &["report", "two"]).success();
 }
 
-/// A sweep without results, and a sweep of results that have no value in any case.
+/// The program refuses a sweep without results, and a sweep of results that have no value in any case.
 #[test]
 fn a_sweep_of_nothing_is_refused() {
     let directory = tempfile::tempdir().unwrap();
@@ -199,7 +199,9 @@ fn failed_cases_are_named() {
     fs::write(&path, tipping).unwrap();
     hardpoint(directory, &["sweep", "car.toml", "--out", "swept"]).code(1);
     let designs = fs::read_to_string(directory.join("swept/designs.csv")).unwrap();
-    for row in rows_by_column(designs.as_bytes()) {
+    let rows = rows_by_column(designs.as_bytes());
+    assert_eq!(rows.len(), 2);
+    for row in rows {
         assert_eq!(row["failed_stations"], "1");
         // `turn` is the case after `static`.
         assert_eq!(row["failed_at_case"], "1.0");

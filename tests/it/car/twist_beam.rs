@@ -1,8 +1,8 @@
 //! Tests of twist beams in cars.
 
+use super::problem;
 use hardpoint::car::{AxleEnd, AxleResult, CarQuantity, CarSolver, WheelPlace, WheelResult};
 use hardpoint::study::CarStudy;
-use hardpoint::tolerance::CarProblem;
 use std::path::Path;
 
 /// Torsional rates of the beam (`BEAM`) and of the front anti-roll bar (`BAR`), N mm/rad.
@@ -93,9 +93,4 @@ fn parts_of_a_beam_scatter_in_a_car() {
         }
         assert!(scatter > 5, "{part}: {scatter}");
     }
-}
-
-fn problem(study: &CarStudy) -> CarProblem<'_> {
-    CarProblem::of(study, study.tolerance.as_ref().unwrap())
-        .unwrap_or_else(|(axle, _)| panic!("axle {axle}"))
 }

@@ -2,6 +2,7 @@
 //! newtons and kilograms.
 
 use super::commands::{hardpoint, studies, text};
+use crate::support::one_line;
 use crate::units::{INCH, POUND, POUND_FORCE, in_inches_and_pounds};
 use hardpoint::car::{CarQuantity, CarSolver};
 use hardpoint::study::{CarStudy, Study};
@@ -194,6 +195,7 @@ fn tuned_rates_are_in_the_units_of_the_study() {
             });
             rows.collect::<Vec<_>>()
         });
+        assert!(rows[0].len() == rows[1].len() && rows[0].len() >= 5);
         for (own, again) in rows[0].iter().flatten().zip(rows[1].iter().flatten()) {
             match (own.parse::<f64>(), again.parse::<f64>()) {
                 (Ok(own), Ok(again)) => {
@@ -242,10 +244,7 @@ fn masses_without_a_unit_are_doubted_beside_pounds() {
     let said = |more: &[&str]| {
         let call = [&["check", "car.toml"][..], more].concat();
         let ended = hardpoint(directory, &call).get_output().clone();
-        text(&ended.stdout)
-            .split_whitespace()
-            .collect::<Vec<_>>()
-            .join(" ")
+        one_line(&text(&ended.stdout))
     };
     let doubt = "its masses are in kg, but the rear study has mass_unit = \"lb\"";
     let pounds = ["--set", "rear.suspension.mass_unit=\"lb\""];
@@ -269,7 +268,7 @@ fn refusals_name_keys_once() {
         text(&ended.stderr)
     };
     let said = refused("car.toml", "rear.suspension.length_unit=\"in\"");
-    let words = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    let words = one_line(&said);
     assert!(
         words.contains("the rear study has length_unit = \"in\" and force_unit = \"N\""),
         "{said}"

@@ -2,6 +2,7 @@
 //! constraints.
 
 use super::commands::{hardpoint, studies, text};
+use crate::support::one_line;
 use hardpoint::study::{CarStudy, TunedCar};
 use serde_json::Value;
 
@@ -38,9 +39,8 @@ fn said(targets: &str, constraints: &str, code: i32) -> (String, Value) {
     }
     let run = hardpoint(directory.path(), &arguments).code(code);
     let words = text(&run.get_output().stdout);
-    let words: Vec<&str> = words.split_whitespace().collect();
     let summary = std::fs::read(directory.path().join("tuned/summary.json")).unwrap();
-    (words.join(" "), serde_json::from_slice(&summary).unwrap())
+    (one_line(&words), serde_json::from_slice(&summary).unwrap())
 }
 
 /// The bars do not affect the drag. The program reports a target for the drag and exits with code 1. This target does
@@ -159,7 +159,7 @@ fn goals_of_an_axle_have_their_values() {
     }
     let run = hardpoint(directory.path(), &arguments).success();
     let words = text(&run.get_output().stdout);
-    let words = crate::support::one_line(&words);
+    let words = one_line(&words);
     assert!(words.contains("0 (target 0.01 to 0.05)"), "{words}");
     assert!(words.contains("300 to 400"), "{words}");
     let summary = std::fs::read(directory.path().join("tuned/summary.json")).unwrap();
@@ -194,7 +194,7 @@ fn a_moved_spring_mount_changes_the_ride_height_of_the_same_spring() {
         arguments.extend(sets.iter().flat_map(|set| ["--set", set]));
         let run = hardpoint(directory.path(), &arguments).code(0);
         let words = text(&run.get_output().stdout);
-        words.split_whitespace().collect::<Vec<_>>().join(" ")
+        one_line(&words)
     };
     let remark = "ride_height_front_mm in static: every design has the force of [spring]";
     let words = run();

@@ -159,6 +159,10 @@ fn margins_have_the_unit_of_the_study() {
         let inches = of(&inches, "constraints");
         of(&mm, "constraints").into_iter().zip(inches)
     };
+    assert_eq!(
+        of(&mm, "constraints").len(),
+        of(&inches, "constraints").len()
+    );
     assert!(pairs().count() >= 5);
     for (mm, inches) in pairs() {
         let margins = [&mm, &inches].map(|c| c["margin"].as_f64().unwrap());
@@ -169,6 +173,7 @@ fn margins_have_the_unit_of_the_study() {
         assert_eq!(mm["is_violated"], json!(margins[0] < 0.0));
     }
     for (misfit, unit) in [(&mm, "mm"), (&inches, "in")] {
+        assert!(!of(misfit, "targets").is_empty());
         for target in of(misfit, "targets") {
             assert_eq!(target["worst_at_unit"], unit, "{target}");
         }
@@ -202,6 +207,7 @@ fn influences_are_slopes_of_the_curves() {
         let (up, down) = (toe(0.01), toe(-0.01));
         let columns = found["columns"].as_array().unwrap();
         let slopes = &columns.iter().find(|c| c["column"] == "toe_deg").unwrap()["slopes"];
+        assert!(up.len() > 5, "{}", up.len());
         for station in 0..up.len() {
             let slope = (up[station].unwrap() - down[station].unwrap()) / 0.02;
             let said = slopes[station].as_f64().unwrap();

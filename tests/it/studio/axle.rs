@@ -242,11 +242,9 @@ fn elastic_wheels_are_drawn_in_equilibrium() {
             let answer = solve(&served, &["camber"], &at);
             let axis = Drawn::of(&served, &answer["frame"]).spin_axis;
             let camber = values[station].as_f64().unwrap();
-            let drawn = axis[2].asin().to_degrees();
-            assert!(
-                (drawn.abs() - camber.abs()).abs() < 1e-9,
-                "{name}: {drawn} {camber}"
-            );
+            // If the top of the wheel leans outboard, the spin axis points outboard and down.
+            let drawn = -axis[2].asin().to_degrees();
+            assert!((drawn - camber).abs() < 1e-9, "{name}: {drawn} {camber}");
         }
     }
 }
@@ -297,6 +295,7 @@ fn shown_stations_alone_have_the_values_of_the_whole_answer() {
             let places: Vec<&Value> = of_shown.iter().map(|k| &whole["drive"][*k]).collect();
             assert_eq!(shown["drive"], json!(places), "{name}");
             let columns = whole["columns"].as_array().unwrap().iter().enumerate();
+            let mut compared = 0;
             for (number, column) in columns {
                 let own = shown["columns"][number]["values"].as_array().unwrap();
                 assert_eq!(own.len(), of_shown.len());
@@ -308,8 +307,10 @@ fn shown_stations_alone_have_the_values_of_the_whole_answer() {
                         "{name}: {} {is:?}",
                         column["column"]
                     );
+                    compared += usize::from(far < 1e-8);
                 }
             }
+            assert!(compared > 2 * of_shown.len(), "{name}: {compared}");
         }
     }
 }
@@ -321,8 +322,7 @@ fn named_motions_have_curves_and_sliders() {
     let text = sample("macpherson_axle_front.toml");
     let (head, rest) = text.split_once("[motion]").unwrap();
     let (_, rest) = rest.split_once("[outputs]").unwrap();
-    let (outputs, optimise) = rest.split_once("targets = [").unwrap();
-    let _ = optimise;
+    let (outputs, _) = rest.split_once("targets = [").unwrap();
     let text = format!(
         "{head}[motion]\nheave = [-10.0, 0.0, 10.0]\n[motions.turn]\nroll = [-2.0, 0.0, 2.0]\nheave = 5.0\n\
          [outputs]{outputs}targets = [\n{{ characteristic = \"camber_to_road\", motion = \"turn\", over = \"roll\", between = [-1.0, 1.0], tolerance = 0.1 }},\n\

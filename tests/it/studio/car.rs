@@ -2,6 +2,8 @@
 //! saves three files.
 
 use super::answers::answered;
+use super::browser::{READY, SETTLED};
+use super::tuning::tuned;
 use super::webdriver::Browser;
 use super::{Served, columns, sample, solved};
 use serde_json::{Value, json};
@@ -302,19 +304,9 @@ fn tunings_keep_locks_and_tell_wide_ranges() {
     let served = served("car", as_it_is);
     let of = moved(&served, &[("front_tie_rod_inner", 2, 17.0)]);
     let tune = |locked: &[[bool; 3]]| {
-        let begun = served
-            .post("tune", &json!({"of": of, "locked": locked}))
-            .json();
-        loop {
-            let state = served
-                .post("progress", &json!({"job": begun["job"]}))
-                .json();
-            if state["done"] == true {
-                assert!(state["error"].is_null(), "{state}");
-                return state["proposal"].clone();
-            }
-            std::thread::sleep(std::time::Duration::from_millis(50));
-        }
+        let state = tuned(&served, &of, locked);
+        assert!(state["error"].is_null(), "{state}");
+        state["proposal"].clone()
     };
     let said = |proposal: &Value| proposal["remarks"].to_string();
     let overview = served.overview();
@@ -340,9 +332,6 @@ fn tunings_keep_locks_and_tell_wide_ranges() {
     assert_ne!(proposal["design"][rear], of["design"][rear]);
     assert!(!proposal["edits"].as_array().unwrap().is_empty());
 }
-
-const READY: &str = "document.documentElement.dataset.ready === 'true' && window.studio.state.answer && window.studio.state.ghost";
-const SETTLED: &str = "studio.isSettled()";
 
 /// Script that returns the values in the table of load cases.
 const SHOWN: &str = "return Object.fromEntries([...document.querySelectorAll('#cases tbody tr')].map((row) => [row.dataset.column, [...row.querySelectorAll('b')].map((cell) => cell.textContent)]))";

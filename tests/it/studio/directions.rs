@@ -62,7 +62,7 @@ fn slope(served: &Served, direction: &Value) -> f64 {
         .iter()
         .zip(&low)
         .map(|(high, low)| (high - low) / (2.0 * step));
-    slopes.fold(0.0, |most, slope| slope.abs().max(most))
+    slopes.fold(0.0, |most, slope| larger(most, slope.abs()))
 }
 
 /// Along a free direction, no target changes to first order. Over the range of the direction, the deviation of three

@@ -95,14 +95,14 @@ fn paper_has_the_first_misfit_and_separate_numbers() {
     );
     browser.wait(SETTLED);
     // The shown value has as many digits as before the move.
-    let caster = browser.run(
+    let inclination = browser.run(
         "return document.querySelector('[data-column=kingpin_inclination_deg] output').textContent",
     );
-    let caster = caster.as_str().unwrap();
+    let inclination = inclination.as_str().unwrap();
     assert_eq!(
-        caster.split(' ').next().unwrap().len(),
+        inclination.split(' ').next().unwrap().len(),
         "11.14".len(),
-        "{caster}"
+        "{inclination}"
     );
     browser.print();
     browser.run("document.body.style.width = '718px'");

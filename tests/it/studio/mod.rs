@@ -33,7 +33,7 @@ struct Served {
     process: Child,
 }
 
-/// Text of a sample study or of a topology's template.
+/// Text of a sample study.
 fn sample(name: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("studies")

@@ -263,6 +263,7 @@ fn a_proposal_shows_margins_and_survives_a_save() {
     let exact = browser.run(
         "return studio.state.proposed.misfit.constraints.map((own) => Number(own.margin.toPrecision(3)))",
     );
+    assert_eq!(exact.as_array().map(Vec::len), Some(3), "{exact}");
     for (text, number) in shown
         .as_array()
         .unwrap()

@@ -46,7 +46,7 @@ fn coordinates_beyond_those_of_a_study_are_refused_everywhere() {
 }
 
 /// State of a tuning that has ended.
-fn tuned(served: &Served, of: &Value, locked: &[[bool; 3]]) -> Value {
+pub(super) fn tuned(served: &Served, of: &Value, locked: &[[bool; 3]]) -> Value {
     let begun = served.post("tune", &json!({"of": of, "locked": locked}));
     let mut state = begun.json();
     while state["done"] == false {

@@ -120,6 +120,9 @@ const MOST_ROUNDS: usize = 4;
 /// Largest step along the series of a pose, relative to the mechanism's size. Up to this step, the error of four terms is smaller
 /// than rounding errors, except close to a fold.
 const NEAR: f64 = 1e-4;
+/// Largest permitted difference between the heights of the two contact points, as a multiple of the rounding of a length. A
+/// height contains more rounding errors than a length.
+const OF_HEIGHTS: f64 = 4.0;
 
 /// Number whose gradient is requested.
 #[derive(Clone, Copy, Debug)]

@@ -51,11 +51,13 @@ impl Read<'_> {
     pub fn is_stuck(&self, quantity: Quantity) -> bool {
         let mut sides = Side::ALL.into_iter();
         sides.any(|side| {
-            let is_of_side = quantity.side().is_none_or(|own| own == side);
-            if !is_of_side || self.stuck[side as usize].is_empty() {
+            if self.stuck[side as usize].is_empty() {
                 return false;
             }
-            let rockers = self.axle.rockers(side, &[quantity]);
+            let rockers = match quantity.side() {
+                Some(own) if own != side => self.axle.rockers_felt_across(side, quantity),
+                _ => self.axle.rockers(side, &[quantity]),
+            };
             rockers.into_iter().any(|rocker| self.holds(side, rocker))
         })
     }

@@ -23,8 +23,20 @@ pub(super) struct Corner<'a, const N: usize> {
     pub(super) side: Side,
     /// Points whose positions are computed with the wheel.
     pub(super) points: Vec<PointId>,
+    /// True if condition numbers of the Jacobian are computed with the wheel.
+    pub(super) has_condition: bool,
     /// State of the steering gear of a steered axle.
     pub(super) steered: Steered,
+}
+
+/// Numbers of a wheel that are computed in a pose.
+#[derive(Clone, Copy)]
+pub(super) struct Wanted<'w> {
+    /// Straight lines in travel and rack along which the series are computed.
+    pub(super) lines: &'w [Line],
+    pub(super) parts: &'w Parts,
+    pub(super) points: &'w [PointId],
+    pub(super) has_condition: bool,
 }
 
 /// State of a steered axle for one displacement of its steering gear.
@@ -136,6 +148,7 @@ impl<'a, const N: usize> Corner<'a, N> {
             ends: Vec::new(),
             side,
             points: Vec::new(),
+            has_condition: false,
             steered: Steered::MIDDLE,
         })
     }
@@ -384,16 +397,17 @@ impl<'a, const N: usize> Corner<'a, N> {
             series,
             toggles,
             points,
+            has_condition,
             ..
         } = self;
-        let read = read_wheel(
-            solver,
-            series,
-            toggles,
-            pose,
-            self.inner(travel, rack),
-            (lines, parts, points),
-        )?;
+        let wanted = Wanted {
+            lines,
+            parts,
+            points,
+            has_condition: *has_condition,
+        };
+        let place = self.inner(travel, rack);
+        let read = read_wheel(solver, series, toggles, pose, place, wanted)?;
         // If a knuckle is beyond its toggle, the wheel has no position.
         if let Some(steering) = self.mechanism.axle_steering() {
             for knuckle in [steering.near_knuckle, steering.far_knuckle] {
@@ -413,16 +427,27 @@ pub(super) fn read_wheel<const N: usize>(
     toggles: &Toggles,
     pose: &Pose<f64>,
     (travel, rack): (f64, f64),
-    (lines, parts, points): (&[Line], &Parts, &[PointId]),
+    wanted: Wanted<'_>,
 ) -> Result<WheelRead, Failure> {
+    let Wanted {
+        lines,
+        parts,
+        points,
+        has_condition,
+    } = wanted;
     let mut snapshots = [Snapshot::<N>::unknown(); 4];
     // Positions of the points: for each line in travel and rack, one series per point.
     let mut ways = Vec::new();
-    let (mut condition, mut toggle) = (0.0_f64, None);
+    let (mut condition, mut toggle) = (has_condition.then_some(0.0_f64), None);
     for (number, line) in lines.iter().enumerate() {
         let motion = along(line, travel, rack);
-        let (at, conditioning) = solver.conditioned_series(series, pose, &motion)?;
-        condition = condition.max(conditioning.number);
+        let at = if let Some(largest) = &mut condition {
+            let (at, own) = solver.conditioned_series(series, pose, &motion)?;
+            *largest = largest.max(own.number);
+            at
+        } else {
+            solver.configuration_series(series, pose, &motion)?
+        };
         snapshots[number] = Snapshot::of(&at, parts);
         ways.extend(points.iter().map(|id| at.point(*id)));
         if number == 0 {

@@ -13,8 +13,9 @@ pub(in crate::axle) type ReceiveOwnGradients<'r> = dyn FnMut(usize, [&mut [Vecto
 pub struct Read<'a> {
     /// State of the axle.
     pub state: AxleState<'a, f64>,
-    /// Condition number of the Jacobian, the larger of the two wheels.
-    pub condition: f64,
+    /// Condition number of the Jacobian, the larger of the two wheels. `None` unless it is requested
+    /// ([`AxleSolver::find_conditions`]).
+    pub condition: Option<f64>,
     /// Rod of each wheel at or beyond a toggle. `None` if there is no such rod.
     pub toggles: [Option<Rod>; 2],
     axle: &'a Axle,
@@ -113,15 +114,21 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             series,
             toggles,
             points,
+            has_condition,
             ..
         } = corner;
+        let wanted = Wanted {
+            lines,
+            parts: &parts,
+            points,
+            has_condition: *has_condition,
+        };
         let order = StationOrder::through(travels);
         let _ = solver.for_each_pose(Drive::Travel, &order, rack, |solver, station, pose| {
             let travel = travels[station];
             let at = (travel, rack);
-            let wheel = pose.and_then(|pose| {
-                read_wheel(solver, series, toggles, pose, at, (lines, &parts, points))
-            });
+            let wheel =
+                pose.and_then(|pose| read_wheel(solver, series, toggles, pose, at, wanted));
             found[station] = wheel.map_err(|failure| fails(travel, failure));
             ControlFlow::Continue(())
         });
@@ -157,7 +164,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let [left, right] = wheels;
         Read {
             state: self.state([left.reading, right.reading], placed),
-            condition: left.condition.max(right.condition),
+            condition: (left.condition.zip(right.condition)).map(|(l, r)| l.max(r)),
             toggles: [left.toggle, right.toggle],
             axle: self.axle,
             stuck: [left.stuck.clone(), right.stuck.clone()],

@@ -146,7 +146,10 @@ fn a_roll_centre_on_the_ground_exists_in_lanes() {
         for design in 0..8 {
             for quantity in 0..2 {
                 let found: Vec<f64> = worker.block().values(design, quantity).collect();
-                assert!(found.iter().all(|value| value.abs() < 1e-9), "{width:?} {found:?}");
+                assert!(
+                    found.iter().all(|value| value.abs() < 1e-9),
+                    "{width:?} {found:?}"
+                );
             }
         }
     }

@@ -127,8 +127,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let _ = solver.for_each_pose(Drive::Travel, &order, rack, |solver, station, pose| {
             let travel = travels[station];
             let at = (travel, rack);
-            let wheel =
-                pose.and_then(|pose| read_wheel(solver, series, toggles, pose, at, wanted));
+            let wheel = pose.and_then(|pose| read_wheel(solver, series, toggles, pose, at, wanted));
             found[station] = wheel.map_err(|failure| fails(travel, failure));
             ControlFlow::Continue(())
         });

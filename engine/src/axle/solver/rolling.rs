@@ -148,8 +148,8 @@ impl<const N: usize> AxleSolver<'_, N> {
     /// points have the same height on the rolled ground.
     fn stands(&self, poses: &[Pose<f64>; 2], travels: [f64; 2], rack: f64, roll: f64) -> bool {
         let [left, right] = &self.corners;
-        let closes = left.closes(&poses[0], travels[0], rack)
-            && right.closes(&poses[1], travels[1], rack);
+        let closes =
+            left.closes(&poses[0], travels[0], rack) && right.closes(&poses[1], travels[1], rack);
         let ground = Ground::rolled(roll);
         let height = |side: Side, ground: Ground<f64>| {
             let contact = self.contact(side, &poses[side as usize], ground);

@@ -264,11 +264,7 @@ impl<T: Scalar> ElasticAxle<T> {
     }
 
     /// Angles and positions of a wheel, like [`ElasticAxle::figures`]. The vertical force is the total force at the contact point.
-    pub(crate) fn figures_with_load(
-        &self,
-        at: &AxleEquilibrium<T>,
-        side: Side,
-    ) -> WheelFigures<T> {
+    pub(crate) fn figures_with_load(&self, at: &AxleEquilibrium<T>, side: Side) -> WheelFigures<T> {
         WheelFigures {
             vertical: self.wheel_load(at, side),
             ..self.figures(at, side)

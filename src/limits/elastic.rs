@@ -250,13 +250,16 @@ pub(super) fn rows_of_wheel(
 }
 
 /// Distance of the travels from the nearest limit. `by_rack` has the limits at each rack displacement. The distance is negative if
-/// the travels go beyond the limit. The end of a search counts as a limit. `None` if a rack displacement has no equilibrium.
+/// the travels go beyond the limit. The end of a search is no limit. `None` if no limit was found, or if a rack displacement has
+/// no equilibrium.
 fn margin(travels: &[f64], by_rack: &[Ends]) -> Option<f64> {
     let mut least = f64::INFINITY;
     for ends in by_rack {
-        let [lower, upper] = ends.as_ref().ok()?;
-        for travel in travels {
-            least = least.min(upper.value - travel).min(travel - lower.value);
+        let signed = ends.as_ref().ok()?.iter().zip([-1.0, 1.0]);
+        for (end, sign) in signed.filter(|(end, _)| end.cause != EndCause::SearchEnds) {
+            for travel in travels {
+                least = least.min(sign * (end.value - travel));
+            }
         }
     }
     least.is_finite().then_some(least)

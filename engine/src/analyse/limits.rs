@@ -149,18 +149,18 @@ impl Solver<'_> {
         let has_rack = mechanism.has_rack();
         let travel = self.drive_range(Drive::Travel, 0.0)?;
         let ends = [travel.lower.value(), travel.upper.value()];
-        let mut rockers = Vec::new();
-        for rocker in (0..mechanism.rockers.len()).map(RockerId) {
-            let [lower, upper] = ends.map(|end| self.toggle_towards(rocker, end));
-            rockers.push(RockerRange {
-                rocker,
-                lower: lower?,
-                upper: upper?,
-            });
-        }
+        let rockers: Vec<RockerId> = (0..mechanism.rockers.len()).map(RockerId).collect();
+        let [lower, upper] = ends.map(|end| self.toggles_towards(&rockers, end));
+        let toggles = lower?.into_iter().zip(upper?);
+        let ranges = rockers.into_iter().zip(toggles);
+        let ranges = ranges.map(|(rocker, (lower, upper))| RockerRange {
+            rocker,
+            lower,
+            upper,
+        });
         Ok(Limits {
             travel,
-            rockers,
+            rockers: ranges.collect(),
             rack: has_rack.then(|| self.rack_range()).transpose()?,
             arm_angle: (!mechanism.arms.is_empty())
                 .then(|| self.drive_range(Drive::ArmAngle, 0.0))
@@ -168,41 +168,61 @@ impl Solver<'_> {
         })
     }
 
-    /// Finds the first toggle of a rocker as the wheel moves to `end`.
-    fn toggle_towards(
+    /// Finds the first toggle of each rocker as the wheel moves to `end`.
+    fn toggles_towards(
         &mut self,
-        rocker: RockerId,
+        rockers: &[RockerId],
         end: f64,
-    ) -> Result<Option<Toggle>, DesignFault> {
+    ) -> Result<Vec<Option<Toggle>>, DesignFault> {
+        if rockers.is_empty() {
+            return Ok(Vec::new());
+        }
         let places: Vec<f64> = (1..LOOKS)
             .map(|k| end * f64::from(k) / f64::from(LOOKS))
             .collect();
-        let Some((place, mut rod)) = self.first_toggle(rocker, &places)? else {
-            return Ok(None);
-        };
-        let mut outside = places[place];
-        let mut inside = place.checked_sub(1).map_or(0.0, |k| places[k]);
+        let firsts = self.first_toggles(rockers, &places)?;
+        let mut toggles = Vec::with_capacity(rockers.len());
+        for (rocker, first) in rockers.iter().zip(firsts) {
+            toggles.push(match first {
+                None => None,
+                Some((place, rod)) => {
+                    let inside = place.checked_sub(1).map_or(0.0, |k| places[k]);
+                    Some(self.toggle_between(*rocker, [inside, places[place]], rod)?)
+                }
+            });
+        }
+        Ok(toggles)
+    }
+
+    /// Finds the toggle of a rocker between two travels by halving. Only at the first travel the rocker has a position. `rod` is
+    /// the rod at its toggle at the second travel.
+    fn toggle_between(
+        &mut self,
+        rocker: RockerId,
+        [mut inside, mut outside]: [f64; 2],
+        mut rod: Rod,
+    ) -> Result<Toggle, DesignFault> {
         while (outside - inside).abs() > ROUNDING * outside.abs() {
             let middle = 0.5 * (inside + outside);
-            match self.first_toggle(rocker, &[middle])? {
+            match self.first_toggles(&[rocker], &[middle])?[0] {
                 Some((_, found)) => (outside, rod) = (middle, found),
                 None => inside = middle,
             }
         }
-        Ok(Some(Toggle {
+        Ok(Toggle {
             travel: inside,
             rod,
-        }))
+        })
     }
 
-    /// Finds the first of several travels, in outward order, at which a rocker has no position. Returns the index of
+    /// Finds for each rocker the first of several travels, in outward order, at which it has no position. Returns the index of
     /// this travel, and the rod at its toggle. `None` if there is no such travel, or if a travel before it has no pose.
-    fn first_toggle(
+    fn first_toggles(
         &mut self,
-        rocker: RockerId,
+        rockers: &[RockerId],
         travels: &[f64],
-    ) -> Result<Option<(usize, Rod)>, DesignFault> {
-        let mut first = None;
+    ) -> Result<Vec<Option<(usize, Rod)>>, DesignFault> {
+        let mut firsts = vec![None; rockers.len()];
         self.for_each_pose(
             Drive::Travel,
             &StationOrder::through(travels),
@@ -212,14 +232,17 @@ impl Solver<'_> {
                     return ControlFlow::Break(());
                 };
                 let at = solver.configuration(pose, 0.0);
-                first = at.toggle(rocker).map(|rod| (place, rod));
-                match first {
-                    Some(_) => ControlFlow::Break(()),
-                    None => ControlFlow::Continue(()),
+                for (rocker, first) in rockers.iter().zip(&mut firsts) {
+                    *first = first.or_else(|| at.toggle(*rocker).map(|rod| (place, rod)));
+                }
+                if firsts.iter().all(Option::is_some) {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
                 }
             },
         )?;
-        Ok(first)
+        Ok(firsts)
     }
 
     /// Range of a drive with the rack displaced by `rack` (towards the kernel's +y).

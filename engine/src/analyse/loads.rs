@@ -343,25 +343,7 @@ impl<'a, T: Balanced> Balance<'a, T> {
 
     /// Total force on the wheel carrier at a point.
     fn force_at(&self, point: PointId, carried: &Reactions<T>) -> Vector3<T> {
-        let place = |id: PointId| self.at.point(id);
-        let forces = carried
-            .constraints
-            .iter()
-            .filter_map(|reaction| match *reaction {
-                Reaction::Rod {
-                    inner,
-                    outer,
-                    tension,
-                } => {
-                    let pull = (outer == point).then(|| (place(inner) - place(outer)).normalised());
-                    pull.map(|pull| pull * tension)
-                }
-                Reaction::ArmEnd { joint, passed, .. } if joint == point => Some(passed),
-                Reaction::ArmEnd { outer, force, .. } => (outer == point).then_some(force),
-                Reaction::Force { point: at, force } => (at == point).then_some(force),
-            });
-        let none = self.at.rack.zero();
-        let constraints = forces.fold(Vector3::new(none, none, none), |sum, force| sum + force);
+        let constraints = self.constraint_force(point, &carried.constraints);
         let joint = sprung_joint(self.at.mechanism).filter(|_| !self.is_at_wheel);
         if joint == Some(point) {
             constraints + carried.support_force

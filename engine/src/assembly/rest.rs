@@ -42,6 +42,40 @@ type Slope = Dual<f64, 1>;
 
 /// Largest number of steps in the search for the height at which the spring has its length.
 const MOST_STEPS: usize = 30;
+/// Smallest fraction of a step in this search.
+const SHORTEST: f64 = 1e-3;
+
+/// Finds the height at which the spring has its length, by Newton's method. It begins with the state `at` at `height`. `step`
+/// returns the Newton step from a state, and `place` moves a state to a height. A step is halved if this fails, because the parts
+/// cannot be assembled at the height, or have no equilibrium there.
+pub(super) fn settle_height<S, E: From<AssemblyError>>(
+    at: &mut S,
+    (mut height, size): (f64, f64),
+    step: impl Fn(&S) -> Result<f64, E>,
+    place: impl Fn(&mut S, f64) -> Result<(), E>,
+) -> Result<(), E> {
+    let mut before = f64::INFINITY;
+    for _ in 0..MOST_STEPS {
+        let step = step(at)?;
+        if step.is_nan() || step.abs() > size {
+            break;
+        }
+        // If small steps no longer shrink, the remaining error is rounding, and the present height is accepted.
+        if step.abs() <= 1e-13 * size || (step.abs() <= 1e-10 * size && step.abs() >= before) {
+            return Ok(());
+        }
+        before = step.abs();
+        let mut share = 1.0;
+        while let Err(reject) = place(at, height + share * step) {
+            share *= 0.5;
+            if share < SHORTEST {
+                return Err(reject);
+            }
+        }
+        height += share * step;
+    }
+    Err(AssemblyError::Spring.into())
+}
 
 impl Assembler {
     /// Assembles parts.
@@ -78,34 +112,16 @@ impl Assembler {
         Ok(())
     }
 
-    /// Finds the height at which the spring has the length `wanted`, by Newton's method. Halves a step if the parts
-    /// cannot be assembled after it.
+    /// Finds the height at which the spring has the length `wanted`.
     fn settle_on_spring(&self, built: &mut Built, wanted: f64) -> Result<(), AssemblyError> {
         self.rebuild(built, 0.0)?;
-        let size = self.suspension().size();
-        let mut before = f64::INFINITY;
-        for _ in 0..MOST_STEPS {
-            let [now, by_height] = self
-                .spring_by(built, &[], 1.0)
-                .ok_or(AssemblyError::Spring)?;
-            let step = (wanted - now) / by_height;
-            if step.is_nan() || step.abs() > size {
-                return Err(AssemblyError::Spring);
-            }
-            // If small steps no longer shrink, the remaining error is rounding, and the present height is accepted.
-            if step.abs() <= 1e-13 * size || (step.abs() <= 1e-10 * size && step.abs() >= before) {
-                return Ok(());
-            }
-            before = step.abs();
-            let (mut share, from) = (1.0, built.height);
-            while let Err(reject) = self.rebuild(built, from + share * step) {
-                share *= 0.5;
-                if share < 1e-3 {
-                    return Err(reject);
-                }
-            }
-        }
-        Err(AssemblyError::Spring)
+        let step = |built: &Built| -> Result<f64, AssemblyError> {
+            let length = self.spring_by(built, &[], 1.0);
+            let [now, by_height] = length.ok_or(AssemblyError::Spring)?;
+            Ok((wanted - now) / by_height)
+        };
+        let place = |built: &mut Built, height: f64| self.rebuild(built, height);
+        settle_height(built, (0.0, self.suspension().size()), step, place)
     }
 
     /// Returns the length of the spring, and the derivative of this length along a direction of the parts. `rise` is the

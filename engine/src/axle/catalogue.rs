@@ -382,7 +382,7 @@ impl Quantity {
     pub fn value(self, state: &AxleState<f64>) -> Result<f64, NoValue> {
         let is_void = |void: &NoValue| match void {
             NoValue::StraightAhead => steering::is_straight_ahead(state),
-            NoValue::ParallelNormals => roll::normals_are_parallel(state),
+            NoValue::ParallelNormals => !roll::normals_meet(state),
             NoValue::NoPlane => !state.is_on_plane(),
             _ => false,
         };

@@ -57,7 +57,7 @@ struct Wheel<'a> {
 
 /// Largest number of times that the interval is reduced to a quarter. After that, the certificate fails.
 const MOST_QUARTERINGS: usize = 24;
-/// Factor on the width of the interval after a failed attempt. It changes the number of attempts, not the result.
+/// Factor on the width of the interval after a failed attempt. It changes the path, not the result.
 const NARROWER: f64 = 0.25;
 /// Half-width of the widest interval in which the roll angle is certified, in radians.
 const WIDEST_ROLL: f64 = 0.1;

@@ -146,6 +146,7 @@ fn run<const N: usize>(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side
     let columns = plan.columns(axle);
     let by_rack = plan.derivatives > 0 && plan.motion.shows_rack;
     let mut solver = AxleSolver::<N>::new(axle, &plan.quantities, by_rack)?;
+    solver.find_conditions();
     solver.read_points(&plan.points);
     let loads = Side::ALL.map(|side| plan.carried(axle, side));
     for (side, loads) in Side::ALL.into_iter().zip(&loads) {
@@ -340,7 +341,8 @@ fn values(
     let differentiates = columns
         .iter()
         .any(|c| c.by.is_some() || c.quantity().is_some_and(|q| q.rate_order() > 0));
-    let is_poor = differentiates && rate_digits(read.condition) < LEAST_DIGITS;
+    let is_poor_at = |condition: f64| rate_digits(condition) < LEAST_DIGITS;
+    let is_poor = differentiates && read.condition.is_some_and(is_poor_at);
     Station {
         at: Vec::new(),
         status: match &values {
@@ -350,7 +352,7 @@ fn values(
             _ => Status::Ok,
         },
         values,
-        condition: Some(read.condition),
+        condition: read.condition,
         proof: None,
     }
 }

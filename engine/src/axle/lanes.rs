@@ -160,7 +160,7 @@ impl Quantity {
     }
 
     /// Returns the values in SIMD lanes. A value is NaN if it is missing, under the same conditions as in
-    /// [`Quantity::value`]. For a rigid axle, parallel normals are detected by the jacking coefficients, not by the roll centre.
+    /// [`Quantity::value`].
     #[inline(always)]
     pub fn value_in_lanes<B: SimdReal>(self, state: &AxleState<B, LaneWheel<B>>) -> B {
         let like = state.like();
@@ -210,13 +210,7 @@ impl<B: SimdReal> Outlined for OfAxle<'_, '_, B> {
                 let steer = steering::mean_steer(state).abs();
                 has_value & !steer.less(steer.constant(steering::STRAIGHT_AHEAD))
             }
-            Some(NoValue::ParallelNormals) => {
-                let [left, right] = roll::jacking(state);
-                let sum = (left + right).abs();
-                let across = (left - right).abs();
-                let meet = across.less(sum.scaled(roll::FARTHEST_MEETING));
-                has_value & meet & sum.constant(roll::UPRIGHT).less(sum)
-            }
+            Some(NoValue::ParallelNormals) => has_value & roll::normals_meet(state),
             _ => has_value,
         };
         B::select(has_value, value, unknown)

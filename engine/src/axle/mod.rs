@@ -354,4 +354,24 @@ impl Axle {
         }
         rockers
     }
+
+    /// Returns the rockers on one side whose motion changes this quantity of the other wheel. The load of a wheel depends on the
+    /// other wheel through the anti-roll bar and the springs between the rockers. In a rigid axle, load and rate of a wheel
+    /// also depend on the other wheel's spring.
+    fn rockers_felt_across(&self, side: Side, quantity: Quantity) -> Vec<RockerId> {
+        use WheelQuantity::{WheelLoad, WheelRate};
+        match quantity {
+            Quantity::Wheel(_, WheelLoad | WheelRate) if self.is_rigid() => {
+                self.rockers(side, &[quantity])
+            }
+            Quantity::Wheel(_, WheelLoad) => {
+                let mechanism = &self.suspension(side).mechanism;
+                let bar = self.setup.bar_rate.and(mechanism.anti_roll_bar());
+                let springs = !self.setup.rocker_springs.are_none();
+                let of_springs = mechanism.spring_rocker().filter(|_| springs);
+                bar.into_iter().chain(of_springs).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
 }

@@ -37,7 +37,7 @@ use crate::model::{
 use crate::number::{Each, Jet, Tape, Tracked, Vector3};
 use crate::solve::{Solver, StationOrder, Toggles};
 use crate::threads::checkpoint;
-use corner::{Corner, read_wheel};
+use corner::{Corner, Wanted, read_wheel};
 use linearised::{LinearisedAxle, linearise};
 use std::ops::ControlFlow;
 
@@ -120,6 +120,9 @@ const MOST_ROUNDS: usize = 4;
 /// Largest step along the series of a pose, relative to the mechanism's size. Up to this step, the error of four terms is smaller
 /// than rounding errors, except close to a fold.
 const NEAR: f64 = 1e-4;
+/// Largest permitted difference between the heights of the two contact points, as a multiple of the rounding of a length. A
+/// height contains more rounding errors than a length.
+const OF_HEIGHTS: f64 = 4.0;
 
 /// Number whose gradient is requested.
 #[derive(Clone, Copy, Debug)]
@@ -135,7 +138,7 @@ pub struct WheelRead {
     travel: f64,
     pose: Pose<f64>,
     reading: Reading<f64>,
-    condition: f64,
+    condition: Option<f64>,
     /// Rod at or beyond a toggle. `None` if there is no such rod.
     toggle: Option<Rod>,
     /// Rockers at or beyond a toggle.
@@ -199,6 +202,13 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             buffer: vec![zero.map(Jet::constant); points],
             gradients: [vec![zero; points], vec![zero; points]],
         })
+    }
+
+    /// Requests the condition number of the Jacobian in every position that is read.
+    pub fn find_conditions(&mut self) {
+        for corner in &mut self.corners {
+            corner.has_condition = true;
+        }
     }
 
     /// Checks every rocker for toggles, including rockers that do not affect the requested quantities.

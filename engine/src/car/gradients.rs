@@ -78,17 +78,9 @@ impl<'a> CarSolver<'a> {
 
     /// Solves the car at rest with the tyres of a case (rigid or elastic).
     fn at_rest(&mut self, case: &Case) -> Result<(Case, Equilibrium), NoEquilibrium> {
-        let mut rest = Case::at_rest("static");
-        rest.setting.elastic_tyres = case.setting.elastic_tyres;
-        let place = usize::from(rest.setting.elastic_tyres);
-        if self.rests[place].is_none() {
-            self.rests[place] = Some(self.solve(&rest));
-        }
-        match &self.rests[place] {
-            Some(Ok(found)) => Ok((rest, found.clone())),
-            Some(Err(failure)) => Err(failure.clone()),
-            None => Err(NoEquilibrium::NotFound),
-        }
+        let rest = self.rest_of(case);
+        let found = self.solve(&rest)?;
+        Ok((rest, found))
     }
 
     /// Computes the heave of the car at rest with its derivatives.

@@ -159,13 +159,16 @@ impl Moves {
 
     /// Sets the car's parameter to a value, or moves its hardpoints by that value.
     pub fn apply(&self, value: f64, car: &mut Car) {
-        let now = self.internal(car);
-        self.change(now, value, car);
+        self.change(self.now(car), value, car);
+    }
+
+    /// Returns the value in a car, in program units; 0 if the car has no such value.
+    fn now(&self, car: &Car) -> f64 {
+        self.internal(car).unwrap_or(0.0)
     }
 
     /// Sets the car's parameter from the value `now`, in program units, to a value. Moves hardpoints by that value.
-    fn change(&self, now: Option<f64>, value: f64, car: &mut Car) {
-        let now = now.unwrap_or(0.0);
+    fn change(&self, now: f64, value: f64, car: &mut Car) {
         let value = value * self.written_unit(car);
         match *self {
             Moves::Hardpoints(ref points) => move_points(points, value, car),
@@ -340,7 +343,7 @@ pub fn body_key(parameter: BodyParameter) -> &'static str {
 pub fn moved(car: &Car, variables: &[CarVariable], x: &[f64]) -> Car {
     let mut moved = car.clone();
     for (variable, value) in variables.iter().zip(x) {
-        let now = variable.moves.internal(car);
+        let now = variable.moves.now(car);
         variable.moves.change(now, *value, &mut moved);
     }
     moved

@@ -155,8 +155,34 @@ impl<'a> CarSolver<'a> {
         })
     }
 
-    /// Finds the state of a case.
+    /// Finds the state of a case. The solver keeps the state of the car at rest, because results of other cases are measured
+    /// from it.
     pub fn solve(&mut self, case: &Case) -> Result<Equilibrium, NoEquilibrium> {
+        let rest = Case {
+            name: case.name.clone(),
+            ..self.rest_of(case)
+        };
+        if *case != rest {
+            return self.found(case);
+        }
+        let place = usize::from(case.setting.elastic_tyres);
+        if let Some(known) = &self.rests[place] {
+            return known.clone();
+        }
+        let found = self.found(case);
+        self.rests[place] = Some(found.clone());
+        found
+    }
+
+    /// Returns the case of the car at rest with the tyres of a case (rigid or elastic). Without tyre springs, both are the same.
+    pub(super) fn rest_of(&self, case: &Case) -> Case {
+        let mut rest = Case::at_rest("static");
+        rest.setting.elastic_tyres = case.setting.elastic_tyres && self.car.tyres.is_some();
+        rest
+    }
+
+    /// Finds the state of a case from the design position.
+    fn found(&mut self, case: &Case) -> Result<Equilibrium, NoEquilibrium> {
         if self.has_no_springs() {
             return Err(NoEquilibrium::Unsupported);
         }

@@ -75,8 +75,8 @@ pub(crate) struct WheelsInLanes<B> {
     bounds: Bounds,
     /// Number of wheels. The remaining lanes contain copies of the last wheel.
     count: usize,
-    /// True if the design position of the last wheel is an equilibrium. Otherwise external forces hold the design position at
-    /// first, and the solver for one wheel reduces these forces step by step.
+    /// True if the design position of every wheel is an equilibrium. Otherwise external forces hold a design position at first,
+    /// and the solver for one wheel reduces these forces step by step.
     starts_in_balance: bool,
 }
 
@@ -106,7 +106,7 @@ impl<B: SimdReal> WheelsInLanes<B> {
         wheels: impl ExactSizeIterator<Item = &'w ElasticWheel>,
     ) -> Option<Self> {
         let count = wheels.len();
-        let mut last = None;
+        let (mut last, mut starts_in_balance) = (None, true);
         for (lane, wheel) in wheels.enumerate() {
             // The lanes after the last wheel contain copies of it.
             let end = if lane + 1 == count {
@@ -119,6 +119,7 @@ impl<B: SimdReal> WheelsInLanes<B> {
                 wheel.built.system.map(|c| memory.put(lane, c));
                 wheel.start.map(|c| memory.put(lane, c));
             }
+            starts_in_balance &= wheel.starts_in_balance();
             last = Some(wheel);
         }
         let wheel = last?;
@@ -128,7 +129,7 @@ impl<B: SimdReal> WheelsInLanes<B> {
             start: wheel.start.map(|_| memory.load(like)),
             bounds: wheel.bounds,
             count,
-            starts_in_balance: wheel.starts_in_balance(),
+            starts_in_balance,
         })
     }
 

@@ -209,6 +209,13 @@ impl<T: Scalar> ElasticWheel<T> {
         self.geometry.figures(&at.solution.state, self.constants)
     }
 
+    /// Angles and positions of the wheel. The vertical force is the total force at the contact point.
+    pub(crate) fn figures_with_load(&self, at: &Equilibrium<T>) -> WheelFigures<T> {
+        let mut figures = self.figures(at);
+        figures.vertical = self.wheel_load(at);
+        figures
+    }
+
     /// Pose of the wheel carrier. `origin` is the knuckle's origin in the design position.
     pub(crate) fn pose(&self, at: &Equilibrium<T>, origin: Vector3<T>) -> Pose<T> {
         let carrier = &at.solution.state.carrier;

@@ -100,6 +100,12 @@ impl<'s> AxleStations<'s> {
         }
     }
 
+    /// Returns true if a design of a block has a value of at least one quantity in the design position. Without any value, the
+    /// design position has no slopes either.
+    pub(super) fn has_values_at_design(&self, number: usize, block: &Block) -> bool {
+        block.has_value_of(number, 0..self.quantities.len(), self.design)
+    }
+
     /// Indices of a quantity and of a required position of the axle. Both must be part of the evaluation.
     pub(crate) fn place(&self, quantity: Quantity, placement: Placement) -> [usize; 2] {
         let quantity = self.quantities.iter().position(|q| *q == quantity);
@@ -180,18 +186,21 @@ impl<const N: usize> SolvesOneByOne for OneByOne<'_, N> {
 
 /// Computes derivatives in the design position with respect to each moving coordinate.
 impl<const N: usize> FindsSlopes for OneByOne<'_, N> {
-    fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block) {
-        let points = self.stations.axle.left.design.len();
-        for number in 0..designs[0].len() / points {
-            let read = self.read_design(pair(designs, number, points));
-            for (k, column) in self.stations.gains.iter().enumerate() {
-                let gain = read.as_ref().and_then(|(read, by_drag_link)| {
-                    let time = ByTime::at(None, 0);
-                    let by = by_drag_link.get(k).copied().flatten();
-                    column.evaluate(read, time, by)?.ok()
-                });
-                block.put_slope(number, k, gain.unwrap_or(f64::NAN));
-            }
+    fn evaluate(&mut self, designs: Pairs<'_>, number: usize, block: &mut Block) {
+        let stations = self.stations;
+        let points = stations.axle.left.design.len();
+        let read = if stations.has_values_at_design(number, block) {
+            self.read_design(pair(designs, number, points))
+        } else {
+            None
+        };
+        for (k, column) in stations.gains.iter().enumerate() {
+            let gain = read.as_ref().and_then(|(read, by_drag_link)| {
+                let time = ByTime::at(None, 0);
+                let by = by_drag_link.get(k).copied().flatten();
+                column.evaluate(read, time, by)?.ok()
+            });
+            block.put_slope(number, k, gain.unwrap_or(f64::NAN));
         }
     }
 }

@@ -82,6 +82,16 @@ impl Block {
         self.values[self.place(design, output, station)]
     }
 
+    /// Returns true if a design has a value of at least one of these outputs at a station.
+    pub(super) fn has_value_of(
+        &self,
+        design: usize,
+        mut outputs: impl Iterator<Item = usize>,
+        station: usize,
+    ) -> bool {
+        outputs.any(|output| !self.value(design, output, station).is_nan())
+    }
+
     /// Values of an output of a design, station by station.
     pub fn values(&self, design: usize, output: usize) -> impl Iterator<Item = f64> {
         (0..self.stations).map(move |station| self.value(design, output, station))

@@ -126,20 +126,19 @@ impl SolvesOneByOne for OneByOne<'_> {
 
 /// Computes derivatives in the design position with respect to each moving coordinate.
 impl FindsSlopes for OneByOne<'_> {
-    fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block) {
-        let gains = self.stations.gains.iter();
+    fn evaluate(&mut self, designs: Pairs<'_>, number: usize, block: &mut Block) {
+        let stations = self.stations;
+        let gains = stations.gains.iter();
         let reads: Vec<AxleRead> = gains.filter_map(AxleColumn::read).collect();
-        let design = self.stations.placements[self.stations.design];
-        for number in 0..designs[0].len() / self.stations.axle.left.design.len() {
-            let found = self.equilibria(designs, number).ok();
-            let at = design.on_level_pads();
-            let found = found
-                .zip(at)
-                .and_then(|(axle, at)| axle.values(at, &reads).ok());
-            for k in 0..reads.len() {
-                let slope = found.as_ref().and_then(|values| values[k]);
-                block.put_slope(number, k, slope.unwrap_or(f64::NAN));
-            }
+        let at = stations.placements[stations.design].on_level_pads();
+        let at = at.filter(|_| stations.has_values_at_design(number, block));
+        let found = at.and_then(|at| {
+            let axle = self.equilibria(designs, number).ok()?;
+            axle.values(at, &reads).ok()
+        });
+        for k in 0..reads.len() {
+            let slope = found.as_ref().and_then(|values| values[k]);
+            block.put_slope(number, k, slope.unwrap_or(f64::NAN));
         }
     }
 

@@ -43,8 +43,8 @@ pub(super) trait SolvesOneByOne: Send {
 
 /// Computes slopes, which need one order of derivatives more than the values.
 pub(super) trait FindsSlopes: Send {
-    /// Adds the slopes to a block with evaluated values. A slope without a value stays NaN.
-    fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block);
+    /// Writes the slopes of the design with this index to a block with evaluated values. A slope without a value is NaN.
+    fn evaluate(&mut self, designs: Pairs<'_>, number: usize, block: &mut Block);
     /// Receives the rates that vary, for all designs of the next block, design after design.
     fn take_rates(&mut self, _rates: &[f64]) {}
 }
@@ -190,7 +190,12 @@ impl<'a> Evaluator<'a> {
             self.one_by_one.evaluate(designs, number, block);
         }
         if let Some(slopes) = &mut self.slopes {
-            slopes.evaluate(designs, block);
+            for number in 0..count {
+                if self.interrupt.is_raised() {
+                    return;
+                }
+                slopes.evaluate(designs, number, block);
+            }
         }
     }
 }

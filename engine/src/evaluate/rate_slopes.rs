@@ -73,19 +73,16 @@ impl<'a> RateSlopes<'a> {
 }
 
 impl FindsSlopes for RateSlopes<'_> {
-    fn evaluate(&mut self, [designs, _]: Pairs<'_>, block: &mut Block) {
+    fn evaluate(&mut self, [designs, _]: Pairs<'_>, number: usize, block: &mut Block) {
         let points = self.solver.design().len();
-        for (number, design) in designs.chunks_exact(points).enumerate() {
-            for (k, ..) in &self.quantities {
-                block.put_slope(number, *k, f64::NAN);
-            }
-            let has_value = |(k, ..): &(usize, Quantity, Vec<RockerId>)| {
-                !block.value(number, *k, self.station).is_nan()
-            };
-            if self.quantities.iter().any(has_value) {
-                // A fault of the design needs no second report: the evaluation of the values has already reported it.
-                let _: Result<(), DesignFault> = self.evaluate_design(number, design, block);
-            }
+        for (k, ..) in &self.quantities {
+            block.put_slope(number, *k, f64::NAN);
+        }
+        let outputs = self.quantities.iter().map(|(k, ..)| *k);
+        if block.has_value_of(number, outputs, self.station) {
+            let design = &designs[number * points..(number + 1) * points];
+            // A fault of the design needs no second report: the evaluation of the values has already reported it.
+            let _: Result<(), DesignFault> = self.evaluate_design(number, design, block);
         }
     }
 }

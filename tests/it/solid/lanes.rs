@@ -123,3 +123,34 @@ fn lanes_have_the_values_of_designs_one_by_one() {
         }
     }
 }
+
+/// The Panhard rod lies on the ground, below the middle of the axle. So the roll centre is on the ground, and the jacking
+/// coefficients are zero. It exists in SIMD lanes as in single solutions.
+#[test]
+fn a_roll_centre_on_the_ground_exists_in_lanes() {
+    let text = "[suspension]\ntopology = \"solid_axle\"\nsingle = [\"upper_link\"]\n[suspension.hardpoints]\n\
+                lower_link_chassis = [540.0, 420.0, 305.0]\nlower_link_axle = [5.0, 530.0, 255.0]\n\
+                upper_link_chassis = [340.0, 0.0, 445.0]\nupper_link_axle = [15.0, 0.0, 475.0]\n\
+                panhard_chassis = [0.0, -480.0, 0.0]\npanhard_axle = [0.0, 470.0, 0.0]\n\
+                wheel_centre = [0.0, 760.0, 335.0]\n[axle]\nright = \"mirrored\"\n\
+                [wheel]\nradius = 335.0\nstatic_camber = 0.0\nstatic_toe = 0.0\n[motion]\nroll = [0.0]\nheave = [0.0]\n\
+                [outputs]\ncharacteristics = [\"roll_centre_height\", \"roll_centre_lateral\"]\n\
+                [sweep]\nmethod = \"random\"\nsamples = 8\nseed = 5\n\
+                variables = [{ hardpoint = \"lower_link_chassis\", axis = \"z\", range = [-8.0, 8.0] }]\n";
+    let study = Study::from_text("ground.toml", text, Path::new("."));
+    let study: &'static Study = Box::leak(Box::new(study.unwrap_or_else(|e| panic!("{e}"))));
+    let plan = SweepPlan::of(study, study.sweep.as_ref().unwrap()).unwrap();
+    for width in [None].into_iter().chain(Width::available().map(Some)) {
+        let mut worker = worker(&plan, width);
+        worker.rows(0);
+        for design in 0..8 {
+            for quantity in 0..2 {
+                let found: Vec<f64> = worker.block().values(design, quantity).collect();
+                assert!(
+                    found.iter().all(|value| value.abs() < 1e-9),
+                    "{width:?} {found:?}"
+                );
+            }
+        }
+    }
+}

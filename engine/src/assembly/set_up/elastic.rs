@@ -35,9 +35,8 @@ use super::subject::{Change, build, from_design};
 use super::{AdjustedSuspension, SetUpError};
 use crate::ask::Unit;
 use crate::assembly::assembler::Assembler;
-use crate::assembly::assembly_error::AssemblyError;
 use crate::assembly::least_energy::{TensionInput, tension_inputs};
-use crate::assembly::rest::{Built, Rest};
+use crate::assembly::rest::{Built, Rest, settle_height};
 use crate::axle::{Axle, AxleQuantity, AxleRead, FROM_DESIGN, Quantity, place_of};
 use crate::characteristics::Characteristic;
 use crate::compliance::{AxleParameter, KcRun, KcValue, NoEquilibrium, Parameter};
@@ -45,9 +44,6 @@ use crate::mechanism::NoPose;
 use crate::model::{Axis, PointId, Side, Suspension};
 use crate::number::{Dual, Each, Matrix3, Vector3};
 use crate::study::{Adjustment, ComplianceStudy};
-
-/// Largest number of steps in the search for the height at which the spring has its length.
-const MOST_STEPS: usize = 30;
 
 /// A wheel or an axle with elastic parts.
 pub(super) struct Elastic<'a> {
@@ -278,38 +274,24 @@ impl<'a> Elastic<'a> {
         Ok((built, found))
     }
 
-    /// Finds the height at which the spring has a given length in equilibrium, by Newton's method with (10). Starts from
-    /// the height of the rigid mechanism. Halves a step if the parts cannot be assembled after it, or have no
-    /// equilibrium.
+    /// Finds the height at which the spring has a given length in equilibrium, with (10). Starts from the height of the rigid
+    /// mechanism.
     fn settle(&self, amounts: &[f64], length: f64) -> Result<(Vec<Built>, Found), SetUpError> {
         let Half { assembler, changes } = &self.wheels[0];
-        let size = assembler.suspension().size();
-        let mut height = build(assembler, changes, amounts, Rest::Spring(0.0))?.height;
-        let (mut built, mut found) = self.at(amounts, Rest::Height(height))?;
+        let height = build(assembler, changes, amounts, Rest::Spring(0.0))?.height;
+        let mut at = self.at(amounts, Rest::Height(height))?;
         let spring = self.factors.len();
-        let mut before = f64::INFINITY;
-        for _ in 0..MOST_STEPS {
-            let slope = found.along(spring, &self.by_height(&built));
-            let step = (length - found.values[spring]) / slope;
-            if step.is_nan() || step.abs() > size {
-                break;
-            }
-            // If small steps no longer shrink, the remaining error is rounding, and the present height is accepted.
-            if step.abs() <= 1e-13 * size || (step.abs() <= 1e-10 * size && step.abs() >= before) {
-                return Ok((built, found));
-            }
-            before = step.abs();
-            let mut share = 1.0;
-            (built, found) = loop {
-                match self.at(amounts, Rest::Height(height + share * step)) {
-                    Ok(next) => break next,
-                    Err(_) if share > 1e-3 => share *= 0.5,
-                    Err(reject) => return Err(reject),
-                }
-            };
-            height += share * step;
-        }
-        Err(AssemblyError::Spring.into())
+        let step = |(built, found): &(Vec<Built>, Found)| -> Result<f64, SetUpError> {
+            let slope = found.along(spring, &self.by_height(built));
+            Ok((length - found.values[spring]) / slope)
+        };
+        let place = |at: &mut (Vec<Built>, Found), height: f64| -> Result<(), SetUpError> {
+            *at = self.at(amounts, Rest::Height(height))?;
+            Ok(())
+        };
+        let size = assembler.suspension().size();
+        settle_height(&mut at, (height, size), step, place)?;
+        Ok(at)
     }
 
     /// Returns the derivatives of all points with respect to the height of the wheel centres, for unchanged parts.

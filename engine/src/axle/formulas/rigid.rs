@@ -45,7 +45,7 @@ use crate::axle::state::{AxleState, Motion, WheelState};
 use crate::axle::{AxleQuantity, Carriers};
 use crate::characteristics::NumberPart;
 use crate::model::Side;
-use crate::number::{Each, Matrix3, Real, Scalar, Vector3};
+use crate::number::{Each, Matrix3, Real, Scalar, SimdReal, Vector3};
 
 /// Work of forces per unit of d (half the difference of travels), and per unit of the mean travel h.
 struct Work<T> {
@@ -136,12 +136,13 @@ fn rolling<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     turn.x
 }
 
-/// Returns true if the roll centre is so far away that its position is meaningless.
-pub(crate) fn rolls_about_infinity(state: &AxleState<f64>) -> bool {
+/// Lanes in which the roll centre is near enough that its position has a meaning. A roll centre with NaN coordinates counts as
+/// far away.
+#[inline(always)]
+pub(crate) fn rolls_nearby<B: SimdReal, W: WheelParts<B>>(state: &AxleState<B, W>) -> B::Mask {
     let [height, lateral] = roll_centre(state);
-    let far = 0.5 * FARTHEST_MEETING * state.track();
-    // A roll centre with NaN coordinates also counts as far away.
-    !(height.abs() < far && lateral.abs() < far)
+    let far = state.track().scaled(0.5 * FARTHEST_MEETING);
+    height.abs().less(far) & lateral.abs().less(far)
 }
 
 /// Loads of both wheels due to springs and anti-roll bar.

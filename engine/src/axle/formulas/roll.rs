@@ -23,7 +23,7 @@ use crate::axle::reading::WheelParts;
 use crate::axle::state::{AxleState, Motion, WheelState};
 use crate::mechanism::Ground;
 use crate::model::Side;
-use crate::number::{Real, outlined};
+use crate::number::{Real, SimdReal, outlined};
 
 /// Wheel load per unit of side force. The side force acts inboard, across the vehicle.
 #[inline(always)]
@@ -163,19 +163,23 @@ pub(crate) const FARTHEST_MEETING: f64 = 200.0;
 /// about 1e-15 alone would decide where they meet.
 pub(crate) const UPRIGHT: f64 = 1e-8;
 
-/// Returns true if the normals to C' are vertical, or meet beyond the largest distance.
-pub(crate) fn normals_are_parallel(state: &AxleState<f64>) -> bool {
+/// Lanes in which the roll centre exists: the normals to C' meet within the largest distance. Normals with NaN jacking
+/// coefficients count as parallel.
+#[inline(always)]
+pub(crate) fn normals_meet<B: SimdReal, W: WheelParts<B>>(state: &AxleState<B, W>) -> B::Mask {
     if state.carriers.is_rigid() {
-        return rigid::rolls_about_infinity(state);
+        rigid::rolls_nearby(state)
+    } else {
+        meet_near(jacking(state))
     }
-    // Normals with NaN jacking coefficients also count as parallel.
-    !meet_near(jacking(state))
 }
 
-/// Returns true if the normals to C' with these jacking coefficients meet within the largest distance.
-fn meet_near([left, right]: [f64; 2]) -> bool {
+/// Lanes in which the normals to C' with these jacking coefficients meet within the largest distance.
+#[inline(always)]
+fn meet_near<B: SimdReal>([left, right]: [B; 2]) -> B::Mask {
     let sum = (left + right).abs();
-    sum > UPRIGHT && (left - right).abs() < FARTHEST_MEETING * sum
+    let across = (left - right).abs();
+    sum.constant(UPRIGHT).less(sum) & across.less(sum.scaled(FARTHEST_MEETING))
 }
 
 /// Camber relative to the normal of the ground.
@@ -223,6 +227,6 @@ mod tests {
                 assert!(!at(place, 0.01), "{place}");
             }
         }
-        assert!(!meet_near([f64::NAN, 0.1]) && !meet_near([0.0, 0.0]));
+        assert!(!meet_near([f64::NAN, 0.1]) && !meet_near([0.0_f64, 0.0]));
     }
 }

@@ -18,13 +18,25 @@ pub(super) struct Corner<'a, const N: usize> {
     /// Rack displacement (or held travel) at which the search for toggles started, as in the closure equations. `None`
     /// before the first search.
     pub(super) begun: Option<f64>,
-    /// Ends of travel that were found for this design, each with its rack displacement.
+    /// Ends of travel that were found for this design and the present displacement of its steering gear.
     pub(super) ends: Vec<End>,
     pub(super) side: Side,
     /// Points whose positions are computed with the wheel.
     pub(super) points: Vec<PointId>,
+    /// True if condition numbers of the Jacobian are computed with the wheel.
+    pub(super) has_condition: bool,
     /// State of the steering gear of a steered axle.
     pub(super) steered: Steered,
+}
+
+/// Numbers of a wheel that are computed in a pose.
+#[derive(Clone, Copy)]
+pub(super) struct Wanted<'w> {
+    /// Straight lines in travel and rack along which the series are computed.
+    pub(super) lines: &'w [Line],
+    pub(super) parts: &'w Parts,
+    pub(super) points: &'w [PointId],
+    pub(super) has_condition: bool,
 }
 
 /// State of a steered axle for one displacement of its steering gear.
@@ -48,12 +60,14 @@ impl Steered {
     };
 }
 
-/// End of the travel at one rack displacement, in the wheel's own frame. The search for an end takes as long as a
-/// hundred poses, so the end is stored. A search for a roll angle that does not exist needs the same end many times.
+/// End of the travel at one rack displacement, both as in the closure equations ([`Corner::inner`]). The search for an end
+/// takes as long as a hundred poses, so the end is stored. A search for a roll angle that does not exist needs the same end
+/// many times.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct End {
     pub(super) rack: f64,
     pub(super) travel: f64,
+    /// Failure beyond the end, with the limit as a travel of the wheel centres.
     pub(super) failure: Failure,
 }
 
@@ -134,6 +148,7 @@ impl<'a, const N: usize> Corner<'a, N> {
             ends: Vec::new(),
             side,
             points: Vec::new(),
+            has_condition: false,
             steered: Steered::MIDDLE,
         })
     }
@@ -206,8 +221,9 @@ impl<'a, const N: usize> Corner<'a, N> {
         Ok(())
     }
 
-    /// Returns the failure if a travel is beyond a known end. `None` if the travel is within all known ends.
-    pub(super) fn beyond_an_end(&self, travel: f64, rack: f64) -> Option<Failure> {
+    /// Returns the failure if a travel is beyond a known end. `None` if the travel is within all known ends. Travel and rack
+    /// displacement are those of the closure equations ([`Corner::inner`]), because the travel moves outward from their zero.
+    fn beyond_an_end(&self, travel: f64, rack: f64) -> Option<Failure> {
         let is_beyond =
             |end: &&End| end.rack == rack && (travel - end.travel) * end.travel.signum() > 0.0;
         let end = self.ends.iter().find(is_beyond)?;
@@ -255,10 +271,10 @@ impl<'a, const N: usize> Corner<'a, N> {
         rack: f64,
         mut read: impl FnMut(&Solver, &DesignSeries<TERMS>, &Pose<f64>) -> Result<R, Failure>,
     ) -> Result<R, NoPose> {
-        if let Some(failure) = self.beyond_an_end(travel, rack) {
+        let (inner_travel, inner_rack) = self.inner(travel, rack);
+        if let Some(failure) = self.beyond_an_end(inner_travel, inner_rack) {
             return Err(self.fails(travel, failure));
         }
-        let (inner_travel, inner_rack) = self.inner(travel, rack);
         let order = StationOrder::through(&[inner_travel]);
         let mut found = Err(Failure::Singular);
         let Corner { solver, slopes, .. } = self;
@@ -269,15 +285,17 @@ impl<'a, const N: usize> Corner<'a, N> {
         let visited = solver.for_each_pose(Drive::Travel, &order, inner_rack, visit);
         // The constructor of the solver has already checked the design position, so this failure cannot occur.
         let found = visited.map_err(|_| Failure::Singular).and(found);
-        let found = found.map_err(|failure| self.outer(failure));
-        if let Err(failure @ Failure::Unreachable { limit, .. }) = found {
-            self.ends.push(End {
-                rack,
-                travel: limit,
-                failure,
-            });
-        }
-        found.map_err(|failure| self.fails(travel, failure))
+        found.map_err(|inner| {
+            let failure = self.outer(inner);
+            if let Failure::Unreachable { limit, .. } = inner {
+                self.ends.push(End {
+                    rack: inner_rack,
+                    travel: limit,
+                    failure,
+                });
+            }
+            self.fails(travel, failure)
+        })
     }
 
     /// Converts a failure of the closure equations. The limit in the failure becomes a travel of the wheel centres,
@@ -324,6 +342,17 @@ impl<'a, const N: usize> Corner<'a, N> {
         })
     }
 
+    /// Returns true if a pose at a travel satisfies the closure equations within their rounding.
+    pub(super) fn closes(&self, pose: &Pose<f64>, travel: f64, rack: f64) -> bool {
+        let (value, rack) = self.inner(travel, rack * self.rack_sign);
+        let point = MotionPoint {
+            drive: Drive::Travel,
+            value,
+            rack,
+        };
+        self.solver.closes(pose, &point)
+    }
+
     /// Solves the wheel at many travels, each on its own ground. `None` for a travel that the wheel cannot reach, or at which
     /// it has no derivatives.
     pub(super) fn heights(
@@ -368,16 +397,17 @@ impl<'a, const N: usize> Corner<'a, N> {
             series,
             toggles,
             points,
+            has_condition,
             ..
         } = self;
-        let read = read_wheel(
-            solver,
-            series,
-            toggles,
-            pose,
-            self.inner(travel, rack),
-            (lines, parts, points),
-        )?;
+        let wanted = Wanted {
+            lines,
+            parts,
+            points,
+            has_condition: *has_condition,
+        };
+        let place = self.inner(travel, rack);
+        let read = read_wheel(solver, series, toggles, pose, place, wanted)?;
         // If a knuckle is beyond its toggle, the wheel has no position.
         if let Some(steering) = self.mechanism.axle_steering() {
             for knuckle in [steering.near_knuckle, steering.far_knuckle] {
@@ -397,16 +427,27 @@ pub(super) fn read_wheel<const N: usize>(
     toggles: &Toggles,
     pose: &Pose<f64>,
     (travel, rack): (f64, f64),
-    (lines, parts, points): (&[Line], &Parts, &[PointId]),
+    wanted: Wanted<'_>,
 ) -> Result<WheelRead, Failure> {
+    let Wanted {
+        lines,
+        parts,
+        points,
+        has_condition,
+    } = wanted;
     let mut snapshots = [Snapshot::<N>::unknown(); 4];
     // Positions of the points: for each line in travel and rack, one series per point.
     let mut ways = Vec::new();
-    let (mut condition, mut toggle) = (0.0_f64, None);
+    let (mut condition, mut toggle) = (has_condition.then_some(0.0_f64), None);
     for (number, line) in lines.iter().enumerate() {
         let motion = along(line, travel, rack);
-        let (at, conditioning) = solver.conditioned_series(series, pose, &motion)?;
-        condition = condition.max(conditioning.number);
+        let at = if let Some(largest) = &mut condition {
+            let (at, own) = solver.conditioned_series(series, pose, &motion)?;
+            *largest = largest.max(own.number);
+            at
+        } else {
+            solver.configuration_series(series, pose, &motion)?
+        };
         snapshots[number] = Snapshot::of(&at, parts);
         ways.extend(points.iter().map(|id| at.point(*id)));
         if number == 0 {

@@ -13,8 +13,9 @@ pub(in crate::axle) type ReceiveOwnGradients<'r> = dyn FnMut(usize, [&mut [Vecto
 pub struct Read<'a> {
     /// State of the axle.
     pub state: AxleState<'a, f64>,
-    /// Condition number of the Jacobian, the larger of the two wheels.
-    pub condition: f64,
+    /// Condition number of the Jacobian, the larger of the two wheels. `None` unless it is requested
+    /// ([`AxleSolver::find_conditions`]).
+    pub condition: Option<f64>,
     /// Rod of each wheel at or beyond a toggle. `None` if there is no such rod.
     pub toggles: [Option<Rod>; 2],
     axle: &'a Axle,
@@ -51,11 +52,13 @@ impl Read<'_> {
     pub fn is_stuck(&self, quantity: Quantity) -> bool {
         let mut sides = Side::ALL.into_iter();
         sides.any(|side| {
-            let is_of_side = quantity.side().is_none_or(|own| own == side);
-            if !is_of_side || self.stuck[side as usize].is_empty() {
+            if self.stuck[side as usize].is_empty() {
                 return false;
             }
-            let rockers = self.axle.rockers(side, &[quantity]);
+            let rockers = match quantity.side() {
+                Some(own) if own != side => self.axle.rockers_felt_across(side, quantity),
+                _ => self.axle.rockers(side, &[quantity]),
+            };
             rockers.into_iter().any(|rocker| self.holds(side, rocker))
         })
     }
@@ -111,15 +114,20 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             series,
             toggles,
             points,
+            has_condition,
             ..
         } = corner;
+        let wanted = Wanted {
+            lines,
+            parts: &parts,
+            points,
+            has_condition: *has_condition,
+        };
         let order = StationOrder::through(travels);
         let _ = solver.for_each_pose(Drive::Travel, &order, rack, |solver, station, pose| {
             let travel = travels[station];
             let at = (travel, rack);
-            let wheel = pose.and_then(|pose| {
-                read_wheel(solver, series, toggles, pose, at, (lines, &parts, points))
-            });
+            let wheel = pose.and_then(|pose| read_wheel(solver, series, toggles, pose, at, wanted));
             found[station] = wheel.map_err(|failure| fails(travel, failure));
             ControlFlow::Continue(())
         });
@@ -155,7 +163,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let [left, right] = wheels;
         Read {
             state: self.state([left.reading, right.reading], placed),
-            condition: left.condition.max(right.condition),
+            condition: (left.condition.zip(right.condition)).map(|(l, r)| l.max(r)),
             toggles: [left.toggle, right.toggle],
             axle: self.axle,
             stuck: [left.stuck.clone(), right.stuck.clone()],

@@ -123,25 +123,40 @@ impl<const N: usize> AxleSolver<'_, N> {
                     continue;
                 }
                 let step = solve_level(&left.height, &right.height);
-                if step.abs() <= NEAR * size {
-                    let half = at.half + step;
+                let half = at.half + step;
+                let poses = [left.moved(step), right.moved(-step)];
+                let travels = [at.level + half, at.level - half];
+                // Close to a fold, four terms of the series are not enough even for a small step.
+                if step.abs() <= NEAR * size && self.stands(&poses, travels, rack, at.roll) {
                     found[at.number] = Some(AxlePose {
                         travels: [at.heave + half, at.heave - half],
                         roll: at.roll,
                         rack: placements[at.number].rack(),
                         hold: Hold::MeanTravel,
                         at_load: None,
-                        poses: [left.moved(step), right.moved(-step)],
+                        poses,
                     });
                 } else if step.is_finite() {
-                    still.push(Open {
-                        half: at.half + step,
-                        ..*at
-                    });
+                    still.push(Open { half, ..*at });
                 }
             }
             open = still;
         }
+    }
+
+    /// Returns true if both poses satisfy the closure equations at these driving travels within their rounding, and both contact
+    /// points have the same height on the rolled ground.
+    fn stands(&self, poses: &[Pose<f64>; 2], travels: [f64; 2], rack: f64, roll: f64) -> bool {
+        let [left, right] = &self.corners;
+        let closes =
+            left.closes(&poses[0], travels[0], rack) && right.closes(&poses[1], travels[1], rack);
+        let ground = Ground::rolled(roll);
+        let height = |side: Side, ground: Ground<f64>| {
+            let contact = self.contact(side, &poses[side as usize], ground);
+            contact.dot(ground.normal())
+        };
+        let apart = height(Side::Left, ground) - height(Side::Right, ground.mirrored());
+        closes && apart.abs() <= OF_HEIGHTS * left.solver.length_rounding()
     }
 
     /// Finds the position for one placement alone.

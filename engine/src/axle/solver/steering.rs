@@ -106,3 +106,26 @@ impl<const N: usize> AxleSolver<'_, N> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::Study;
+    use std::path::Path;
+
+    /// The lift of the knuckles is larger than the range of the travel. So a known end in droop lies at a positive travel of the
+    /// wheel centres. Travels inside of it still have poses.
+    #[test]
+    fn an_end_is_on_the_side_from_which_the_axle_reached_it() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies/off_road_car_front.toml");
+        let study = Study::read(&path, &[]).unwrap_or_else(|e| panic!("{e}"));
+        let axle = &study.axle().expect("an axle").axle;
+        let mut solver = AxleSolver::<1>::new(axle, &[], false).expect("a design with poses");
+        let corner = &mut solver.corners[0];
+        let lift = 100.0 * corner.solver.size();
+        corner.steered.offsets = [lift, 0.0];
+        assert!(corner.at(0.0, 0.0, |_, _, pose| Ok(*pose)).is_err());
+        assert_eq!(corner.ends.len(), 1);
+        assert!(corner.at(lift, 0.0, |_, _, pose| Ok(*pose)).is_ok());
+    }
+}

@@ -263,6 +263,14 @@ impl<T: Scalar> ElasticAxle<T> {
         wheel.geometry.figures(state, wheel.constants)
     }
 
+    /// Angles and positions of a wheel, like [`ElasticAxle::figures`]. The vertical force is the total force at the contact point.
+    pub(crate) fn figures_with_load(&self, at: &AxleEquilibrium<T>, side: Side) -> WheelFigures<T> {
+        WheelFigures {
+            vertical: self.wheel_load(at, side),
+            ..self.figures(at, side)
+        }
+    }
+
     /// Pose of a wheel carrier, in the kernel's frame of its side. `origin` is the knuckle's origin in the design position.
     pub(crate) fn pose(&self, at: &AxleEquilibrium<T>, side: Side, origin: Vector3<T>) -> Pose<T> {
         let carrier = &at.state.wheels[side as usize].carrier;

@@ -25,7 +25,7 @@ use super::figures::Sheet;
 use super::test::{KcTest, TestLoad};
 use super::{
     KcAxleState, KcFigure, KcLevel, KcOutcome, KcState, KcStation, KcSubject, KcWheelState,
-    at_stations, end_loads, levels, quotient, secant, twist_signs, unit_at_centre,
+    at_stations, end_loads, levels, secant, twist_signs, unit_at_centre, window_secant,
 };
 use crate::ask::Unit;
 use crate::compliance::{
@@ -352,13 +352,10 @@ impl<'a> AxleKcRun<'a> {
     /// Returns the secants over the window of a test; `None` if there is no equilibrium at an end of the window.
     pub(crate) fn window_secants(&self, here: &Here, test: &KcTest) -> Option<[WheelFigures; 2]> {
         let (low, high) = (self.end(here, test, -1.0)?, self.end(here, test, 1.0)?);
-        let axle = &here.axle;
-        let figures = |at: &AxleEquilibrium, side| WheelFigures {
-            vertical: axle.wheel_load(at, side),
-            ..axle.figures(at, side)
-        };
-        let inverse = 1.0 / (2.0 * test.window);
-        Some(Side::ALL.each(|side| quotient(&figures(&low, side), &figures(&high, side), inverse)))
+        Some(Side::ALL.each(|side| {
+            let figures = |at: &AxleEquilibrium| here.axle.figures_with_load(at, side);
+            window_secant(test, &figures(&low), &figures(&high))
+        }))
     }
 
     /// Finds the equilibrium at the negative or the positive end of a test's window.

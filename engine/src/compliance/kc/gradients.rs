@@ -248,12 +248,9 @@ impl KcRun<'_> {
         let end = |k: usize| {
             let solved = || self.wheel.loaded_about(at, at, &loads[k], test.held).ok();
             let end = known(test, k).or_else(solved)?;
-            let mut figures = self.wheel.figures(&end);
-            figures.vertical = self.wheel.wheel_load(&end);
-            Some(figures)
+            Some(self.wheel.figures_with_load(&end))
         };
-        let inverse = 1.0 / (2.0 * test.window);
-        Some(super::quotient(&end(0)?, &end(1)?, inverse))
+        Some(super::window_secant(test, &end(0)?, &end(1)?))
     }
 
     /// Computes the secant over the window of a test, with the derivatives of both ends of the window.
@@ -264,18 +261,12 @@ impl KcRun<'_> {
         varied: &OnTape<'t>,
         test: &KcTest,
     ) -> Option<WheelFigures<Tracked<'t>>> {
-        let (unit, _) = test.unit_load(&self.suspension.vehicle);
-        let mut ends = Vec::new();
-        for sign in [-1.0, 1.0] {
-            let loads = end_loads(&unit, sign * test.window);
-            let end = self.wheel.loaded_about(at, at, &loads, test.held).ok()?;
+        let loads = self.window_loads(test);
+        let end = |k: usize| {
+            let end = self.wheel.loaded_about(at, at, &loads[k], test.held).ok()?;
             let end = varied.carried_about(here, &end, test.held)?;
-            let mut figures = varied.wheel.figures(&end);
-            figures.vertical = varied.wheel.wheel_load(&end);
-            ends.push(figures);
-        }
-        let [low, high] = ends.try_into().ok()?;
-        let inverse = 1.0 / (2.0 * test.window);
-        Some(super::quotient(&low, &high, Tracked::constant(inverse)))
+            Some(varied.wheel.figures_with_load(&end))
+        };
+        Some(super::window_secant(test, &end(0)?, &end(1)?))
     }
 }

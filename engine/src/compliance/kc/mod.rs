@@ -434,6 +434,15 @@ fn secant(levels: &[KcLevel], wheel: usize) -> Option<WheelFigures> {
     Some(quotient(&a, &b, inverse))
 }
 
+/// Returns the secant over a test's window, from the states at its negative and its positive end.
+fn window_secant<T: Scalar>(
+    test: &KcTest,
+    low: &WheelFigures<T>,
+    high: &WheelFigures<T>,
+) -> WheelFigures<T> {
+    quotient(low, high, low.toe.constant(1.0 / (2.0 * test.window)))
+}
+
 /// Difference of two states (second minus first), multiplied by a factor.
 fn quotient<T: Scalar>(a: &WheelFigures<T>, b: &WheelFigures<T>, factor: T) -> WheelFigures<T> {
     let of = |a: T, b: T| (b - a) * factor;

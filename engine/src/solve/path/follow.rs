@@ -105,10 +105,14 @@ impl Solver<'_> {
     pub(crate) fn closes(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> bool {
         let at = self.configuration(pose, point.rack);
         let residuals = self.closure.residuals(&at, point.driver());
-        // Each residual consists of a dozen products and sums of lengths up to this scale.
-        residuals
-            .iter()
-            .all(|r| r.abs() <= 16.0 * ROUNDING * self.coordinate_scale)
+        let rounding = self.length_rounding();
+        residuals.iter().all(|r| r.abs() <= rounding)
+    }
+
+    /// Largest rounding error of a residual. Each residual consists of a dozen products and sums of lengths up to the coordinate
+    /// scale.
+    pub(crate) fn length_rounding(&self) -> f64 {
+        16.0 * ROUNDING * self.coordinate_scale
     }
 
     /// Applies Newton's method to a pose that is already close to the solution. `None` if the method does not converge.

@@ -143,8 +143,8 @@ pub trait LanePose<B: SimdReal> {
     fn steering_axis(&self) -> (Vector3<B>, Vector3<B>, B::Mask);
     /// Derivatives with respect to the drive.
     fn rates(&self) -> LaneRates<B>;
-    /// Velocity of the knuckle's origin and angular velocity, both per unit of rack displacement at constant travel,
-    /// from the rates of this pose.
+    /// Velocity of the knuckle's origin and angular velocity, both per unit of rack displacement with the drive
+    /// held, from the rates of this pose.
     fn by_rack(&self, rates: &LaneRates<B>) -> Twist<B>;
     /// Lanes in which velocities are accurate. Near a fold, the knuckle rotates fast and velocities are not accurate.
     fn velocity_is_reliable(&self, rates: &LaneRates<B>) -> B::Mask;

@@ -94,6 +94,22 @@ fn the_drawing_is_the_equilibrium_at_the_design_load() {
     }
 }
 
+/// Travels and rack displacements that are not numbers have no equilibrium: a correction that is NaN does not count as small.
+#[test]
+fn inputs_that_are_not_numbers_have_no_equilibrium() {
+    let mut random = Random(29);
+    let case = sample(WISHBONES, &LOWER, Relaxed::AtDesignLoad, &mut random);
+    let axle = case.axle();
+    let unknown = f64::NAN;
+    for (travels, rack) in [
+        ([unknown, 0.0], 0.0),
+        ([0.0, unknown], 0.0),
+        ([0.0; 2], unknown),
+    ] {
+        assert!(axle.at(travels, rack).is_err(), "{travels:?} {rack}");
+    }
+}
+
 /// If the stiffness of mounts, rack and bar rises, the axle approaches an axle in which these parts are rigid. The
 /// difference is inversely proportional to the stiffness.
 #[test]

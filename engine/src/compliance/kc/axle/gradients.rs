@@ -1,6 +1,6 @@
 //! Derivatives of an axle's test results with respect to its design.
 
-use super::super::{KcTest, quotient};
+use super::super::{KcTest, window_secant};
 use super::{AxleKcRun, Conditions, Here};
 use crate::compliance::{AxleOnTape, AxleParameter, Parameter, WheelFigures};
 use crate::model::Side;
@@ -125,13 +125,9 @@ impl AxleKcRun<'_> {
         let end = |sign: f64| {
             let end = self.end(plain, test, sign)?;
             let end = axle.carried_about(&station.at, &end, test.held)?;
-            Some(Side::ALL.each(|side| WheelFigures {
-                vertical: axle.wheel_load(&end, side),
-                ..axle.figures(&end, side)
-            }))
+            Some(Side::ALL.each(|side| axle.figures_with_load(&end, side)))
         };
         let (low, high) = (end(-1.0)?, end(1.0)?);
-        let inverse = Tracked::constant(1.0 / (2.0 * test.window));
-        Some([0, 1].each(|k: usize| quotient(&low[k], &high[k], inverse)))
+        Some([0, 1].each(|k: usize| window_secant(test, &low[k], &high[k])))
     }
 }

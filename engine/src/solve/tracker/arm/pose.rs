@@ -55,11 +55,15 @@ impl<B: SimdReal> LanePose<B> for ArmPose<'_, B> {
         }
     }
 
-    /// A rotation about the steering axis lifts the wheel. Adding a motion along the travel cancels this lift.
+    /// A rotation about the steering axis lifts the wheel. If travel is the drive, adding a motion along the travel cancels this
+    /// lift. If the arm's angle is the drive, the arm does not move.
     #[inline(always)]
     fn by_rack(&self, rates: &LaneRates<B>) -> Twist<B> {
         let (turn, rise) = self.design.form.steered(&self.state);
-        let back = -rise;
+        let back = match self.drive {
+            Drive::Travel => -rise,
+            Drive::ArmAngle => rise.zero(),
+        };
         Twist {
             shift: rates.origin * back,
             turn: turn.plus_scaled(rates.turn, back),

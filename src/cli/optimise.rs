@@ -110,13 +110,11 @@ pub(super) fn say_openings(
 }
 
 pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
-    let OptimiseArguments {
-        run: arguments,
-        prices,
-    } = arguments;
+    let OptimiseArguments { curves, prices } = arguments;
+    let arguments = &curves.run;
     let path = &arguments.study.study;
     if CarStudy::is_at(path) {
-        return super::car::optimise(arguments, *prices);
+        return super::car::optimise(curves, *prices);
     }
     let study = Study::read_elastic(path, &arguments.study.set)?;
     let Some(optimise) = &study.optimise else {
@@ -128,7 +126,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     let fault = |why| Stop::in_file(path, why);
     let before = Solved::with_targets(&study).map_err(fault)?;
     let record = || Solved::record("optimise", &[("before", "curves_before.csv", &before)]);
-    let report = ReportOptions::open(arguments, &study, "optimise", record)?;
+    let report = ReportOptions::open(curves, &study, "optimise", record)?;
     let output = Output::open(arguments, &study, "optimise")?;
     let of_wheel = |why| design_fault(&study, path, &why).after_its_input();
     interrupt::stops_by_itself();

@@ -206,7 +206,7 @@ struct LimitsArguments {
 struct OptimiseArguments {
     #[command(flatten)]
     curves: CurveArguments,
-    /// Print the misfit against the size of the change, for about ten sizes (--report includes it); not for cars
+    /// Print the misfit against the size of the change, for about ten sizes (--report includes it); not for fits and cars
     #[arg(long)]
     prices: bool,
 }

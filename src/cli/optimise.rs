@@ -121,6 +121,11 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
         let what = "variables and targets";
         return Err(Stop::no_section(path, "optimise", what));
     };
+    if *prices && optimise.fit {
+        return Err(Stop::wrong_input(
+            "--prices is not available with fit = true, because a fit always searches for the smallest misfit",
+        ));
+    }
     let pool = pool(arguments.threads, optimise.starts as u64)?;
     // The nominal design is solved first, so that an error in it is known before any file is written.
     let fault = |why| Stop::in_file(path, why);

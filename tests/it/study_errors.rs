@@ -718,3 +718,13 @@ fn other_line_ends_and_a_byte_order_mark_change_nothing() {
     let errors = read(&text).unwrap_err();
     assert_eq!(errors.all()[0].position(), Some((3, 8)), "{errors}");
 }
+
+/// A target in a named motion that has an error adds no second error.
+#[test]
+fn an_error_in_a_named_motion_is_the_only_one() {
+    let at = "at = 0.0, value = 0.0, tolerance = 0.01";
+    let text = edited(at, &format!("motion = \"bump\", {at}"));
+    let text = format!("{text}\n[motions.bump]\nrack = 5.0\n");
+    let on = "[motions.bump]";
+    assert_mistake(&text, on, "motions.bump", &["expected travel"]);
+}

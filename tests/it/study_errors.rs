@@ -728,3 +728,15 @@ fn an_error_in_a_named_motion_is_the_only_one() {
     let on = "[motions.bump]";
     assert_mistake(&text, on, "motions.bump", &["expected travel"]);
 }
+
+/// `[tolerance]` refuses a motion over the arm angle. The stations of a band then give no second error.
+#[test]
+fn a_tolerance_over_the_arm_angle_is_the_only_error() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_tolerance.toml");
+    let motion = "motion={ drive = \"arm_angle\", arm_angle = [-8.0, 0.0, 8.0] }";
+    let band = "tolerance.bands=[{ characteristic = \"toe\", at = 8.0, between = [0.1, 0.4] }]";
+    let errors = Study::read(&path, &[motion.to_owned(), band.to_owned()]).unwrap_err();
+    let said = errors.render(false);
+    assert_eq!(errors.all().len(), 1, "{said}");
+    assert!(said.contains("needs a motion with drive"), "{said}");
+}

@@ -432,7 +432,7 @@ fn a_latin_hypercube_is_not_extended() {
         let method = "sweep.method=\"latin_hypercube\"";
         bench.sweep(
             "run",
-            &[&["--set", method, "--set", &samples], more].concat(),
+            &[&["--set", method, "--set", samples.as_str()], more].concat(),
         )
     };
     sweep("20", &[]).success();

@@ -206,8 +206,7 @@ pub(super) fn solved(
 ) -> Result<SolvedAnswer, String> {
     let start = Instant::now();
     let left = &axle.left;
-    let (mut plan, stations) =
-        plan_of(plan, axle, &request.characteristics, request.curves_rack)?;
+    let (mut plan, stations) = plan_of(plan, axle, &request.characteristics, request.curves_rack)?;
     let all = coordinates(&plan.motion);
     if request.at.len() != all.len() || request.over >= all.len() {
         return Err(format!(

@@ -42,12 +42,7 @@ pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAns
         own.range
     });
     let left: Vec<[f64; 2]> = left.collect();
-    Ok(unseen(
-        &found.goal,
-        &shown,
-        &left,
-        suspension.design.len(),
-    ))
+    Ok(unseen(&found.goal, &shown, &left, suspension.design.len()))
 }
 
 /// Directions that leave the residuals (the rows of `goal`) unchanged, to first order. The columns of `goal` belong to the
@@ -137,6 +132,9 @@ mod tests {
         let left = [[-0.002_468, 0.0], [-0.001_234, 0.001_234]];
         let [low, high] = unseen(&goal, &variables, &left, 0).directions[0].free;
         let is_one_sided = (low == 0.0) != (high == 0.0);
-        assert!(is_one_sided && (high - low - 0.5).abs() < 1e-9, "{low} {high}");
+        assert!(
+            is_one_sided && (high - low - 0.5).abs() < 1e-9,
+            "{low} {high}"
+        );
     }
 }

@@ -166,7 +166,10 @@ mod tests {
         for length in ["mm", "in", "m"] {
             let second = format!("deg_per_{length}2");
             assert_eq!(per(&second, length, 1), format!("deg_per_{length}3"));
-            assert_eq!(per(&format!("per_{length}"), length, 1), format!("per_{length}2"));
+            assert_eq!(
+                per(&format!("per_{length}"), length, 1),
+                format!("per_{length}2")
+            );
         }
         assert_eq!(per("deg_per_mm", "m", 1), "deg_per_mm_per_m");
         assert_eq!(

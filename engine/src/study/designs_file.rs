@@ -259,7 +259,11 @@ impl OwnVariable {
                     "{column} has rates of an elastic part; a file of designs can only move hardpoints"
                 ));
             }
-            [OwnMove { hardpoint, axis, .. }] => {
+            [
+                OwnMove {
+                    hardpoint, axis, ..
+                },
+            ] => {
                 return Err(format!(
                     "{column} has the name that its sweep gave to a variable; expected {hardpoint}_d{axis}_{unit} for \
                      offsets, or {hardpoint}_{axis}_{unit} for coordinates"

@@ -439,7 +439,11 @@ fn a_latin_hypercube_is_not_extended() {
     sweep("20", &["--resume"]).success();
     for samples in ["40", "10"] {
         let (_, error) = said(&sweep(samples, &["--resume"]).code(2));
-        let expected = format!("run has a Latin hypercube of 20 designs, but the study has one of {samples}");
-        assert!(crate::support::one_line(&error).contains(&expected), "{error}");
+        let expected =
+            format!("run has a Latin hypercube of 20 designs, but the study has one of {samples}");
+        assert!(
+            crate::support::one_line(&error).contains(&expected),
+            "{error}"
+        );
     }
 }

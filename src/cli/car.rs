@@ -20,8 +20,9 @@ use super::exit::{Exit, Stop};
 use super::interrupt;
 use super::output::{Destination, Output, pool};
 use super::printer::Printer;
+use super::report::refuse_without_directory;
 use super::terminal;
-use super::{RunArguments, StudyArguments};
+use super::{CurveArguments, StudyArguments};
 use crate::car::CarSolver;
 use crate::report::{CarRecord, CarResults, car_page, car_study_bands_missed, counted};
 use crate::results::{Claim, digest_of_texts};
@@ -92,22 +93,19 @@ fn headline(study: &CarStudy) -> String {
     format!("{}: {cases}, {tyres}", study.name)
 }
 
-fn open(arguments: &RunArguments, study: &CarStudy, command: &str) -> Result<Output, Stop> {
+fn open(arguments: &CurveArguments, study: &CarStudy, command: &str) -> Result<Output, Stop> {
     if arguments.plots.is_some() {
         return Err(Stop::wrong_input(
             "--plots makes pictures of curves; pictures of a car are on its page (--report)",
         ));
     }
+    let arguments = &arguments.run;
     if arguments.report && command == "tolerance" {
         return Err(Stop::wrong_input(
             "--report: `tolerance` makes no page for a car; the tables and files have all results",
         ));
     }
-    if arguments.report && arguments.out.as_deref() == Some(Path::new("-")) {
-        return Err(Stop::wrong_input(
-            "--report makes a page in a directory, so it does not work with --out -",
-        ));
-    }
+    refuse_without_directory(arguments, None)?;
     let (out, format) = (arguments.out.as_deref(), arguments.study.format);
     let destination = Destination::of(out, &study.name, arguments.force, format)?;
     Output::at(
@@ -174,11 +172,12 @@ fn page(
 }
 
 /// `hardpoint solve` of a car.
-pub(super) fn solve(arguments: &RunArguments) -> Result<Exit, Stop> {
+pub(super) fn solve(curves: &CurveArguments) -> Result<Exit, Stop> {
+    let arguments = &curves.run;
     let path = &arguments.study.study;
     let study = CarStudy::read(path, &arguments.study.set)?;
     let mut solver = solver(&study, path)?;
-    let output = open(arguments, &study, "solve")?;
+    let output = open(curves, &study, "solve")?;
     let results = CarResults::solve(&study, &mut solver, study.cases.len());
     let mut files = vec!["cases.csv"];
     output.main_csv("cases.csv", &results.cases_csv())?;

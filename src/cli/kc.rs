@@ -14,13 +14,7 @@ pub(super) fn run(arguments: &KcArguments) -> Result<Exit, Stop> {
     let arguments = &arguments.run;
     let path = &arguments.study.study;
     let study = Study::read_elastic(path, &arguments.study.set)?;
-    if arguments.plots.is_some() {
-        return Err(Stop::wrong_input(
-            "`hardpoint kc` writes no pictures: --report makes a page with charts, and `hardpoint \
-             solve --plots` makes pictures of the curves",
-        ));
-    }
-    refuse_without_directory(arguments)?;
+    refuse_without_directory(arguments, None)?;
     let tests = RigTests::of(&study, other).map_err(|why| Stop::in_file(path, why))?;
     let output = Output::open(arguments, &study, "kc")?;
     let files = write_files(&output, &study, &tests, arguments.report)?;

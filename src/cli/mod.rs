@@ -69,7 +69,7 @@ enum Command {
     /// Validate a study, list the computations with their reasons, and solve the design position
     Check(StudyArguments),
     /// Compute curves over the motion
-    Solve(RunArguments),
+    Solve(CurveArguments),
     /// Simulate the tests of a kinematics and compliance rig: toe, camber and displacements by travel, rack and loads
     Kc(KcArguments),
     /// Solve a batch of designs
@@ -142,7 +142,14 @@ struct RunArguments {
     /// Also write report.html, one self-contained page
     #[arg(long)]
     report: bool,
-    /// Write the curves as pictures (SVG and PNG) into a directory; not for setup, kc and cars
+}
+
+/// Arguments of a run that writes curves.
+#[derive(Args)]
+struct CurveArguments {
+    #[command(flatten)]
+    run: RunArguments,
+    /// Write the curves as pictures (SVG and PNG) into a directory; not for cars
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
 }
@@ -172,7 +179,7 @@ enum Names {
 #[derive(Args)]
 struct ToleranceArguments {
     #[command(flatten)]
-    run: RunArguments,
+    curves: CurveArguments,
     /// Only print one build as a study, by its number from 0
     #[arg(long, value_name = "N", conflicts_with_all = ["out", "force", "threads", "report", "plots"])]
     build: Option<u64>,
@@ -198,8 +205,8 @@ struct LimitsArguments {
 #[derive(Args)]
 struct OptimiseArguments {
     #[command(flatten)]
-    run: RunArguments,
-    /// Print the misfit against the size of the change, for about ten sizes (--report includes it); not for cars
+    curves: CurveArguments,
+    /// Print the misfit against the size of the change, for about ten sizes (--report includes it); not for fits and cars
     #[arg(long)]
     prices: bool,
 }

@@ -110,25 +110,28 @@ pub(super) fn say_openings(
 }
 
 pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
-    let OptimiseArguments {
-        run: arguments,
-        prices,
-    } = arguments;
+    let OptimiseArguments { curves, prices } = arguments;
+    let arguments = &curves.run;
     let path = &arguments.study.study;
     if CarStudy::is_at(path) {
-        return super::car::optimise(arguments, *prices);
+        return super::car::optimise(curves, *prices);
     }
     let study = Study::read_elastic(path, &arguments.study.set)?;
     let Some(optimise) = &study.optimise else {
         let what = "variables and targets";
         return Err(Stop::no_section(path, "optimise", what));
     };
+    if *prices && optimise.fit {
+        return Err(Stop::wrong_input(
+            "--prices is not available with fit = true, because a fit always searches for the smallest misfit",
+        ));
+    }
     let pool = pool(arguments.threads, optimise.starts as u64)?;
     // The nominal design is solved first, so that an error in it is known before any file is written.
     let fault = |why| Stop::in_file(path, why);
     let before = Solved::with_targets(&study).map_err(fault)?;
     let record = || Solved::record("optimise", &[("before", "curves_before.csv", &before)]);
-    let report = ReportOptions::open(arguments, &study, "optimise", record)?;
+    let report = ReportOptions::open(curves, &study, "optimise", record)?;
     let output = Output::open(arguments, &study, "optimise")?;
     let of_wheel = |why| design_fault(&study, path, &why).after_its_input();
     interrupt::stops_by_itself();

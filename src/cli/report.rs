@@ -2,7 +2,7 @@
 
 use super::exit::{Exit, Stop};
 use super::output::{Destination, Output};
-use super::{ReportArguments, RunArguments};
+use super::{CurveArguments, ReportArguments, RunArguments};
 use crate::report::{
     FinishedRun, Picture, Record, Run, SweepRun, car_page, page, picture_names, pictures,
     sweep_page,
@@ -56,15 +56,21 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<Exit, Stop> {
     Ok(Exit::Done)
 }
 
-/// Refuses a page and pictures if the results go to standard output.
-pub(super) fn refuse_without_directory(arguments: &RunArguments) -> Result<(), Stop> {
-    let to_stdout = arguments.out.as_deref() == Some(Path::new("-"));
-    if to_stdout && (arguments.report || arguments.plots.is_some()) {
-        return Err(Stop::wrong_input(
-            "--report and --plots need a directory and do not work with --out -",
-        ));
+/// Refuses a page and pictures if the results go to standard output. `plots` is the directory of the pictures, if any.
+pub(super) fn refuse_without_directory(
+    arguments: &RunArguments,
+    plots: Option<&Path>,
+) -> Result<(), Stop> {
+    let options = [(arguments.report, "--report"), (plots.is_some(), "--plots")];
+    let given = options.into_iter().find(|(is_given, _)| *is_given);
+    match given {
+        Some((_, option)) if arguments.out.as_deref() == Some(Path::new("-")) => {
+            Err(Stop::wrong_input(format!(
+                "{option} needs a directory and does not work with --out -"
+            )))
+        }
+        _ => Ok(()),
     }
-    Ok(())
 }
 
 /// Options for pages and pictures of a run.
@@ -77,13 +83,14 @@ impl ReportOptions {
     /// Checks that the pictures can be written, before a command writes its first file. `record` describes the curves in the
     /// pictures.
     pub(super) fn open(
-        arguments: &RunArguments,
+        arguments: &CurveArguments,
         study: &Study,
         command: &str,
         record: impl FnOnce() -> Result<Record, String>,
     ) -> Result<Self, Stop> {
-        refuse_without_directory(arguments)?;
         let plots = arguments.plots.as_deref();
+        let arguments = &arguments.run;
+        refuse_without_directory(arguments, plots)?;
         let pictures = plots.map(|plots| {
             let of = (study.name.as_str(), study_digest(study));
             PictureDirectory::of(plots, command, of, arguments.force)

@@ -18,13 +18,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         let what = "the adjustments and the target values";
         return Err(Stop::no_section(path, "setup", what));
     };
-    if arguments.plots.is_some() {
-        return Err(Stop::wrong_input(
-            "`hardpoint setup` writes tables, curves.csv and with --report a page, but no \
-             pictures: omit --plots",
-        ));
-    }
-    refuse_without_directory(arguments)?;
+    refuse_without_directory(arguments, None)?;
     let found = match set_up(&study, setup) {
         Ok(found) => found,
         Err(Refusal::Design(reason)) => return Err(Stop::in_file(path, reason)),

@@ -1,6 +1,6 @@
 //! `hardpoint solve`
 
-use super::RunArguments;
+use super::CurveArguments;
 use super::exit::{Exit, Stop};
 use super::output::Output;
 use super::report::ReportOptions;
@@ -10,10 +10,11 @@ use crate::report::{Record, counted, curves_csv};
 use crate::solved::Solved;
 use crate::study::{CarStudy, Study};
 
-pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
+pub(super) fn run(curves: &CurveArguments) -> Result<Exit, Stop> {
+    let arguments = &curves.run;
     let path = &arguments.study.study;
     if CarStudy::is_at(path) {
-        return super::car::solve(arguments);
+        return super::car::solve(curves);
     }
     let study = Study::read_elastic(path, &arguments.study.set)?;
     let fault = |why| Stop::in_file(path, why);
@@ -28,7 +29,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         motions: in_motions.iter().map(|own| own.record.clone()).collect(),
         ..record
     };
-    let report = ReportOptions::open(arguments, &study, "solve", || Ok(record.clone()))?;
+    let report = ReportOptions::open(curves, &study, "solve", || Ok(record.clone()))?;
     let output = Output::open(arguments, &study, "solve")?;
 
     let mut files = vec!["curves.csv"];

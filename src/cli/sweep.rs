@@ -232,7 +232,11 @@ fn open(arguments: &SweepArguments, ready: &Ready<'_>) -> Result<Output, Stop> {
     let mut files: Vec<&str> = files.iter().map(String::as_str).collect();
     files.extend(kept_names);
     let there = SweepDirectory::read(destination.path()).ok();
-    let smaller = there.filter(|there| arguments.resume && record.continues(&there.record));
+    let there = there.filter(|_| arguments.resume);
+    if let Some(there) = there.as_ref().filter(|_| !arguments.force) {
+        refuse_other_hypercube(&there.record, record, destination.path())?;
+    }
+    let smaller = there.filter(|there| record.continues(&there.record));
     let claim = Claim {
         command: "sweep",
         study: &record.study,
@@ -258,6 +262,30 @@ fn open(arguments: &SweepArguments, ready: &Ready<'_>) -> Result<Output, Stop> {
         output.file(name, text.as_bytes())?;
     }
     Ok(output)
+}
+
+/// Refuses to continue a Latin hypercube with another number of designs. `there` describes the sweep in the directory `path`.
+fn refuse_other_hypercube(
+    there: &SweepRecord,
+    record: &SweepRecord,
+    path: &Path,
+) -> Result<(), Stop> {
+    let same = SweepRecord {
+        designs: record.designs,
+        digest: record.digest.clone(),
+        ..there.clone()
+    };
+    if record.method != "latin_hypercube" || there.designs == record.designs || same != *record {
+        return Ok(());
+    }
+    Err(Stop::wrong_input(format!(
+        "{} has a Latin hypercube of {} designs, but the study has one of {}. All its designs depend on their \
+         number, so --resume cannot extend it: give another directory with --out, or replace it with --force. \
+         method = \"sobol\" can be extended",
+        path.display(),
+        there.designs,
+        record.designs
+    )))
 }
 
 /// Writes the curves and the mechanism of the designs that the page shows.

@@ -18,10 +18,11 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
-    if CarStudy::is_at(&arguments.run.study.study) {
+    if CarStudy::is_at(&arguments.curves.run.study.study) {
         return super::car::tolerance(arguments);
     }
-    let (build, arguments) = (arguments.build, &arguments.run);
+    let (build, curves) = (arguments.build, &arguments.curves);
+    let arguments = &curves.run;
     let path = &arguments.study.study;
     let study = Study::read_elastic(path, &arguments.study.set)?;
     let tolerance = tolerance_of(&study, path)?;
@@ -42,7 +43,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
         record.motion.bands = bands(&study, tolerance);
         Ok(record)
     };
-    let report = ReportOptions::open(arguments, &study, "tolerance", record)?;
+    let report = ReportOptions::open(curves, &study, "tolerance", record)?;
     let output = Output::open(arguments, &study, "tolerance")?;
     let expansion = pool
         .install(|| Expansion::of(&problem))

@@ -178,10 +178,8 @@ pub fn resolution(unit: &str) -> f64 {
 
 /// Typical size of the inputs of a quantity in this unit.
 fn size(unit: &str) -> f64 {
-    let (unit, power) = match unit.strip_suffix('2') {
-        Some(unit) => (unit, 2),
-        None => (unit, 1),
-    };
+    let with = |digit: char, power: i32| unit.strip_suffix(digit).map(|unit| (unit, power));
+    let (unit, power) = with('2', 2).or(with('3', 3)).unwrap_or((unit, 1));
     let size: f64 = match unit {
         "mm" => 1e3,
         "in" => 40.0,

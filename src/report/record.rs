@@ -359,7 +359,10 @@ pub(crate) fn readable_unit(unit: &str) -> String {
     };
     match unit.as_str() {
         "percent" => "%".to_owned(),
-        _ => unit.replace('2', "²").replace("deg", "°").replace('_', " "),
+        _ => {
+            let unit = unit.replace('2', "²").replace('3', "³");
+            unit.replace("deg", "°").replace('_', " ")
+        }
     }
 }
 
@@ -372,6 +375,7 @@ mod tests {
         for (unit, readable) in [
             ("deg", "°"),
             ("deg_per_mm2", "°/mm²"),
+            ("deg_per_in3", "°/in³"),
             ("percent", "%"),
             ("per_mm", "1/mm"),
             ("mm_per_s2", "mm/s²"),

@@ -75,7 +75,7 @@ pub struct StaticRecord {
     /// Name with unit.
     pub column: String,
     /// Value of the nominal design.
-    pub drawn: Option<f64>,
+    pub nominal: Option<f64>,
     /// Value with the computed amounts. For a shim, the computed amount is a whole number of shims.
     pub set: Option<f64>,
     /// Target value, or the nominal value that the set-up keeps (see `kept`). `None` without a target.
@@ -138,7 +138,7 @@ impl SetUpSummary {
         let statics = found.statics.iter().enumerate();
         let statics = statics.map(|(i, value)| StaticRecord {
             column: static_column(*value, length),
-            drawn: finite(found.drawn.values[i]),
+            nominal: finite(found.drawn.values[i]),
             set: finite(found.last().values[i]),
             wanted: found.aims[i].value().map(|v| v + 0.0),
             kept: matches!(found.aims[i], Aim::Kept(_)),
@@ -264,7 +264,7 @@ impl SetUpSummary {
             cells.chain([instruction.into()]).collect::<Vec<_>>()
         };
         let of = |f: fn(&StaticRecord) -> Option<f64>| self.statics.iter().map(f).collect();
-        table.push_row(row("as drawn", None, of(|s| s.drawn)));
+        table.push_row(row("nominal", None, of(|s| s.nominal)));
         for a in &self.adjustments {
             table.push_row(row(&a.adjustment, Some(a), a.after.clone()));
         }
@@ -310,8 +310,8 @@ impl SetUpSummary {
     /// few steps, so that no name needs a line break.
     pub fn values_after_steps(&self) -> Vec<Table> {
         const MOST: usize = 5;
-        let drawn = self.statics.iter().map(|s| s.drawn).collect();
-        let mut columns: Vec<(String, Vec<Option<f64>>)> = vec![("design".to_owned(), drawn)];
+        let nominal = self.statics.iter().map(|s| s.nominal).collect();
+        let mut columns: Vec<(String, Vec<Option<f64>>)> = vec![("nominal".to_owned(), nominal)];
         for (number, a) in self.adjustments.iter().enumerate() {
             columns.push((format!("step {}", number + 1), a.after.clone()));
         }

@@ -14,6 +14,9 @@ const ALONE: Duration = Duration::from_millis(300);
 /// Time that a shard waits while another shard prepares the directory.
 const TOGETHER: Duration = Duration::from_secs(10);
 
+/// Largest number of attempts to lock a file that another run removes at the same moment.
+const MOST_ATTEMPTS: usize = 1000;
+
 /// Locks of this process with their numbers. A signal that ends the process uses this list to remove the lock files.
 static HELD: Mutex<Vec<(u64, PathBuf, File)>> = Mutex::new(Vec::new());
 
@@ -109,7 +112,7 @@ impl Lock {
         owner: &Owner,
         take: &impl Fn(&File) -> Result<(), TryLockError>,
     ) -> Result<Self, NotLocked> {
-        loop {
+        for _ in 0..MOST_ATTEMPTS {
             // The lock must be a plain file. Another program may have replaced it by a symbolic link. A lock on the target of
             // this link would not protect the directory.
             if std::fs::symlink_metadata(path).is_ok_and(|there| there.is_symlink()) {
@@ -152,6 +155,9 @@ impl Lock {
                 return Ok(lock);
             }
         }
+        Err(NotLocked::Failed(io::Error::other(
+            "the file system does not identify the opened file: give a directory on a local disk with --out",
+        )))
     }
 
     fn sign(&mut self, owner: &Owner) -> io::Result<()> {

@@ -45,8 +45,8 @@ pub(super) fn asking_for(own: &WheelStudy, names: &[String]) -> Result<WheelStud
     Ok(asked)
 }
 
-/// Largest number of stations of a wheel that are solved for the page. A motion over time is not limited.
-const MOST_STATIONS: usize = 2000;
+/// Largest number of stations that are solved for the page. A motion over time is not limited.
+pub(super) const MOST_STATIONS: usize = 2000;
 
 /// Solves the design after a point was dragged. An error names the fault of the design or the request.
 pub(super) fn solved(
@@ -104,10 +104,7 @@ fn solved_wheel(
         plan.racks = nearest(racks, rack).map(|k| racks[k]).into_iter().collect();
     }
     let all = plan.stations();
-    // A motion over time keeps all stations, because each station has its own time.
-    if all > MOST_STATIONS && plan.time.is_none() {
-        plan = plan.thinned(MOST_STATIONS, 9);
-    }
+    let plan = thinned(plan);
     let fault = |fault: crate::mechanism::DesignFault| fault.describe(mechanism);
     let misfit = || misfit::misfit(opened, study).map_err(fault);
     let (misfit, found) = beside(stop, misfit, || wheel_curves(own, &plan).map_err(fault))?;
@@ -116,13 +113,7 @@ fn solved_wheel(
     let frame = |own: &WheelStudy| -> Option<Frame> { wheel_frames(own, &place).ok()?.pop() };
     let mut lines = plausibility(suspension).map_err(fault)?;
     lines.extend(remarks(&found, suspension.length_unit));
-    if plan.stations() < all {
-        let drawn = plan.stations();
-        lines.push(format!(
-            "{drawn} of {all} stations are shown, evenly chosen and without loads; `hardpoint \
-             solve` computes all"
-        ));
-    }
+    lines.extend(stations_left_out(plan.stations(), all));
     let (groups, drive) = grouped(&found, &plan, request);
     let groups = match &left_out {
         Some(racks) => Groups::by_rack(racks, 0, 1, rack).with_shown_only(drive.len()),
@@ -164,6 +155,25 @@ fn at_sliders(plan: &Plan, [drive, rack]: [f64; 2]) -> Plan {
         time: None,
         ..plan.clone()
     }
+}
+
+/// Plan with at most [`MOST_STATIONS`] stations. A motion over time keeps all stations, because each station has its own time.
+pub(super) fn thinned(plan: Plan) -> Plan {
+    if plan.stations() > MOST_STATIONS && plan.time.is_none() {
+        plan.thinned(MOST_STATIONS, 9)
+    } else {
+        plan
+    }
+}
+
+/// Remark that the page shows only some of all stations. `None` if it shows all.
+pub(super) fn stations_left_out(shown: usize, all: usize) -> Option<String> {
+    (shown < all).then(|| {
+        format!(
+            "{shown} of {all} stations are shown, evenly chosen and without loads; `hardpoint \
+             solve` computes all"
+        )
+    })
 }
 
 /// Groups of stations, and the horizontal-axis value of each station. The drive value is `None` without a pose.

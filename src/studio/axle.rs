@@ -3,7 +3,7 @@
 //! The page moves points of the left wheel. If the right wheel has its own hardpoints, these move as mirror images of the left
 //! points, as with a variable of a tuning.
 
-use super::answer::columns;
+use super::answer::{MOST_STATIONS, columns, stations_left_out};
 use super::beside::beside;
 use super::groups::{Groups, nearest};
 use super::message::{
@@ -23,6 +23,7 @@ use crate::mechanism::DesignFault;
 use crate::model::{Axis, LengthUnit, PointId};
 use crate::report::{FailureRange, axle_plausibility, plausibility};
 use crate::study::{AxleStudy, Study};
+use std::collections::HashSet;
 use std::time::Instant;
 
 /// Coordinates of a motion. A coordinate without values stays at 0.
@@ -50,14 +51,12 @@ fn main(motion: &AxleMotion) -> Coordinate {
 fn values(motion: &AxleMotion, coordinate: Coordinate, axle: &Axle) -> Vec<f64> {
     let mut motion = motion.clone();
     let values = motion.along(coordinate).into_iter().flatten();
-    let mut different = Vec::new();
-    for value in values.map(|value| printed(coordinate, *value, axle)) {
-        // Several stations of a motion may have the same value.
-        if !different.contains(&value) {
-            different.push(value);
-        }
-    }
-    different
+    let values = values.map(|value| printed(coordinate, *value, axle));
+    // Several stations of a motion may have the same value.
+    let mut known = HashSet::new();
+    values
+        .filter(|value| known.insert(value.to_bits()))
+        .collect()
 }
 
 fn printed(coordinate: Coordinate, value: f64, axle: &Axle) -> f64 {
@@ -129,6 +128,23 @@ pub(super) fn catalogue(study: &Study, both: &AxleStudy) -> Vec<CharacteristicOv
         .collect()
 }
 
+/// Plan that computes these quantities, with the rack at `curves_rack` if it is given, and the number of all its stations. The
+/// plan has at most [`MOST_STATIONS`] of them, unless the motion runs over time.
+fn plan_of(
+    plan: &AxlePlan,
+    axle: &Axle,
+    names: &[String],
+    curves_rack: Option<f64>,
+) -> Result<(AxlePlan, usize), String> {
+    let mut plan = asking_for(plan, axle, names)?;
+    if let Some(rack) = curves_rack {
+        hold_rack(&mut plan.motion, rack * axle.left.frame.sign(Axis::Y));
+    }
+    let all = plan.motion.stations();
+    plan.motion = plan.motion.thinned(MOST_STATIONS);
+    Ok((plan, all))
+}
+
 /// Plan that computes these quantities.
 fn asking_for(plan: &AxlePlan, axle: &Axle, names: &[String]) -> Result<AxlePlan, String> {
     let mut quantities: Vec<Quantity> = Vec::new();
@@ -190,10 +206,7 @@ pub(super) fn solved(
 ) -> Result<SolvedAnswer, String> {
     let start = Instant::now();
     let left = &axle.left;
-    let mut plan = asking_for(plan, axle, &request.characteristics)?;
-    if let Some(rack) = request.curves_rack {
-        hold_rack(&mut plan.motion, rack * left.frame.sign(Axis::Y));
-    }
+    let (mut plan, stations) = plan_of(plan, axle, &request.characteristics, request.curves_rack)?;
     let all = coordinates(&plan.motion);
     if request.at.len() != all.len() || request.over >= all.len() {
         return Err(format!(
@@ -222,6 +235,7 @@ pub(super) fn solved(
     };
     let mut lines = plausibility(left).map_err(fault)?;
     lines.extend(axle_plausibility(axle, &plan, &found, false));
+    lines.extend(stations_left_out(whole.stations(), stations));
     let frames = |axle: &Axle| {
         let found = frames(axle, &plan.motion, &request.at);
         found.map_or([None, None], |sides| sides.map(|side| Some(side.into())))
@@ -330,10 +344,7 @@ pub(super) fn influence(
     point: PointId,
     axis: Axis,
 ) -> Result<InfluenceAnswer, String> {
-    let mut plan = asking_for(plan, axle, &request.characteristics)?;
-    if let Some(rack) = request.curves_rack {
-        hold_rack(&mut plan.motion, rack * axle.left.frame.sign(Axis::Y));
-    }
+    let (mut plan, _) = plan_of(plan, axle, &request.characteristics, request.curves_rack)?;
     plan.sensitivities = vec![point];
     let found = axle_curves(axle, &plan).map_err(|fault| axle.describe_fault(fault))?;
     let found = found.curves;

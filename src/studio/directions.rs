@@ -1,5 +1,6 @@
 //! Directions in which a design can change while the targets keep their values, and the limits of the mechanism.
 
+use super::job::count_from_file;
 use super::message::{Designed, DirectionsAnswer, FreeDirection, LimitsAnswer, VariableOverview};
 use super::overview::variable;
 use super::study_file::Opened;
@@ -36,15 +37,21 @@ pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAns
         ..variable(own)
     });
     let shown: Vec<VariableOverview> = shown.collect();
-    Ok(unseen(&found.goal, &shown, suspension.design.len()))
+    let left = variables.into_iter().map(|mut own| {
+        count_from_file(&mut own, opened.study.wheel(), &suspension.design);
+        own.range
+    });
+    let left: Vec<[f64; 2]> = left.collect();
+    Ok(unseen(&found.goal, &shown, &left, suspension.design.len()))
 }
 
 /// Directions that leave the residuals (the rows of `goal`) unchanged, to first order. The columns of `goal` belong to the
-/// variables. `points` is the number of points of the design. The name of a direction leaves out variables that move by at most a
-/// thousandth of their range.
+/// variables. `left` has the ranges of the variables relative to the present design. `points` is the number of points of the design.
+/// The name of a direction leaves out variables that move by at most a thousandth of their range.
 pub(super) fn unseen(
     goal: &Linearisation,
     variables: &[VariableOverview],
+    left: &[[f64; 2]],
     points: usize,
 ) -> DirectionsAnswer {
     let ranges: Vec<[f64; 2]> = variables.iter().map(|own| own.range).collect();
@@ -55,11 +62,17 @@ pub(super) fn unseen(
     let direction = |change: &nalgebra::DVector<f64>| {
         let mut by = vec![[0.0; 3]; points];
         let mut parts = Vec::new();
-        for (variable, share) in variables.iter().zip(change) {
+        let mut free = [-1.0_f64, 1.0];
+        for ((variable, left), share) in variables.iter().zip(left).zip(change) {
             let [low, high] = variable.range;
             if share.abs() <= 1e-3 * (high - low) {
                 continue;
             }
+            let [one, other] = left.map(|end| end / share);
+            free = [
+                free[0].max(one.min(other).min(0.0)),
+                free[1].min(one.max(other).max(0.0)),
+            ];
             for (point, axis, factor) in &variable.moves {
                 by[*point][*axis] += factor * share;
             }
@@ -69,7 +82,7 @@ pub(super) fn unseen(
         FreeDirection {
             name: parts.join(", "),
             change: by,
-            free: [-1.0, 1.0],
+            free,
         }
     };
     let unseen = identifiability.unseen.iter().take(MOST);
@@ -105,12 +118,23 @@ mod tests {
         let mut goal = Linearisation::new(1, 2);
         goal.jacobian[(0, 0)] = 1e6;
         goal.jacobian[(0, 1)] = -1e6;
-        let found = unseen(&goal, &[variable("a"), variable("b")], 0).directions;
+        let variables = [variable("a"), variable("b")];
+        let found = unseen(&goal, &variables, &[[-0.001_234, 0.001_234]; 2], 0).directions;
         assert_eq!(found.len(), 1);
         let parts: Vec<&str> = found[0].name.split(", ").collect();
         assert_eq!(parts.len(), 2);
         for part in parts {
             assert!(part.ends_with("0.00247"), "{part}");
         }
+        // The change is a whole range, so each variable reaches its ends at half of the change.
+        assert!((found[0].free[0] + 0.5).abs() < 1e-9 && (found[0].free[1] - 0.5).abs() < 1e-9);
+        // A variable that was moved to an end of its range moves in one direction only.
+        let left = [[-0.002_468, 0.0], [-0.001_234, 0.001_234]];
+        let [low, high] = unseen(&goal, &variables, &left, 0).directions[0].free;
+        let is_one_sided = (low == 0.0) != (high == 0.0);
+        assert!(
+            is_one_sided && (high - low - 0.5).abs() < 1e-9,
+            "{low} {high}"
+        );
     }
 }

@@ -1,6 +1,6 @@
 //! Influence of one coordinate on each curve.
 
-use super::answer::{asking_for, in_motion};
+use super::answer::{asking_for, in_motion, thinned};
 use super::message::{InfluenceAnswer, InfluenceColumn, InfluenceRequest};
 use super::study_file::Opened;
 use crate::curves::wheel_curves;
@@ -36,6 +36,7 @@ pub(super) fn influence(
     if let Some(rack) = request.curves_rack {
         plan.racks = vec![rack];
     }
+    let plan = thinned(plan);
     let suspension = &own.suspension;
     let found = wheel_curves(own, &plan).map_err(|f| f.describe(&suspension.mechanism))?;
     let stations = found.stations.len();

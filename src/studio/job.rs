@@ -70,7 +70,7 @@ pub(super) fn counted_from_file(
 
 /// Shifts the range of a variable, which is relative to the design in the file, so that it is relative to the design on the
 /// page. The range of a rotation stays as it is. Returns a note if the tuning may go beyond the range in the file.
-fn count_from_file(
+pub(super) fn count_from_file(
     variable: &mut Variable,
     file: &Suspension,
     now: &[Vector3<f64>],

@@ -334,7 +334,7 @@ pub(super) struct FreeDirection {
     pub name: String,
     /// Displacement of each point.
     pub change: Coordinates,
-    /// Ends of the slider, as multiples of `change`. The ends may be outside of the ranges of the variables.
+    /// Ends of the slider, as multiples of `change`. Between them, all variables stay within their ranges.
     pub free: [f64; 2],
 }
 

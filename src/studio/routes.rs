@@ -21,7 +21,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// Number of study texts that the server stores. With these texts, tabs opened before a save keep working, and the user can undo
-/// changes of values. A request that refers to an older text gets status 409.
+/// changes of values. A request that refers to an older text gets status 410. The page then sends the edits of this text again.
 const TEXTS: usize = 40;
 /// Media types of exported files.
 const CSV: &str = "text/csv; charset=utf-8";
@@ -182,7 +182,7 @@ impl ServerState {
         let place = texts.iter().rposition(|text| text.digest() == digest);
         let found = place.and_then(|place| texts.remove(place)).ok_or_else(|| {
             let why = "the server has another version of the study: reload the page";
-            (409, why.to_owned())
+            (410, why.to_owned())
         })?;
         // The used text moves to the end, so the server keeps it longer.
         texts.push_back(found.clone());
@@ -399,11 +399,11 @@ fn json(answer: &impl Serialize) -> Result<Response, Refused> {
     Ok(Response::new(200, "application/json", text))
 }
 
-/// Response to a refused request, with a status. A design that cannot be solved and a changed file are usual cases. They get
-/// status 200, because browsers write refusals to the console as errors.
+/// Response to a refused request, with a status. A design that cannot be solved, a changed file and a text that the server no
+/// longer stores are usual cases. They get status 200, because browsers write refusals to the console as errors.
 fn refusal((status, why): Refused) -> Response {
     match status {
-        409 | 422 => {
+        409 | 410 | 422 => {
             let text = serde_json::json!({"refused": status, "why": why}).to_string();
             Response::new(200, "application/json", text.into_bytes())
         }

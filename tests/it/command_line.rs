@@ -933,6 +933,9 @@ fn a_set_up_is_printed_for_a_mechanic() {
             && header.contains(&"ride_height_change_mm".to_owned())
     );
     assert_eq!(rows.len(), 6);
+    // Tables and summary use one word for the values of the design.
+    assert_eq!(rows[0][0], "nominal");
+    assert!(summary["statics"][0]["nominal"].is_number());
 }
 
 /// If no build can be assembled, the program reports nothing about builds. The program refuses limits that make a

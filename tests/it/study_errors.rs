@@ -718,3 +718,25 @@ fn other_line_ends_and_a_byte_order_mark_change_nothing() {
     let errors = read(&text).unwrap_err();
     assert_eq!(errors.all()[0].position(), Some((3, 8)), "{errors}");
 }
+
+/// A target in a named motion that has an error adds no second error.
+#[test]
+fn an_error_in_a_named_motion_is_the_only_one() {
+    let at = "at = 0.0, value = 0.0, tolerance = 0.01";
+    let text = edited(at, &format!("motion = \"bump\", {at}"));
+    let text = format!("{text}\n[motions.bump]\nrack = 5.0\n");
+    let on = "[motions.bump]";
+    assert_mistake(&text, on, "motions.bump", &["expected travel"]);
+}
+
+/// `[tolerance]` refuses a motion over the arm angle. The stations of a band then give no second error.
+#[test]
+fn a_tolerance_over_the_arm_angle_is_the_only_error() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_tolerance.toml");
+    let motion = "motion={ drive = \"arm_angle\", arm_angle = [-8.0, 0.0, 8.0] }";
+    let band = "tolerance.bands=[{ characteristic = \"toe\", at = 8.0, between = [0.1, 0.4] }]";
+    let errors = Study::read(&path, &[motion.to_owned(), band.to_owned()]).unwrap_err();
+    let said = errors.render(false);
+    assert_eq!(errors.all().len(), 1, "{said}");
+    assert!(said.contains("needs a motion with drive"), "{said}");
+}

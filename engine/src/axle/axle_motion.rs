@@ -2,6 +2,7 @@
 
 use super::solver::Placement;
 use super::{Axle, AxlePlan, Coordinate, Motion};
+use crate::curves::thinned::evenly;
 use crate::study::{AxleStudy, TimeLaw};
 
 /// Rule that combines the values of the coordinates into stations.
@@ -115,6 +116,33 @@ impl AxleMotion {
             *angles = vec![angles[row]];
         }
         one
+    }
+
+    /// Returns the motion with at most `most` stations, evenly chosen from each list of values. `most` must be at least 8, so that
+    /// each list keeps its ends. A motion over time stays as it is, because each station has its own time.
+    pub fn thinned(&self, most: usize) -> AxleMotion {
+        let mut thinned = self.clone();
+        if self.time.is_some() || self.stations() <= most {
+            return thinned;
+        }
+        let mut lists = match &mut thinned.wheels {
+            WheelMotion::Heave(values) => vec![values],
+            WheelMotion::Roll { heave, roll, .. } => vec![heave, roll],
+            WheelMotion::Travels { left, right, .. } => vec![left, right],
+        };
+        lists.push(&mut thinned.racks);
+        // The longest lists are shortened most.
+        lists.sort_by_key(|list| list.len());
+        let mut share = most;
+        for (rest, list) in (1..=lists.len()).rev().zip(lists) {
+            let own = (share as f64).powf(1.0 / rest as f64) as usize;
+            *list = evenly(list, if self.has_rows() { most } else { own });
+            share /= list.len();
+        }
+        if let Some(angles) = &mut thinned.steering_wheel {
+            *angles = evenly(angles, thinned.racks.len());
+        }
+        thinned
     }
 
     /// Returns the travels of the left and of the right wheel. `None` in roll, because the travels then depend on the
@@ -303,5 +331,43 @@ impl AxleMotion {
             motion.racks = angles.iter().map(|angle| c_factor * angle / turn).collect();
         }
         Ok(motion)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The longest list loses most of its values, and every list keeps its ends.
+    #[test]
+    fn a_thinned_motion_keeps_the_ends_of_its_lists() {
+        let values = |count: i32| -> Vec<f64> { (0..count).map(f64::from).collect() };
+        let motion = AxleMotion {
+            wheels: WheelMotion::Roll {
+                heave: values(3),
+                roll: values(3000),
+                at_load: false,
+            },
+            racks: values(5),
+            combine: Combine::All,
+            shows_rack: true,
+            steering_wheel: Some(values(5)),
+            time: None,
+        };
+        let thinned = motion.thinned(2000);
+        let WheelMotion::Roll { heave, roll, .. } = &thinned.wheels else {
+            panic!("the motion rolls")
+        };
+        assert_eq!((heave.len(), roll.len(), thinned.racks.len()), (3, 133, 5));
+        assert_eq!([roll[0], roll[132]], [0.0, 2999.0]);
+        assert_eq!(motion.thinned(50_000), motion);
+        let rows = AxleMotion {
+            wheels: WheelMotion::Heave(values(3000)),
+            racks: values(3000),
+            combine: Combine::Rows,
+            steering_wheel: None,
+            ..motion
+        };
+        assert_eq!(rows.thinned(2000).stations(), 2000);
     }
 }

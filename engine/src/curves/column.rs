@@ -127,15 +127,22 @@ pub(crate) fn velocity_name(coordinate: &str, axis: Axis, order: usize) -> Strin
 }
 
 /// Name of the unit `unit` divided by the `power`-th power of `by`. Examples: `deg`, `mm`, 2 gives `deg_per_mm2`;
-/// `deg_per_mm`, `mm`, 1 gives `deg_per_mm2`.
+/// `deg_per_mm2`, `mm`, 1 gives `deg_per_mm3`.
 pub(crate) fn per(unit: &str, by: &str, power: usize) -> String {
     if power == 0 {
         return unit.to_owned();
     }
-    let (above, power) = match unit.strip_suffix(&format!("_per_{by}")) {
-        Some(above) => (above, power + 1),
-        None => (unit, power),
-    };
+    let whole = format!("_{unit}");
+    let below = format!("_per_{by}");
+    // A unit that is already divided by `by` gets a larger exponent.
+    let divided = whole.rsplit_once(&below).and_then(|(above, exponent)| {
+        let exponent = match exponent {
+            "" => 1,
+            digits => digits.parse::<usize>().ok()?,
+        };
+        Some((above.trim_start_matches('_'), power + exponent))
+    });
+    let (above, power) = divided.unwrap_or((unit, power));
     let exponent = if power == 1 {
         String::new()
     } else {
@@ -156,6 +163,15 @@ mod tests {
         assert_eq!(per("deg_per_mm", "mm", 1), "deg_per_mm2");
         assert_eq!(per("deg_per_mm", "s", 1), "deg_per_mm_per_s");
         assert_eq!(per("", "mm", 1), "per_mm");
+        for length in ["mm", "in", "m"] {
+            let second = format!("deg_per_{length}2");
+            assert_eq!(per(&second, length, 1), format!("deg_per_{length}3"));
+            assert_eq!(
+                per(&format!("per_{length}"), length, 1),
+                format!("per_{length}2")
+            );
+        }
+        assert_eq!(per("deg_per_mm", "m", 1), "deg_per_mm_per_m");
         assert_eq!(
             velocity_name("wheel_centre_x", Axis::X, 1),
             "wheel_centre_vx"

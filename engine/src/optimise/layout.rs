@@ -411,23 +411,25 @@ impl TargetLayout {
             .iter()
             .enumerate()
             .map(|(target, share)| {
-                let (mut sum, mut count, mut worst, mut at) = (0.0, 0, 0.0_f64, (0.0, 0.0));
+                let (mut sum, mut count, mut worst, mut at) = (0.0, 0, 0.0_f64, None);
                 for row in self.target_rows().filter(|p| p.target == target) {
                     for build in 0..self.builds {
                         let deviation = residuals[build * self.rows + row.row] / share;
                         sum += deviation * deviation;
                         count += 1;
-                        if deviation.abs() >= worst.abs() {
-                            worst = deviation;
-                            at = (row.at, row.rack);
+                        let place = (row.at, row.rack);
+                        if deviation.abs() > worst.abs() {
+                            (worst, at) = (deviation, Some(place));
                         }
+                        at.get_or_insert(place);
                     }
                 }
+                let (worst_at, worst_rack) = at.unwrap_or_default();
                 Deviation {
                     rms: (sum / count as f64).sqrt(),
                     worst,
-                    worst_at: at.0,
-                    worst_rack: at.1,
+                    worst_at,
+                    worst_rack,
                     stations: count / self.builds,
                 }
             })
@@ -468,6 +470,7 @@ pub struct Deviation {
     /// Largest deviation of all builds, with its sign.
     pub worst: f64,
     /// Drive value of the largest deviation. For an axle, the abscissa of the target's curve, as written in the study.
+    /// Without any deviation, the first station.
     pub worst_at: f64,
     /// Rack displacement of the largest deviation, towards the kernel's +y.
     pub worst_rack: f64,

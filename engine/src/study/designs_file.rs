@@ -5,7 +5,7 @@
 //! (`tie_rod_inner_z_mm`). A column `design` is not read, because designs are numbered by their rows, starting with 0.
 //!
 //! A file can also be a result of a sweep, such as `pareto.csv`. Its last column is `status`. Its columns with results are not
-//! read.
+//! read. If a variable of the sweep moves several hardpoints, `sweep.json` in the file's directory names these hardpoints.
 
 use super::curve_file::at_record;
 use super::error::{Source, StudyError, StudyErrors};
@@ -16,6 +16,7 @@ use super::sweep::column_stem;
 use super::value::Number;
 use super::{Move, Study, SweepVariable};
 use crate::model::{Axis, Suspension};
+use serde::Deserialize;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -26,7 +27,7 @@ pub struct DesignTable {
     pub variables: Vec<SweepVariable>,
     /// Values, row by row.
     values: Vec<f64>,
-    /// SHA-256 digest of the file, or of the moves and the values if no file has them.
+    /// SHA-256 digest of the file and of the moves that are not in it, or of the moves and the values if no file has them.
     pub digest: [u8; 32],
     /// True if the file has a column `design` with numbers other than 0, 1, 2 and so on.
     pub has_other_numbers: bool,
@@ -40,7 +41,7 @@ impl DesignTable {
         let name = path.display().to_string();
         let text = read_text(path, LONGEST_TABLE)
             .map_err(|reason| StudyError::of_file(&name, format!("cannot be read: {reason}")))?;
-        Self::from_text(&name, text, suspension)
+        Self::from_text(&name, text, &own_variables(path), suspension)
     }
 
     /// Reads the designs of a study's sweep. If the file cannot be read, the error points to the place in the study that
@@ -56,11 +57,18 @@ impl DesignTable {
                 format!("cannot read {name}: {reason} (the path is relative to the study file)");
             StudyError::of_file(place, message)
         })?;
-        Self::from_text(&name, text, study.wheel())
+        Self::from_text(&name, text, &own_variables(path), study.wheel())
     }
 
-    fn from_text(name: &str, text: String, suspension: &Suspension) -> Result<Self, StudyErrors> {
-        let digest = hmac_sha256::Hash::hash(text.as_bytes());
+    /// Reads the designs from a file's text. `own` has the variables of the sweep in the file's directory, if there is one.
+    fn from_text(
+        name: &str,
+        text: String,
+        own: &[OwnVariable],
+        suspension: &Suspension,
+    ) -> Result<Self, StudyErrors> {
+        let mut hash = hmac_sha256::Hash::new();
+        hash.update(text.as_bytes());
         let name = name.to_owned();
         let source = Arc::new(Source { name, text });
         let reader = csv::ReaderBuilder::new()
@@ -76,26 +84,10 @@ impl DesignTable {
             Some(header) => header.map_err(text_error)?,
         };
         let at = |record: &_, message: String| at_record(&source, record, message);
-        let mut variables: Vec<SweepVariable> = Vec::new();
-        let mut places = Vec::new();
-        let is_of_sweep = header.iter().next_back() == Some("status");
-        let is_read = |column: &str| column != "design" && !(is_of_sweep && is_result(column));
-        for (place, column) in header.iter().enumerate().filter(|(_, c)| is_read(c)) {
-            let variable = variable(column, suspension).map_err(|m| at(&header, m))?;
-            if let Some(other) = variables.iter().find(|own| own.changes_same(&variable)) {
-                let message = if other.name == variable.name {
-                    format!("the column {column} occurs twice")
-                } else {
-                    format!("{column} and {} give the same coordinate", other.name)
-                };
-                return Err(at(&header, message));
-            }
-            variables.push(variable);
-            places.push(place);
-        }
-        if variables.is_empty() {
-            let message = "expected columns like tie_rod_inner_z, found none".to_owned();
-            return Err(at(&header, message));
+        let columns = columns(&header, own, suspension);
+        let (mut variables, places) = columns.map_err(|message| at(&header, message))?;
+        for variable in variables.iter().filter(|own| own.moves.len() > 1) {
+            hash.update(format!("{:?}", variable.moves));
         }
         let mut values = Vec::new();
         let numbers = header.iter().position(|column| column == "design");
@@ -129,7 +121,7 @@ impl DesignTable {
         Ok(DesignTable {
             variables,
             values,
-            digest,
+            digest: hash.finalize(),
             has_other_numbers,
             results,
         })
@@ -223,8 +215,126 @@ fn is_result(column: &str) -> bool {
         || column.split('_').skip(1).any(is_kind)
 }
 
-/// Variable of a column, by the column's name.
-fn variable(column: &str, suspension: &Suspension) -> Result<SweepVariable, String> {
+/// Variable of the sweep that wrote the file, from `sweep.json`.
+#[derive(Deserialize)]
+struct OwnVariable {
+    /// Column of the variable.
+    column: String,
+    /// Coordinates that the variable moves. Empty for a rate.
+    moves: Vec<OwnMove>,
+}
+
+/// Coordinate that a variable of the sweep moves.
+#[derive(Deserialize)]
+struct OwnMove {
+    hardpoint: String,
+    axis: String,
+    factor: f64,
+}
+
+/// Reads the variables of the sweep from `sweep.json` in the directory of a file. Empty if there is no such sweep.
+fn own_variables(file: &Path) -> Vec<OwnVariable> {
+    #[derive(Deserialize)]
+    struct OwnSweep {
+        variables: Vec<OwnVariable>,
+    }
+    let text = read_text(&file.with_file_name("sweep.json"), LONGEST_TABLE).ok();
+    let sweep = text.and_then(|text| serde_json::from_str::<OwnSweep>(&text).ok());
+    sweep.map_or_else(Vec::new, |sweep| sweep.variables)
+}
+
+impl OwnVariable {
+    /// Variable with offsets of several hardpoints. `stem` is its column without unit, and `unit` is the study's length unit.
+    /// A name alone does not tell offsets from coordinates, so a variable of one hardpoint is an error.
+    fn offsets(
+        &self,
+        stem: &str,
+        unit: &str,
+        suspension: &Suspension,
+    ) -> Result<SweepVariable, String> {
+        let column = &self.column;
+        let moves = match &self.moves[..] {
+            [] => {
+                return Err(format!(
+                    "{column} has rates of an elastic part; a file of designs can only move hardpoints"
+                ));
+            }
+            [
+                OwnMove {
+                    hardpoint, axis, ..
+                },
+            ] => {
+                return Err(format!(
+                    "{column} has the name that its sweep gave to a variable; expected {hardpoint}_d{axis}_{unit} for \
+                     offsets, or {hardpoint}_{axis}_{unit} for coordinates"
+                ));
+            }
+            moves => moves.iter(),
+        };
+        let moves = moves.map(|own| {
+            let point = hardpoints(suspension).find(|(name, _)| *name == own.hardpoint);
+            let axis = Axis::ALL.into_iter().find(|axis| axis.name() == own.axis);
+            let (Some((_, point)), Some(axis)) = (point, axis) else {
+                return Err(format!(
+                    "{column} moves {}.{}, which this study does not have",
+                    own.hardpoint, own.axis
+                ));
+            };
+            Ok(Move {
+                point,
+                axis,
+                factor: own.factor,
+            })
+        });
+        Ok(SweepVariable {
+            name: stem.to_owned(),
+            moves: moves.collect::<Result<_, _>>()?,
+            rate: None,
+            absolute: false,
+            range: [f64::INFINITY, f64::NEG_INFINITY],
+            steps: None,
+        })
+    }
+}
+
+/// Variables of the columns, and the places of these columns. `own` has the variables of the sweep in the file's directory, if
+/// there is one.
+fn columns(
+    header: &csv::StringRecord,
+    own: &[OwnVariable],
+    suspension: &Suspension,
+) -> Result<(Vec<SweepVariable>, Vec<usize>), String> {
+    let mut variables: Vec<SweepVariable> = Vec::new();
+    let mut places = Vec::new();
+    let is_of_sweep = header.iter().next_back() == Some("status");
+    let own = if is_of_sweep { own } else { &[] };
+    let is_own = |column: &str| own.iter().any(|own| own.column == column);
+    let is_result = |column: &str| is_of_sweep && is_result(column) && !is_own(column);
+    let is_read = |column: &str| column != "design" && !is_result(column);
+    for (place, column) in header.iter().enumerate().filter(|(_, c)| is_read(c)) {
+        let variable = variable(column, own, suspension)?;
+        if let Some(other) = variables.iter().find(|own| own.changes_same(&variable)) {
+            return Err(if other.name == variable.name {
+                format!("the column {column} occurs twice")
+            } else {
+                format!("{column} and {} give the same coordinate", other.name)
+            });
+        }
+        variables.push(variable);
+        places.push(place);
+    }
+    if variables.is_empty() {
+        return Err("expected columns like tie_rod_inner_z, found none".to_owned());
+    }
+    Ok((variables, places))
+}
+
+/// Variable of a column, by the column's name. `own` has the variables of the sweep that wrote the file, if there is one.
+fn variable(
+    column: &str,
+    own: &[OwnVariable],
+    suspension: &Suspension,
+) -> Result<SweepVariable, String> {
     let unit = suspension.length_unit.symbol();
     let stem = column.strip_suffix(&format!("_{unit}")).unwrap_or(column);
     let mut known = Vec::new();
@@ -250,6 +360,11 @@ fn variable(column: &str, suspension: &Suspension) -> Result<SweepVariable, Stri
             }
         }
     }
+    let is_in_unit = stem != column;
+    let mut own = own.iter().filter(|own| own.column == column);
+    if let Some(own) = own.next().filter(|own| is_in_unit || own.moves.is_empty()) {
+        return own.offsets(stem, unit, suspension);
+    }
     let meant = match nearest(stem, known.iter().map(String::as_str)) {
         Some(near) => format!("; did you mean {near}?"),
         None => String::new(),
@@ -266,9 +381,13 @@ mod tests {
     use crate::study::Study;
 
     fn table(text: &str) -> Result<DesignTable, String> {
+        table_of_sweep(text, &[])
+    }
+
+    fn table_of_sweep(text: &str, own: &[OwnVariable]) -> Result<DesignTable, String> {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies/macpherson_solve.toml");
         let study = Study::read(&path, &[]).unwrap();
-        let read = DesignTable::from_text("designs.csv", text.to_owned(), study.wheel());
+        let read = DesignTable::from_text("designs.csv", text.to_owned(), own, study.wheel());
         read.map_err(|e| e.to_string())
     }
 
@@ -300,6 +419,43 @@ mod tests {
         );
         let without_status = "tie_rod_inner_dz_mm,misfit\n1,2\n";
         assert!(self::table(without_status).unwrap_err().contains("misfit"));
+    }
+
+    /// A variable of the sweep that moves several hardpoints keeps its name and its moves. A name of one hardpoint is an
+    /// error, because it does not tell offsets from coordinates.
+    #[test]
+    fn variables_of_several_hardpoints_come_from_the_sweep() {
+        let own = |points: &str| -> Vec<OwnVariable> {
+            let text = format!("[{{\"column\":\"arm_height_mm\",\"low\":0,\"moves\":[{points}]}}]");
+            serde_json::from_str(&text).unwrap()
+        };
+        let point = |name: &str, factor: f64| {
+            format!("{{\"hardpoint\":\"{name}\",\"axis\":\"z\",\"factor\":{factor}}}")
+        };
+        let [front, rear] = [point("lower_arm_front", 1.0), point("lower_arm_rear", -0.5)];
+        let text = "design,arm_height_mm,misfit,reason,status\n3,2.5,1,,ok\n";
+        let table = table_of_sweep(text, &own(&format!("{front},{rear}"))).unwrap();
+        let [variable] = &table.variables[..] else {
+            panic!("one variable")
+        };
+        let factors: Vec<f64> = variable.moves.iter().map(|m| m.factor).collect();
+        assert_eq!(
+            (variable.name.as_str(), &factors[..]),
+            ("arm_height", &[1.0, -0.5][..])
+        );
+        assert!(!variable.absolute && table.row(0) == [2.5]);
+        let other = table_of_sweep(text, &own(&format!("{rear},{front}"))).unwrap();
+        assert_ne!(table.digest, other.digest);
+
+        for (points, phrase) in [
+            (front, "expected lower_arm_front_dz_mm for offsets"),
+            (format!("{rear},{}", point("none", 1.0)), "none.z"),
+            (String::new(), "rates of an elastic part"),
+        ] {
+            let said = table_of_sweep(text, &own(&points)).unwrap_err();
+            assert!(said.contains(phrase), "{said}");
+        }
+        assert!(self::table(text).unwrap_err().contains("unknown column"));
     }
 
     #[test]

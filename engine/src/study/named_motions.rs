@@ -1,8 +1,11 @@
 //! Named motions in `[motions.NAME]`.
 
 use super::error::Problems;
+use super::resolve::Context;
+use super::value::Text;
 use super::{Drive, Motion, axle, file, motion};
 use crate::model::Suspension;
+use toml::Spanned;
 
 /// Named motions of one wheel. In a study of an axle, they are motions of its left wheel.
 pub(super) fn of_wheel(
@@ -15,11 +18,33 @@ pub(super) fn of_wheel(
         if of_axle && axle::moves_axle(section.get_ref()) {
             continue;
         }
+        if of_axle && has_rack_alone(section.get_ref()) {
+            let message = "the rack alone does not tell a motion of both wheels from a motion of the left wheel";
+            let error = problems.add(section.span(), message);
+            error.help("add heave = 0.0 to steer both wheels at the design height");
+            continue;
+        }
         if let Some(motion) = motion::motion(section, true, problems) {
             motions.push((name.get_ref().clone(), motion));
         }
     }
     motions
+}
+
+/// Returns true if the rack is the only coordinate of a motion.
+fn has_rack_alone(motion: &file::Motion) -> bool {
+    let drives = [&motion.travel, &motion.arm_angle, &motion.theta];
+    motion.rack.is_some() && motion.time.is_none() && drives.iter().all(|own| own.is_none())
+}
+
+/// Returns true if the motion of one wheel with this name has an error. This error is already reported.
+pub(super) fn is_refused(name: &str, context: &Context) -> bool {
+    let is_of_wheel = |(own, section): (&Text, &Spanned<file::Motion>)| {
+        let moves_axle = context.axle.is_some() && axle::moves_axle(section.get_ref());
+        own.get_ref() == name && !moves_axle
+    };
+    let is_read = context.motions.iter().any(|own| own.0 == name);
+    !is_read && context.file.motions.iter().any(is_of_wheel)
 }
 
 /// Checks the names of all motions. Also checks drives and time laws of the motions of one wheel that have no errors.

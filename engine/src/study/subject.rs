@@ -6,7 +6,7 @@ use super::names::choose;
 use super::outputs::characteristic;
 use super::resolve::Context;
 use super::value::{MemberName, Numbers, Text};
-use super::{Site, TargetKind, TargetQuantity, file};
+use super::{Site, TargetKind, TargetQuantity, file, named_motions};
 use crate::analyse::{Support, members as carriers};
 use crate::ask::Unit;
 use crate::characteristics::{CarriedForce, Measure, Quantity};
@@ -238,6 +238,7 @@ pub(super) fn site(
 ) -> Option<Site> {
     let motion = match motion {
         None => None,
+        Some(text) if named_motions::is_refused(text.get_ref(), context) => return None,
         Some(text) => {
             let motions = context.motions.iter();
             let options: Vec<_> = motions.map(|named| (named.0.as_str(), named)).collect();

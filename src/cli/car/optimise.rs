@@ -3,7 +3,7 @@
 use super::super::exit::{Exit, Stop};
 use super::super::optimise::say_side_effects;
 use super::super::output::{Output, pool};
-use super::super::{RunArguments, interrupt};
+use super::super::{CurveArguments, interrupt};
 use super::{headline, keep, open, page, solver};
 use crate::optimise::Control;
 use crate::report::{
@@ -23,12 +23,13 @@ const TUNED_NAMES: [&str; 3] = [
     "optimised_rear.toml",
 ];
 
-pub(in crate::cli) fn optimise(arguments: &RunArguments, with_prices: bool) -> Result<Exit, Stop> {
+pub(in crate::cli) fn optimise(curves: &CurveArguments, with_prices: bool) -> Result<Exit, Stop> {
     if with_prices {
         return Err(Stop::wrong_input(
             "--prices is not available for a car, because the tuning of a car always searches for the smallest misfit",
         ));
     }
+    let arguments = &curves.run;
     let path = &arguments.study.study;
     let study = CarStudy::read(path, &arguments.study.set)?;
     let Some(wanted) = &study.optimise else {
@@ -36,7 +37,7 @@ pub(in crate::cli) fn optimise(arguments: &RunArguments, with_prices: bool) -> R
     };
     let pool = pool(arguments.threads, wanted.run.starts as u64)?;
     let mut own_solver = solver(&study, path)?;
-    let output = open(arguments, &study, "optimise")?;
+    let output = open(curves, &study, "optimise")?;
     let before = CarResults::solve(&study, &mut own_solver, study.cases.len());
     interrupt::stops_by_itself();
     let control = Control {

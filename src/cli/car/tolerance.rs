@@ -19,7 +19,8 @@ pub(in crate::cli) fn tolerance(arguments: &ToleranceArguments) -> Result<Exit, 
             "--build is not available for a car: it prints one study, but a build of a car has three",
         ));
     }
-    let arguments = &arguments.run;
+    let curves = &arguments.curves;
+    let arguments = &curves.run;
     let path = &arguments.study.study;
     let study = CarStudy::read(path, &arguments.study.set)?;
     let Some(tolerance) = &study.tolerance else {
@@ -30,7 +31,7 @@ pub(in crate::cli) fn tolerance(arguments: &ToleranceArguments) -> Result<Exit, 
     let fault = |fault| Stop::in_file(path, study.car.describe_fault(&fault));
     let nominal = problem.nominal().map_err(fault)?;
     let pool = pool(arguments.threads, tolerance.builds)?;
-    let output = open(arguments, &study, "tolerance")?;
+    let output = open(curves, &study, "tolerance")?;
     let expansion = problem.expansion();
     let expansion = expansion.map_err(|why| refused(&study, path, &why).after_its_input())?;
     let builds = pool.install(|| with_progress(&problem, tolerance, &nominal));

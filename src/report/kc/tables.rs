@@ -30,7 +30,7 @@ impl KcResults<'_> {
         let u = self.length().symbol();
         let mut columns = vec!["test".to_owned()];
         if self.is_axle {
-            columns.extend(["left travel", "right travel"].map(|c| format!("{c} {u}")))
+            columns.extend(["travel left", "travel right"].map(|c| format!("{c} {u}")))
         } else {
             columns.push(format!("travel {u}"))
         }

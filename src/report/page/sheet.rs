@@ -88,7 +88,7 @@ fn wanted_strips(summary: &SetUpSummary) -> Vec<Strip> {
             let goal = if s.kept { "kept at" } else { "wanted" };
             // An angle that is kept at 0 has a rounding error.
             let figure = brief(if wanted.abs() < 1e-9 { 0.0 } else { wanted });
-            let dots = [("former", s.drawn), ("main", s.set_rounded)].into_iter();
+            let dots = [("former", s.nominal), ("main", s.set_rounded)].into_iter();
             Strip {
                 title: format!("{}, {goal} {figure}", s.column),
                 range: None,

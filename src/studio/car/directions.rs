@@ -9,7 +9,7 @@
 //!
 //! Their root mean square is the misfit of a tuning.
 
-use super::{OpenedCar, overview::variable, solver};
+use super::{OpenedCar, overview::variable, solver, tuning::count_from_file};
 use crate::car::{CarQuantity, CarVariable, RigGoals};
 use crate::optimise::{Linearisation, TargetLayout, assessed};
 use crate::studio::directions::unseen;
@@ -48,7 +48,13 @@ pub(super) fn directions(opened: &OpenedCar, of: &Designed) -> Result<Directions
     }
     let shown = |own: &CarVariable| variable(own, &study);
     let shown: Vec<VariableOverview> = straight.iter().map(|k| shown(&all[*k])).collect();
-    Ok(unseen(&goal, &shown, of.design.len()))
+    let left = straight.iter().map(|k| {
+        let mut own = all[*k].clone();
+        count_from_file(&mut own, &opened.study, &study);
+        own.range
+    });
+    let left: Vec<[f64; 2]> = left.collect();
+    Ok(unseen(&goal, &shown, &left, of.design.len()))
 }
 
 /// Rows of all targets. `None` if a load case or a single axle has no solution.

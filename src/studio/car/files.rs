@@ -65,15 +65,19 @@ impl CarFiles {
     /// SHA-256 of the present texts.
     pub(in crate::studio) fn digest(&self) -> Result<String, String> {
         let text = text_of(self.path())?;
+        let [front, rear] = self.axles_in(&text)?;
+        let (front, rear) = (text_of(&front)?, text_of(&rear)?);
+        Ok(digest_of_texts(&[&text, &front, &rear]))
+    }
+
+    /// Files of the axles that a text of the car names.
+    fn axles_in(&self, text: &str) -> Result<[PathBuf; 2], String> {
         let document: toml::Table = text.parse().map_err(|e| format!("not TOML: {e}"))?;
         let directory = self.path().parent().unwrap_or(Path::new(""));
-        let axle = |end: &str| {
+        Ok(AXLE_NAMES.map(|end| {
             let named = document.get("car").and_then(|car| car.get(end));
-            let named = named.and_then(|name| name.as_str()).unwrap_or_default();
-            text_of(&directory.join(named))
-        };
-        let (front, rear) = (axle(AXLE_NAMES[0])?, axle(AXLE_NAMES[1])?);
-        Ok(digest_of_texts(&[&text, &front, &rear]))
+            directory.join(named.and_then(|name| name.as_str()).unwrap_or_default())
+        }))
     }
 
     /// Present texts of the files.
@@ -143,13 +147,22 @@ impl CarFiles {
         Ok((understood, done))
     }
 
-    /// Merges the user's edits and moved points into `now`, the present texts of files that another program has changed.
+    /// Merges the user's edits and moved points into `now`, the present texts of files that another program has changed. Refuses
+    /// a car that now names other files of its axles.
     fn merged(
         &self,
         opened: &OpenedCar,
         designs: &Designs,
         now: &[String; 3],
     ) -> Result<[String; 3], NotSaved> {
+        let named = self.axles_in(&now[0]).map_err(NotSaved::Refused)?;
+        let mut pairs = self.0[1..].iter().zip(&named);
+        if pairs.any(|(own, path)| fs::canonicalize(path).ok().as_ref() != Some(own)) {
+            return Err(NotSaved::Refused(format!(
+                "nothing is saved: {} now names other files of its axles; reload the page",
+                name_of(self.path())
+            )));
+        }
         let own = edited_texts(now, &opened.edits).map_err(NotSaved::Refused)?;
         let now = self.understood(&own)?;
         let axle = |end: usize| {
@@ -185,7 +198,9 @@ impl CarFiles {
         }
         let mut texts = with_designs(opened, designs);
         texts[0] = car_with_axles(&texts[0], &names[1], &names[2]);
-        self.understood(&texts)?;
+        // The files that an axle's study names are relative to its new folder.
+        let files = CarFiles([0, 1, 2].map(|number| paths[number].clone()));
+        files.understood(&texts)?;
         let there = paths.iter().filter(|path| path.exists());
         let there: Vec<String> = there.map(|path| name_of(path)).collect();
         if !anyway && !there.is_empty() {
@@ -234,13 +249,25 @@ fn with_designs(opened: &OpenedCar, designs: &Designs) -> [String; 3] {
     [opened.study.text.clone(), axle(0), axle(1)]
 }
 
-/// Texts with changes of their values. A path that begins with `front` or `rear` refers to the study of that axle.
+/// Texts with changes of their values. A path that begins with `front` or `rear` refers to the study of that axle. Refuses
+/// changes of the files that the car names, because the texts of other axles are not known.
 pub(super) fn edited_texts(
     texts: &[String; 3],
     edits: &[ValueEdit],
 ) -> Result<[String; 3], String> {
     let mut texts = texts.clone();
     for edit in edits {
+        let keys = edit.path.iter().take(2).map(|step| match step {
+            PathStep::Key(key) => key.as_str(),
+            PathStep::Place(_) => "",
+        });
+        let keys: Vec<&str> = keys.collect();
+        if keys == ["car"] || AXLE_NAMES.iter().any(|end| keys == ["car", *end]) {
+            let names = AXLE_NAMES.join(" and ");
+            return Err(format!(
+                "the page cannot change the files of the axles ({names} in [car]): edit the study file"
+            ));
+        }
         let end = match edit.path.first() {
             Some(PathStep::Key(key)) => AXLE_NAMES.iter().position(|end| end == key),
             _ => None,

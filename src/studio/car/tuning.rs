@@ -38,7 +38,11 @@ pub(super) fn tuning(opened: &Arc<OpenedCar>, request: &TuneRequest) -> Result<T
 
 /// Shifts the range of a variable, which is relative to the design in the files, so that it is relative to the present design.
 /// Returns a note if the range cannot be kept.
-fn count_from_file(variable: &mut CarVariable, file: &CarStudy, now: &CarStudy) -> Option<String> {
+pub(super) fn count_from_file(
+    variable: &mut CarVariable,
+    file: &CarStudy,
+    now: &CarStudy,
+) -> Option<String> {
     let moved = variable.moves.points().iter().map(|at| {
         let [was, is] = [file, now].map(|study| {
             let wheel = &study.car.axles[at.axle].left;

@@ -252,7 +252,7 @@ class Chart {
     set(this.value, { class: large !== undefined ? null : small !== undefined ? 'pair' : 'pair wide' });
     write(this.value, words);
     const values = lines.flatMap(({ pieces }) => heights(pieces));
-    let text = values.length ? rangeOf(Math.min(...values), Math.max(...values)) : 'no value';
+    let text = values.length ? rangeOf(...endsOf(values)) : 'no value';
     if (first.slopes) {
       const known = lines.flatMap(({ slopes }) => slopes ?? []).filter((s) => s !== null);
       const rms = Math.sqrt(known.reduce((sum, s) => sum + s * s, 0) / Math.max(1, known.length));

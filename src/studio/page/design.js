@@ -1,6 +1,6 @@
 // The design in progress: coordinates, locked coordinates, and history. All other parts of the page show this state.
 import { signed } from './draw.js';
-import { post } from './server.js';
+import { post, restoreTexts } from './server.js';
 
 export const state = {
   overview: null,
@@ -176,6 +176,13 @@ export const takeOverview = (overview, label, edits, design = null) => {
   emit('design');
   emit('deed');
 };
+// The server stores only the latest texts. To restore a text, it reads the file again and receives the edits of the text.
+restoreTexts(async (digest, ask) => {
+  const overviews = [state.overview, state.file, ...timeline.map(({ overview }) => overview)];
+  const { from, edits } = overviews.find((own) => own?.digest === digest);
+  await ask('study', null);
+  if (edits.length) await ask('edit', { digest: from, edits });
+});
 // True if the study's text was changed, apart from coordinates.
 export const isEdited = () => state.overview.digest !== state.overview.base;
 

@@ -1,5 +1,6 @@
 // A strip under a chart: the deviation of the curve from its target, as a multiple of the tolerance.
 import { refill } from './draw.js';
+import { endsOf } from './runs.js';
 
 const HALF = 11;
 const MOST = 2;
@@ -24,7 +25,8 @@ export class Deviation {
     }
     const scale = HALF / MOST;
     const ends = targets.flatMap(({ points }) => points.map(([place]) => x(place)));
-    const [left, right] = [Math.min(...ends) - 3, Math.max(...ends) + 3];
+    const [low, high] = endsOf(ends);
+    const [left, right] = [low - 3, high + 3];
     const drawn = [['title', { text: `deviation as a multiple of the tolerance; the strip ends at ±${MOST}, the band shows ±1` }],
       ['rect', { x: left.toFixed(1), y: (base - scale).toFixed(1), width: (right - left).toFixed(1), height: (2 * scale).toFixed(1) }],
       ['path', { class: null, d: `M${left.toFixed(1)} ${base}H${right.toFixed(1)}`, 'stroke-opacity': 0.8 }]];

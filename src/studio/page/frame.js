@@ -1,4 +1,5 @@
 // The range of a chart's vertical axis.
+import { endsOf } from './runs.js';
 
 // Time in milliseconds after which a too wide axis shrinks during a drag.
 const REST = 300;
@@ -6,12 +7,11 @@ const REST = 300;
 const TOO_WIDE = 1.5;
 const FAR_OUT = 4;
 
-const ends = (values) => (values.length ? [Math.min(...values), Math.max(...values)] : [Infinity, -Infinity]);
 const span = ([low, high]) => high - low;
 
 // Range of most values. With it, a bad pose at one station does not flatten the rest of the curve.
 const robust = (values) => {
-  const all = ends(values);
+  const all = endsOf(values);
   if (values.length < 8) return all;
   const sorted = [...values].sort((a, b) => a - b);
   const at = (part) => sorted[Math.round(part * (sorted.length - 1))];
@@ -24,8 +24,8 @@ const robust = (values) => {
 // At rest, the axis contains all values. During a drag, the axis leaves out outliers. It grows at once and shrinks only after a
 // pause, so that the curves move but the axis does not.
 export const framed = (chart, still, moving, isInGesture) => {
-  const own = isInGesture ? robust(moving) : ends(moving);
-  const fixed = ends(still);
+  const own = isInGesture ? robust(moving) : endsOf(moving);
+  const fixed = endsOf(still);
   let [low, high] = [Math.min(own[0], fixed[0]), Math.max(own[1], fixed[1])];
   if (!Number.isFinite(low)) [low, high] = [-1, 1];
   const least = Math.max(1e-9, 1e-6 * Math.max(Math.abs(low), Math.abs(high)));

@@ -2,6 +2,7 @@
 import { brief, byId, html, renew, scroller } from './draw.js';
 import { askPins, copy, history, isEdited, isInGesture, isMoved, isSame, on, onRest, put, resume, state, travel } from './design.js';
 import { action, question, say } from './dialog.js';
+import { endsOf } from './runs.js';
 import { post } from './server.js';
 import { writtenDiff } from './changes.js';
 import { tellTab } from './layout.js';
@@ -97,7 +98,8 @@ const comparison = () => {
   const designs = [...pinned.map((letter) => [letter, state.pins[letter].answer]), ['now', state.answer]];
   const range = (answer, column) => {
     const values = answer.columns.find((c) => c.column === column)?.values.filter((v) => v !== null) ?? [];
-    return values.length ? `${brief(Math.min(...values), 4)} … ${brief(Math.max(...values), 4)}` : '–';
+    const [low, high] = endsOf(values);
+    return values.length ? `${brief(low, 4)} … ${brief(high, 4)}` : '–';
   };
   const rows = state.answer.columns.map(({ column, title, unit }) => html('tr', {}, html('th', { scope: 'row', text: unit ? `${title} [${unit}]` : title }),
     ...designs.map(([, answer]) => html('td', { class: 'number', text: range(answer, column) }))));

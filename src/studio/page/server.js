@@ -44,14 +44,35 @@ const send = async (what, message) => {
   return response;
 };
 
-export const post = async (what, message) => {
+const answered = async (what, message) => {
   const answer = await (await send(what, message)).json();
   if (answer?.refused) throw new Refused(answer.refused, answer.why);
   return answer;
 };
-export const postForText = async (what, message) => {
+const answeredInText = async (what, message) => {
   const response = await send(what, message);
   const text = await response.text();
-  if (response.headers.get('content-type') === 'application/json') throw new Refused(422, JSON.parse(text).why);
+  if (response.headers.get('content-type') === 'application/json') {
+    const { refused, why } = JSON.parse(text);
+    throw new Refused(refused, why);
+  }
   return text;
 };
+
+// Status of a request about a text of the study that the server no longer stores.
+const FORGOTTEN = 410;
+let restore = () => Promise.reject();
+// Registers a function that makes the server store the text with this digest again. Its second argument sends a request.
+export const restoreTexts = (own) => { restore = own; };
+// Sends a request. If the server no longer stores the text, restores the text and sends the request again.
+const restored = (ask) => async (what, message) => {
+  try {
+    return await ask(what, message);
+  } catch (refused) {
+    if (refused.status !== FORGOTTEN) throw refused;
+    await restore((message.of ?? message).digest, answered).catch(() => { throw refused; });
+    return ask(what, message);
+  }
+};
+export const post = restored(answered);
+export const postForText = restored(answeredInText);

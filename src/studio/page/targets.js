@@ -3,6 +3,7 @@
 import { AXES, brief, fill, fitted, html, parsed, quantity, scroller } from './draw.js';
 import { placeAfter, state, takeOverview } from './design.js';
 import { markNumber, question, refuse, retract } from './dialog.js';
+import { endsOf } from './runs.js';
 import { post } from './server.js';
 
 export const words = (text) => text.replaceAll(/[_.]/g, ' ');
@@ -294,7 +295,8 @@ export const askForTarget = async (series, answer) => {
   const subject = subjectOf(column, series.length);
   if (!subject) return refuse(`${title} cannot have a target here.`);
   const values = columns.flatMap((c) => c.values).filter((v) => v !== null);
-  const [low, high] = values.length ? [outward(Math.min(...values), Math.floor), outward(Math.max(...values), Math.ceil)] : [0, 1];
+  const [lowest, highest] = values.length ? endsOf(values) : [0, 1];
+  const [low, high] = [outward(lowest, Math.floor), outward(highest, Math.ceil)];
   const wide = Math.max(high - low, 1e-2);
   const fields = { low: number(low), high: number(high), tolerance: number(Number((wide / 10).toPrecision(1))) };
   // The default band of a new target of a load case is around the present value.

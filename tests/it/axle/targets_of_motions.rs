@@ -207,6 +207,14 @@ fn motions_that_a_target_cannot_have_are_refused() {
         ],
         "the motion wheel moves the left wheel alone",
     );
+    // The rack alone is an error of the motion. It is the only error, also if a target names the motion.
+    let steered = ["motions.steered={ rack = [0.0, 5.0] }"];
+    let of_target = target("motion = \"steered\"");
+    for edits in [&steered[..], &[steered[0], &of_target]] {
+        refused(edits, "add heave = 0.0 to steer both wheels");
+        let error = with(&given, edits).unwrap_err();
+        assert_eq!(error.matches("error: ").count(), 1, "{error}");
+    }
     refused(
         &[turn, &target("motion = \"turn\", travel_left = 3.0")],
         "the motion turn has roll, heave, rack, but no travel_left",

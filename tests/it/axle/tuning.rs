@@ -47,6 +47,18 @@ pub(super) fn evaluate(study: &Study, layout: &TargetLayout, x: &DVector<f64>) -
     found
 }
 
+/// The largest deviation of a target is at its first station if all deviations are 0.
+#[test]
+fn a_target_without_deviation_names_its_first_station() {
+    let study = study("macpherson_axle_front", &[]);
+    let layout = layout(&study);
+    let residuals = DVector::zeros(layout.residuals());
+    // The second target has its first station at -3 degrees of roll.
+    let of_roll = layout.deviations(&residuals)[1];
+    assert_eq!(of_roll.worst, 0.0);
+    assert!((of_roll.worst_at + 3.0).abs() < 1e-9, "{of_roll:?}");
+}
+
 /// Hardpoints of the right wheel one by one: the mirror images, moved by `shift`.
 pub(super) fn own_right(shift: f64) -> String {
     let left = [

@@ -21,7 +21,7 @@ fn effects_of_the_steps_add_up_to_the_rounded_set_up() {
             .adjustments
             .iter()
             .map(|step| step.effect[k].unwrap());
-        let change = value.set_rounded.unwrap() - value.drawn.unwrap();
+        let change = value.set_rounded.unwrap() - value.nominal.unwrap();
         let sum: f64 = effects.sum();
         assert!(
             (sum - change).abs() < 1e-12,

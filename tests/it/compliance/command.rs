@@ -469,7 +469,22 @@ fn a_page_of_tests_needs_a_directory() {
     let said = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert_eq!(refused.status.code(), Some(2), "{said}");
     assert!(refused.stdout.is_empty());
-    assert!(said.contains("need a directory"), "{said}");
+    assert!(said.contains("--report needs a directory"), "{said}");
+}
+
+/// `kc` and `setup` make no pictures, so they have no option `--plots`.
+#[test]
+fn tests_and_set_ups_have_no_option_for_pictures() {
+    let directory = tempfile::tempdir().unwrap();
+    let study = study("double_wishbone_compliance.toml");
+    for command in ["kc", "setup"] {
+        let help = hardpoint(&[command, "--help"], directory.path());
+        assert!(!String::from_utf8_lossy(&help.stdout).contains("--plots"));
+        let refused = hardpoint(&[command, &study, "--plots", "pictures"], directory.path());
+        let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert_eq!(refused.status.code(), Some(2), "{said}");
+        assert!(said.contains("unexpected argument '--plots'"), "{said}");
+    }
 }
 
 /// Curves of a swept design contain its test results at every station, like the curves of `solve`.

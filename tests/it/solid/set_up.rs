@@ -216,7 +216,7 @@ pub(super) fn linear_remainders(summary: &SetUpSummary) -> Vec<f64> {
         let own = &summary.statics[i];
         let by = summary.adjustments.iter();
         let linear: f64 = by.map(|a| a.amount * a.by_length[i].unwrap()).sum();
-        own.set.unwrap() - own.drawn.unwrap() - linear
+        own.set.unwrap() - own.nominal.unwrap() - linear
     };
     (0..summary.statics.len()).map(remainder).collect()
 }
@@ -331,7 +331,7 @@ fn single_parts_and_kept_toe() {
     assert!(summary.met, "{summary:?}");
     for name in ["left_toe", "right_toe"] {
         let own = &summary.statics[column(summary, name)];
-        assert!(own.kept && (own.set.unwrap() - own.drawn.unwrap()).abs() < 1e-9);
+        assert!(own.kept && (own.set.unwrap() - own.nominal.unwrap()).abs() < 1e-9);
     }
     let shim = &summary.adjustments[0];
     assert_eq!(shim.adjustment, "upper_link_chassis x");

@@ -189,7 +189,7 @@ fn oversized_and_malformed_requests_are_refused() {
     with("at", json!([0.0]), 422);
     with("at", json!([1.0, 2.0, 3.0]), 422);
     with("at", json!([null, 0.0]), 400);
-    with("of", json!({"digest": "0", "design": of["design"]}), 409);
+    with("of", json!({"digest": "0", "design": of["design"]}), 410);
     with("of", json!({"digest": of["digest"], "design": []}), 422);
     with(
         "of",

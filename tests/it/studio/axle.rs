@@ -315,6 +315,24 @@ fn shown_stations_alone_have_the_values_of_the_whole_answer() {
     }
 }
 
+/// The page gets at most 2000 stations of an axle, evenly chosen, and a remark. The influence of a point has the same stations.
+#[test]
+fn many_stations_of_an_axle_are_thinned() {
+    let text = sample("macpherson_axle.toml").replace("steps = 13", "steps = 1001");
+    let served = Served::of(&text);
+    let answer = solve(&served, &["camber"], &[0.0; 3]);
+    let stations = answer["drive"].as_array().unwrap().len();
+    assert!((1000..=2000).contains(&stations), "{stations}");
+    let remark = format!("{stations} of 6006 stations are shown");
+    assert!(answer["remarks"].to_string().contains(&remark));
+    let overview = served.overview();
+    let of = json!({"digest": overview["digest"], "design": overview["design"]});
+    let message = json!({"of": of, "characteristics": ["camber"], "point": 0, "axis": 2});
+    let found = served.post("influence", &message).json();
+    let slopes = found["columns"][0]["slopes"].as_array().unwrap();
+    assert_eq!(slopes.len(), stations);
+}
+
 /// The page shows the curves of a named motion over the coordinates of this motion. The values are those of
 /// `curves_NAME.csv`. The targets state the name of the motion.
 #[test]

@@ -226,6 +226,32 @@ fn changed_files_are_kept_and_merged() {
     assert_eq!(read(&served, "car_front.toml"), front);
 }
 
+/// The page cannot change the names of the axles' files. If another program changes these names, a save writes nothing.
+#[test]
+fn files_of_the_axles_are_not_exchanged() {
+    let served = served("car", as_it_is);
+    let digest = served.overview()["digest"].clone();
+    for path in [json!(["car", "front"]), json!(["car"])] {
+        let edits = json!([{"path": path, "value": "car_rear.toml"}]);
+        let refused = served.post("edit", &json!({"digest": digest, "edits": edits}));
+        assert_eq!(refused.status, 422);
+        let why = refused.text();
+        assert!(why.contains("the files of the axles"), "{why}");
+    }
+    let of = moved(&served, &[("front_tie_rod_inner", 2, 1.5)]);
+    let car = read(&served, "car.toml").replace("car_front.toml", "other.toml");
+    fs::write(file(&served, "other.toml"), sample("car_front.toml")).unwrap();
+    fs::write(file(&served, "car.toml"), &car).unwrap();
+    let refused = save(&served, &of, true);
+    assert_eq!(refused.status, 422, "{}", refused.text());
+    let why = refused.text();
+    assert!(why.contains("names other files of its axles"), "{why}");
+    for name in ["other.toml", "car_front.toml"] {
+        assert_eq!(read(&served, name), sample("car_front.toml"));
+    }
+    assert_eq!(read(&served, "car.toml"), car);
+}
+
 /// If an axle is missing, a design is invalid, or one axle is used for both ends, the server writes nothing.
 #[test]
 fn nothing_is_written_halfway() {

@@ -179,3 +179,20 @@ fn lines_of_another_program_are_no_changes_of_the_page() {
     assert_eq!(served.text(), format!("# by hand\n{text}"));
     assert_eq!(browser.console(), Vec::<String>::new());
 }
+
+/// The server stores a limited number of texts. If it no longer has the page's text, the page sends its edits again.
+#[test]
+fn a_text_that_the_server_has_dropped_is_sent_again() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let (_, served) = edited(&browser);
+    let digest = served.overview()["digest"].clone();
+    for number in 0..45 {
+        let path = json!(["optimise", "targets", 0, "tolerance"]);
+        let edits = json!([{"path": path, "value": 0.5 + f64::from(number)}]);
+        let other = served.post("edit", &json!({"digest": digest, "edits": edits}));
+        assert_eq!(other.status, 200, "{}", other.text());
+    }
+    type_tolerance(&browser, "0.025");
+}

@@ -422,3 +422,28 @@ fn threads_are_no_more_than_help() {
     assert!(error.contains("of the 10000 requested threads"), "{error}");
     assert!(begun.elapsed().as_secs() < 30);
 }
+
+/// All designs of a Latin hypercube depend on their number. The program explains this if a run is resumed with another number.
+#[test]
+fn a_latin_hypercube_is_not_extended() {
+    let bench = Bench::new(STUDY);
+    let sweep = |samples: &str, more: &[&str]| {
+        let samples = format!("sweep.samples={samples}");
+        let method = "sweep.method=\"latin_hypercube\"";
+        bench.sweep(
+            "run",
+            &[&["--set", method, "--set", samples.as_str()], more].concat(),
+        )
+    };
+    sweep("20", &[]).success();
+    sweep("20", &["--resume"]).success();
+    for samples in ["40", "10"] {
+        let (_, error) = said(&sweep(samples, &["--resume"]).code(2));
+        let expected =
+            format!("run has a Latin hypercube of 20 designs, but the study has one of {samples}");
+        assert!(
+            crate::support::one_line(&error).contains(&expected),
+            "{error}"
+        );
+    }
+}

@@ -844,6 +844,29 @@ fn fronts_and_price_lists_are_written_and_shown() {
     curves_of_a_point_are_those_of_its_study(&out);
 }
 
+/// A fit has no list of misfit against size of change, so it refuses `--prices` instead of ignoring it.
+#[test]
+fn a_fit_refuses_prices() {
+    let directory = tempfile::tempdir().unwrap();
+    let out = directory.path().join("run");
+    let refused = hardpoint(&[
+        "optimise",
+        "studies/macpherson_front.toml",
+        "--set",
+        "optimise.fit=true",
+        "--prices",
+        "--out",
+        out.to_str().unwrap(),
+    ])
+    .code(2);
+    let said = String::from_utf8(refused.get_output().stderr.clone()).unwrap();
+    assert!(
+        said.contains("--prices is not available with fit = true"),
+        "{said}"
+    );
+    assert!(!out.exists());
+}
+
 /// A point of the Pareto front has the same curves as its study, to six digits.
 fn curves_of_a_point_are_those_of_its_study(run: &std::path::Path) {
     let record = std::fs::read(run.join("report.json")).unwrap();

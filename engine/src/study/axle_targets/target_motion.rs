@@ -2,11 +2,11 @@
 
 use super::super::axle::{AxleStudy, coordinates, moves_axle};
 use super::super::error::Problems;
-use super::super::file;
 use super::super::motion::list;
 use super::super::names::choose;
 use super::super::resolve::Context;
 use super::super::value::Text;
+use super::super::{file, named_motions};
 use super::distinct;
 use crate::axle::{Axle, AxleMotion, Coordinate};
 
@@ -31,6 +31,9 @@ impl<'m> TargetMotion<'m> {
                 motion: &study.plan.motion,
             });
         };
+        if named_motions::is_refused(text.get_ref(), context) {
+            return None;
+        }
         let sections = &context.file.motions;
         let is_of_wheel = sections.iter().any(|(own, section)| {
             own.get_ref() == text.get_ref() && !moves_axle(section.get_ref())

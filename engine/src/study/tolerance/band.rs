@@ -6,7 +6,7 @@ use super::super::error::Problems;
 use super::super::outputs::characteristic;
 use super::super::resolve::Context;
 use super::super::value::Number;
-use super::super::{Band, TargetQuantity, axle_targets, file};
+use super::super::{Band, Drive, TargetQuantity, axle_targets, file};
 use crate::number::Each;
 use std::ops::Range as Span;
 use toml::Spanned;
@@ -25,7 +25,13 @@ pub(super) fn band(
     let site = of.as_ref().and_then(|(_, site)| site.as_ref());
     let values = match (site, context.axle) {
         (Some(site), _) => Some(&site.values),
-        (None, None) => context.motion.map(|motion| &motion.values),
+        // The section already refuses a motion with another drive than the travel.
+        (None, None) => {
+            let motion = context
+                .motion
+                .filter(|motion| motion.drive == Drive::Travel);
+            motion.map(|motion| &motion.values)
+        }
         // Errors in the stations are already reported.
         (None, Some(_)) => None,
     };

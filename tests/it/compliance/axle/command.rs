@@ -16,6 +16,22 @@ fn rows(path: &Path) -> Vec<BTreeMap<String, String>> {
     rows_by_column(&std::fs::read(path).unwrap())
 }
 
+/// The printed table names the travels of an axle as `kc.csv` does.
+#[test]
+fn printed_and_written_travels_have_the_same_names() {
+    let directory = tempfile::tempdir().unwrap();
+    let call = ["kc", &study(), "--out", "kc", "--format", "json"];
+    let ran = hardpoint(&call, directory.path());
+    let errors = String::from_utf8_lossy(&ran.stderr);
+    assert_eq!(ran.status.code(), Some(0), "{errors}");
+    let printed: serde_json::Value = serde_json::from_slice(&ran.stdout).unwrap();
+    let written = rows(&directory.path().join("kc/kc.csv"));
+    for name in ["travel_left_mm", "travel_right_mm", "rack_mm"] {
+        assert!(printed["figures"][0][name].is_number(), "{name}");
+        assert!(written[0].contains_key(name), "{name}");
+    }
+}
+
 #[test]
 fn kc_tests_both_wheels_of_an_axle() {
     let directory = tempfile::tempdir().unwrap();

@@ -102,7 +102,7 @@ fn effects_predict_to_first_order() {
         let text = text(kind, "free");
         // The nominal axle moves into its equilibrium. Target changes are relative to that equilibrium.
         let nominal = found(&text, kind, WANT, "").wheels[0].clone();
-        let drawn = NAMES.map(|name| nominal.statics[column(&nominal, name)].drawn.unwrap());
+        let drawn = NAMES.map(|name| nominal.statics[column(&nominal, name)].nominal.unwrap());
         let remainders = |scale: f64| -> Vec<f64> {
             let want = [0, 1, 2, 3].map(|k| drawn[k] + scale * WANT[k]);
             let found = found(&text, kind, want, "");

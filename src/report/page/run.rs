@@ -194,10 +194,7 @@ fn of_summary(run: &Run, charts: &mut Charts) -> (String, String) {
             let sections = front + &tuning_sections(tuning, history, charts);
             (sections, String::new())
         }
-        Summary::Tolerance(tolerance) => (
-            String::new(),
-            tolerance_sections(tolerance, &record.motion.drive),
-        ),
+        Summary::Tolerance(tolerance) => (String::new(), tolerance_sections(tolerance, record)),
         solve => {
             let ranges = solve.tables().map(|[ranges, ..]| ranges.html());
             (String::new(), ranges.unwrap_or_default())

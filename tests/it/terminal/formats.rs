@@ -230,6 +230,24 @@ fn the_tables_have_the_numbers_of_the_files() {
     }
 }
 
+/// The headings for people have the unit of the travel and the rack displacement. The keys for programs stay without it.
+#[test]
+fn positions_of_scatter_have_a_unit() {
+    let path = study("macpherson_tolerance");
+    let builds = ["--set", "tolerance.builds=20"];
+    let racks = ["--set", "motion.rack=[-5.0, 0.0, 5.0]"];
+    let arguments = [&["tolerance", path.to_str().unwrap()], &builds[..], &racks].concat();
+    let said = Called::with(&arguments, &[("COLUMNS", "200")]).said();
+    let header = said.lines().find(|line| line.contains("nominal"));
+    let header = header.unwrap_or_else(|| panic!("{said}"));
+    assert!(header.contains("travel mm  rack mm"), "{said}");
+    let said = Called::with(&[&arguments[..], &["--format", "json"]].concat(), &[]).said();
+    let tables: Value = serde_json::from_str(&said).unwrap();
+    for key in ["travel", "rack"] {
+        assert!(tables["values"][0][key].is_number(), "{said}");
+    }
+}
+
 /// At most as many builds are within all bands as within each single band.
 #[test]
 fn yields_end_with_those_of_all_bands() {

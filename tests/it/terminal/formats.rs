@@ -1,6 +1,6 @@
 //! Tests of `--format json` and `--format csv`: they contain every table of a command with exact numbers.
 
-use super::Called;
+use super::{Called, study};
 use crate::support::larger;
 use serde_json::Value;
 

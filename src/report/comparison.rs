@@ -453,7 +453,7 @@ fn like_first(design: &Compared, first: &Compared) -> Result<CurveTable, String>
         for value in values.iter_mut().flatten() {
             *value = column.value(*value);
         }
-        *name = column.name;
+        *name = column.name_in(&first.curves.header);
     }
     Ok(table)
 }

@@ -62,7 +62,7 @@ impl Column {
         }
     }
 
-    /// Name for programs. Spaces and hyphens become underscores: `at design` -> `at_design`.
+    /// Name for programs, without a number. Spaces and hyphens become underscores: `at design` -> `at_design`.
     fn key(&self) -> String {
         self.name.unwrap_or(&self.title).replace([' ', '-'], "_")
     }
@@ -180,24 +180,32 @@ impl Table {
         })
     }
 
+    /// Names of the columns for programs, each once. If the name of a run or a goal is also the name of an earlier column, it gets a
+    /// number: `unit_2`.
+    fn program_keys(&self) -> Vec<String> {
+        let mut keys: Vec<String> = Vec::new();
+        for column in self.columns.iter().filter(|c| c.programs) {
+            let key = column.key();
+            let numbered = (2..).map(|number| format!("{key}_{number}"));
+            let mut names = std::iter::once(key.clone()).chain(numbered);
+            keys.extend(names.find(|name| !keys.contains(name)));
+        }
+        keys
+    }
+
     /// Table as CSV that ends with a line break. With `name`, a first column `table` contains the name in every row.
     pub fn csv(&self, name: Option<&str>) -> String {
-        let for_programs = |of: &Vec<String>| -> Vec<String> {
-            let cells = of.iter().zip(&self.columns).filter(|(_, c)| c.programs);
-            cells.map(|(cell, _)| cell.clone()).collect()
-        };
         let mut writer = csv::Writer::from_writer(Vec::new());
         let mut write = |first: Option<&str>, cells: Vec<String>| {
-            let cells = for_programs(&cells);
             let line = first.into_iter().chain(cells.iter().map(String::as_str));
             writer
                 .write_record(line)
                 .expect("all rows have the same length");
         };
-        let header = self.columns.iter().map(Column::key).collect();
-        write(name.map(|_| "table"), header);
+        write(name.map(|_| "table"), self.program_keys());
         for row in &self.rows {
-            write(name, row.iter().map(Cell::csv).collect());
+            let cells = row.iter().zip(&self.columns).filter(|(_, c)| c.programs);
+            write(name, cells.map(|(cell, _)| cell.csv()).collect());
         }
         let bytes = writer
             .into_inner()
@@ -207,10 +215,11 @@ impl Table {
 
     /// Table as a JSON list of objects.
     pub fn json(&self) -> Value {
+        let keys = self.program_keys();
         let object = |row: &Vec<Cell>| {
             let cells = row.iter().zip(&self.columns).filter(|(_, c)| c.programs);
-            let named = cells.map(|(cell, column)| (column.key(), cell.data.clone()));
-            Value::Object(named.collect::<Map<_, _>>())
+            let cells = cells.map(|(cell, _)| cell.data.clone());
+            Value::Object(keys.iter().cloned().zip(cells).collect::<Map<_, _>>())
         };
         Value::from(self.rows.iter().map(object).collect::<Vec<Value>>())
     }

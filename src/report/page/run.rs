@@ -118,7 +118,7 @@ fn with_design(run: &Run, design: Option<&PageDesign>) -> String {
     let record = &run.record;
     let misses = tuning_of(run).map_or_else(Vec::new, missed);
     let figures = figures(
-        Charted::of(record),
+        Charted::of(record, &run.curves),
         &misses,
         &mut charts,
         |tables, group, over| front_lines(record, tables, first_of_front, group, over),

@@ -52,6 +52,17 @@ pub fn car_constraint_names(records: &[CarConstraintRecord], numbers: &[usize]) 
     numbers.iter().map(name).collect()
 }
 
+impl CarTargetRecord {
+    /// Table cell with the target value, or with the limits in words. For a target of an axle alone: a deviation of 0, with the curve
+    /// or band of the target in words.
+    pub(in crate::report) fn wanted_cell(&self) -> Cell {
+        match self.curve {
+            None => wanted_cell(self.wanted, self.unit()),
+            Some(curve) => format!("0 (target {})", value_in_words(curve, self.unit())).into(),
+        }
+    }
+}
+
 /// Table of the targets with their values.
 pub fn car_targets_table(records: &[CarTargetRecord]) -> Table {
     let mut table = Table::new(["target", "case", "wanted", "before", "after", "tolerance"]);
@@ -61,10 +72,7 @@ pub fn car_targets_table(records: &[CarTargetRecord]) -> Table {
         let cells: [Cell; 6] = [
             target.output.as_str().into(),
             target.case.as_str().into(),
-            match target.curve {
-                None => wanted_cell(target.wanted, unit),
-                Some(curve) => format!("0 (target {})", value_in_words(curve, unit)).into(),
-            },
+            target.wanted_cell(),
             cell(target.values[0]),
             cell(target.values[1]),
             cell(Some(target.tolerance)),

@@ -92,6 +92,8 @@ pub struct Table {
     rows: Vec<Vec<Cell>>,
     /// Number of leading columns for people that identify a row.
     keys: usize,
+    /// Indices of the rows that are headings of the rows below them.
+    headings: Vec<usize>,
 }
 
 impl Table {
@@ -106,6 +108,7 @@ impl Table {
             columns: columns.into_iter().map(Into::into).collect(),
             rows: Vec::new(),
             keys: 1,
+            headings: Vec::new(),
         }
     }
 
@@ -120,6 +123,19 @@ impl Table {
         let row: Vec<Cell> = row.into_iter().map(Into::into).collect();
         assert_eq!(row.len(), self.columns.len());
         self.rows.push(row);
+    }
+
+    /// Adds a heading for the rows below it. Its row has one filled cell, the first one.
+    pub fn push_heading(&mut self, title: impl Into<Cell>) {
+        self.headings.push(self.rows.len());
+        let mut row = vec![title.into()];
+        row.resize_with(self.columns.len(), || "".into());
+        self.rows.push(row);
+    }
+
+    /// True if the row with this index is a heading.
+    pub(super) fn is_heading(&self, row: usize) -> bool {
+        self.headings.contains(&row)
     }
 
     /// Adds a row with one cell per column.
@@ -144,7 +160,12 @@ impl Table {
                 table.keys += 1;
             }
             match &mut stacked {
-                Some(stacked) => stacked.rows.append(&mut table.rows),
+                Some(stacked) => {
+                    let above = stacked.rows.len();
+                    let headings = table.headings.iter().map(|row| row + above);
+                    stacked.headings.extend(headings);
+                    stacked.rows.append(&mut table.rows);
+                }
                 None => stacked = Some(table),
             }
         }

@@ -220,7 +220,7 @@ impl CarResults<'_> {
                 unit: own.quantity.info().unit.suffix(self.study.car.length_unit),
                 margins,
                 is_of_axle: false,
-                status: status(margins[1], own.visible),
+                status: Some(status(margins[1], own.visible)),
                 price: None,
                 price_not_determined: false,
             }
@@ -241,7 +241,7 @@ impl CarResults<'_> {
                     unit: part.map_or(String::new(), |part| part.unit.clone()),
                     margins,
                     is_of_axle: true,
-                    status: status(margins[1], part.map_or(1.0, |part| part.visible)),
+                    status: Some(status(margins[1], part.map_or(1.0, |part| part.visible))),
                     price: None,
                     price_not_determined: false,
                 });
@@ -289,9 +289,10 @@ pub fn car_variables_table(records: &[CarVariableRecord]) -> Table {
     table
 }
 
-/// Status of a constraint with this margin. `visible` is the violation that counts as 1, in the unit of the margin.
-fn status(margin: Option<f64>, visible: f64) -> Option<ConstraintStatus> {
-    margin.map(|margin| ConstraintStatus::of(margin / visible))
+/// Status of a constraint with this margin, or without a known margin. `visible` is the violation that counts as 1, in the unit of
+/// the margin.
+fn status(margin: Option<f64>, visible: f64) -> ConstraintStatus {
+    ConstraintStatus::of(margin.unwrap_or(f64::NAN) / visible)
 }
 
 /// Limits of a constraint of an axle. Both limits are `None` if the parts of the constraint have different limits.

@@ -256,7 +256,8 @@ fn constraints(record: &CarRecord) -> String {
     };
     let violated = |row: usize| {
         let status = constraints[row].status;
-        (status == Some(ConstraintStatus::Violated)).then_some("unmet")
+        let is_violated = status.is_some_and(ConstraintStatus::is_violated);
+        is_violated.then_some("unmet")
     };
     let note = "Margin: distance to the nearer limit, negative if it is violated. Price: decrease of the misfit if the \
                 limit moves outward by one unit.";

@@ -64,8 +64,8 @@ impl ColumnConversion {
 }
 
 impl ConvertedColumn {
-    /// Name of the same result in a list of columns. It may differ from the own name in the last digits of the trail. The own name if
-    /// the list does not have the result.
+    /// Name of the same result in a list of columns. It may differ from the own name in the last digits of the trail. The own
+    /// name if the list does not have the result.
     pub(super) fn name_in(&self, columns: &[String]) -> String {
         let mut columns = columns.iter();
         let same = columns.find(|column| is_same_result(column, &self.name));

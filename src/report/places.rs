@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 /// Number of corners of a circle.
 const ROUND: usize = 36;
 
-/// Regions of constraints of one wheel, in the study's axes and length unit. They include the clearance of their constraint. A box or
-/// cylinder that a point must avoid has sharp edges, although the clearance around an edge is round.
+/// Regions of constraints of one wheel, in the study's axes and length unit. They include the clearance of their constraint. A
+/// box or cylinder that a point must avoid has sharp edges, although the clearance around an edge is round.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Places {
     /// Boxes, spheres, cylinders and planes.

@@ -201,8 +201,8 @@ impl Table {
         })
     }
 
-    /// Names of the columns for programs, each once. If the name of a run or a goal is also the name of an earlier column, it gets a
-    /// number: `unit_2`.
+    /// Names of the columns for programs, each once. If the name of a run or a goal is also the name of an earlier column, it
+    /// gets a number: `unit_2`.
     fn program_keys(&self) -> Vec<String> {
         let mut keys: Vec<String> = Vec::new();
         for column in self.columns.iter().filter(|c| c.programs) {

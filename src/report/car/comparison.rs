@@ -222,8 +222,8 @@ fn place_of(
     Some(Vector3::from(wheel.design[point.0].to_array().map(convert)))
 }
 
-/// Parameters, rates and coordinates of the first car that differ in another car, in the units and axes of the first car. The points
-/// of right wheels are included if the right wheel of a car has hardpoints of its own.
+/// Parameters, rates and coordinates of the first car that differ in another car, in the units and axes of the first car. The
+/// points of right wheels are included if the right wheel of a car has hardpoints of its own.
 fn changes(cars: &[&Car]) -> Vec<Change> {
     let mut changes = Vec::new();
     let units = |car: &Car| (car.length_unit, car.mass_unit);

@@ -53,8 +53,8 @@ pub fn car_constraint_names(records: &[CarConstraintRecord], numbers: &[usize]) 
 }
 
 impl CarTargetRecord {
-    /// Table cell with the target value, or with the limits in words. For a target of an axle alone: a deviation of 0, with the curve
-    /// or band of the target in words.
+    /// Table cell with the target value, or with the limits in words. For a target of an axle alone: a deviation of 0, with the
+    /// curve or band of the target in words.
     pub(in crate::report) fn wanted_cell(&self) -> Cell {
         match self.curve {
             None => wanted_cell(self.wanted, self.unit()),

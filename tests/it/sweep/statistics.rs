@@ -60,8 +60,8 @@ fn an_incomplete_grid_has_corrected_shares() {
     assert_ne!(lacking, whole);
 }
 
-/// One solved design has no value of an output, and one design that is not solved everywhere has a value. The note counts the solved
-/// design.
+/// One solved design has no value of an output, and one design that is not solved everywhere has a value. The note counts the
+/// solved design.
 #[test]
 fn a_note_counts_the_solved_designs_without_a_value() {
     let bench = Bench::new(&STUDY.replace("samples = 700", "samples = 60"));

@@ -50,7 +50,8 @@ class Tuning:
     targets: Frame
     """A row for each target: rms and worst deviation, divided by the tolerance, before and after. NaN without a value."""
     constraints: Frame
-    """A row for each constraint: margin (negative if violated), status "kept", "binds" or "violated", price."""
+    """A row for each constraint: margin (negative if violated), status "kept", "binds", "violated" or "unknown"
+    (no value), price."""
     side_effects: Frame
     """A row for each quantity that changed although it has no target. Flagged rows come first. Columns: output, unit,
     before_min .. after_max, largest_change, at, tolerance, flagged, lost. Empty with side_effects = false in [optimise]."""

@@ -96,6 +96,9 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
     for (column, labels) in &comparison.partial {
         note(&format!("{column}: only in {}\n", labels.join(", ")));
     }
+    for points in comparison.partial_points() {
+        note(&format!("{points}\n"));
+    }
     Ok(Exit::of(designs.iter().all(|own| own.curves.is_complete())))
 }
 

@@ -414,13 +414,16 @@ fn say_loss(before: &Study, after: &Study, rounded: &Rounded, free: &[bool]) {
     for broken in &rounded.broken {
         let was = match broken.missed_before {
             0.0 => "satisfied before rounding".to_owned(),
+            f64::INFINITY => "no value before rounding".to_owned(),
             missed => format!("{} before rounding", brief(missed)),
         };
+        let missed = match broken.missed {
+            f64::INFINITY => "which has no value".to_owned(),
+            missed => format!("missed by {} {}", brief(missed), broken.unit),
+        };
         note(&format!(
-            "limit violated after rounding: {}, missed by {} {} ({was})\n",
-            broken.name,
-            brief(broken.missed),
-            broken.unit
+            "limit violated after rounding: {}, {missed} ({was})\n",
+            broken.name
         ));
     }
     let curves = [before, after].map(|study| {

@@ -80,7 +80,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     }
     output.finish()?;
 
-    print(&output, &study.name, &summary, &contributors)?;
+    print(&output, &study, &summary, &contributors)?;
     ended(
         &output,
         interrupted,
@@ -92,12 +92,13 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
 /// Prints the tables of a summary, and remarks about builds without values.
 fn print(
     output: &Output,
-    study: &str,
+    study: &Study,
     summary: &ToleranceSummary,
     contributors: &[String],
 ) -> Result<(), Stop> {
-    output.say(&format!("{}: {}\n\n", study, summary.headline()))?;
-    output.table("values", &summary.values_table())?;
+    output.say(&format!("{}: {}\n\n", study.name, summary.headline()))?;
+    let unit = study.wheel().length_unit.symbol();
+    output.table("values", &summary.values_table(unit))?;
     output.text_only(&format!("\n{VALUES_NOTE}\n"))?;
     if summary.bands.is_empty() {
         output.text_only("\nShares of the variance of the builds, in the design position: first-order share of each contributor, and the remainder\n\n")?;

@@ -75,7 +75,7 @@ pub struct Loss {
 pub struct Broken {
     /// Name of the constraint with its limits, or of the coordinate with its range.
     pub name: String,
-    /// Distance between the value and the nearest limit.
+    /// Distance between the value and the nearest limit. Infinite without a value.
     pub missed: f64,
     /// Distance between the value and the nearest limit before rounding. Zero if the constraint was satisfied.
     pub missed_before: f64,
@@ -155,9 +155,13 @@ pub fn rounded(
 }
 
 /// Distance of a constraint's value from the nearest limit, in the constraint's unit. Zero if the constraint is
-/// satisfied.
+/// satisfied, infinite if it has no value.
 fn missed(own: &ConstraintMargin) -> f64 {
-    if own.is_violated { -own.margin } else { 0.0 }
+    match own {
+        own if !own.is_violated => 0.0,
+        own if own.margin.is_nan() => f64::INFINITY,
+        own => -own.margin,
+    }
 }
 
 /// A rounding with its misfit.

@@ -10,11 +10,14 @@
 //! | `rack`, `rack_force`, `LOAD_rack_force` | component along y |
 //! | `*_by_rack` | derivative with respect to a displacement along y |
 //!
+//! The name of a test result may also contain a length: the trail of the test (`toe_by_lateral_force_trail_30_deg_per_kN`).
+//!
 //! All other columns have signs that refer to the car and do not change ([`Characteristic::info`]). This includes
 //! `LOAD_POINT_force_x` and `LOAD_POINT_torque_x` of bushings, whose axes belong to the bushing.
 //!
 //! [`Characteristic::info`]: crate::characteristics::Characteristic::info
 
+use super::figure::to_digits;
 use crate::model::{Axis, Frame, FrameConvention, LengthUnit, Side};
 
 /// Conversion of columns from the unit and axes of a study to another unit and other axes.
@@ -31,7 +34,7 @@ pub struct ColumnConversion {
 /// A column after the conversion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConvertedColumn {
-    /// Name with the new unit.
+    /// Name with the new unit, and with the trail in the new unit.
     pub name: String,
     powers: Powers,
     units: [LengthUnit; 2],
@@ -52,7 +55,7 @@ impl ColumnConversion {
         let (stem, _) = split_unit(name);
         let (renamed, powers) = in_unit(name, self.from, self.to);
         ConvertedColumn {
-            name: renamed,
+            name: with_trail_in(&renamed, self.from, self.to),
             powers,
             units: [self.from, self.to],
             sign: ColumnAxes::of(stem).sign(self.axes),
@@ -61,6 +64,14 @@ impl ColumnConversion {
 }
 
 impl ConvertedColumn {
+    /// Name of the same result in a list of columns. It may differ from the own name in the last digits of the trail. The own
+    /// name if the list does not have the result.
+    pub(super) fn name_in(&self, columns: &[String]) -> String {
+        let mut columns = columns.iter();
+        let same = columns.find(|column| is_same_result(column, &self.name));
+        same.unwrap_or(&self.name).clone()
+    }
+
     /// Converts a value of the column.
     pub fn value(&self, value: f64) -> f64 {
         let [from, to] = self.units;
@@ -191,17 +202,17 @@ pub fn split_unit(name: &str) -> (&str, &str) {
 
 /// Position in a column name at which the unit starts, including the separator before it.
 fn unit_start(name: &str) -> usize {
-    let is_unit = |word: &str, after: &str| {
-        // `deg_per_100_N_m` is the only unit with a number.
+    let is_unit = |before: &str, word: &str, after: &str| {
+        // `deg_per_100_N_m` is the only unit with a number. Any other 100 is the trail of a test.
         if word == "100" {
-            return after.starts_with("_N_m");
+            return before.ends_with("_per") && after.starts_with("_N_m");
         }
         let word = word.trim_end_matches(|c: char| c.is_ascii_digit());
         UNIT_WORDS.contains(&word) || LengthUnit::ALL.iter().any(|unit| unit.symbol() == word)
     };
     let mut start = name.len();
     while let Some(at) = name[..start].rfind('_') {
-        if !is_unit(&name[at + 1..start], &name[start..]) {
+        if !is_unit(&name[..at], &name[at + 1..start], &name[start..]) {
             break;
         }
         start = at;
@@ -248,6 +259,42 @@ fn in_unit(name: &str, from: LengthUnit, to: LengthUnit) -> (String, Powers) {
     (renamed, powers)
 }
 
+/// Word before the trail in the name of a test result.
+const TRAIL: &str = "_trail_";
+/// Number of digits of a trail in a name.
+const TRAIL_DIGITS: usize = 6;
+/// Largest relative difference of two trails of the same test. The conversion and both names round the trail to six digits.
+const TRAIL_ROUNDING: f64 = 2e-5;
+
+/// Splits the name of a test result into the part before the trail, the trail, and the part after it. `None` for other names.
+fn split_trail(name: &str) -> Option<(&str, f64, &str)> {
+    let (stem, rest) = name.split_once(TRAIL)?;
+    let end = rest.find('_').unwrap_or(rest.len());
+    Some((stem, rest[..end].parse().ok()?, &rest[end..]))
+}
+
+/// Name with the trail in another unit.
+fn with_trail_in(name: &str, from: LengthUnit, to: LengthUnit) -> String {
+    split_trail(name).map_or_else(
+        || name.to_owned(),
+        |(stem, trail, tail)| {
+            let trail = to_digits(to.convert(trail, from), TRAIL_DIGITS);
+            format!("{stem}{TRAIL}{trail}{tail}")
+        },
+    )
+}
+
+/// True for equal names, and for names that differ only in rounding errors of the trail.
+fn is_same_result(one: &str, other: &str) -> bool {
+    one == other
+        || split_trail(one)
+            .zip(split_trail(other))
+            .is_some_and(|(one, other)| {
+                let is_near = (one.1 - other.1).abs() <= TRAIL_ROUNDING * one.1.abs();
+                is_near && (one.0, one.2) == (other.0, other.2)
+            })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -278,6 +325,11 @@ mod tests {
                 "toe_by_aligning_moment_deg_per_100_N_m",
                 "toe_by_aligning_moment",
                 "deg_per_100_N_m",
+            ),
+            (
+                "a_by_lateral_force_trail_100_N_m",
+                "a_by_lateral_force_trail_100",
+                "N_m",
             ),
         ] {
             assert_eq!(split_unit(name), (stem, unit));
@@ -341,6 +393,31 @@ mod tests {
                 "{name}: {value} {factor}"
             );
         }
+    }
+
+    /// A study in inches has the trail of its test in inches. The unit of the stiffness is the same in every study.
+    #[test]
+    fn trails_in_names_are_converted() {
+        use LengthUnit::{Inch, Millimetre};
+        let name = "lateral_stiffness_by_lateral_force_trail_30_N_per_mm";
+        let of_inches = "lateral_stiffness_by_lateral_force_trail_1.1811_N_per_mm";
+        assert_eq!(
+            converted(name, Millimetre, Inch),
+            (of_inches.to_owned(), 1.0)
+        );
+        let (converted, _) = converted("toe_trail_-30_secant_deg_per_kN", Millimetre, Inch);
+        assert_eq!(converted, "toe_trail_-1.1811_secant_deg_per_kN");
+        // 1.1811 in are 29.99994 mm.
+        let axes = [FrameConvention::Iso8855; 2];
+        let (from, to) = (Inch, Millimetre);
+        let column = ColumnConversion { from, to, axes }.column(of_inches);
+        let others = [
+            "mechanical_trail_mm",
+            "lateral_stiffness_by_lateral_force_trail_29_N_per_mm",
+            name,
+        ];
+        assert_eq!(column.name_in(&others.map(str::to_owned)), name);
+        assert_eq!(column.name_in(&[others[0].to_owned()]), column.name);
     }
 
     /// SAE J670 reverses y and z. The axes with x rearward reverse x and y. Both sets of axes differ from ISO 8855 by half a

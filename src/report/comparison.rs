@@ -14,7 +14,7 @@ use super::table::{Cell, Table};
 use super::{counted, optional, resolution};
 use crate::model::{FrameConvention, LengthUnit};
 pub use kc::{ComparedKc, KcComparison};
-use moved::{Moved, moved};
+use moved::{Moved, PartialPoints, moved, partial_points};
 use serde::Serialize;
 
 /// Points of a wheel by name.
@@ -86,6 +86,8 @@ pub struct Comparison {
     unit: LengthUnit,
     #[serde(skip)]
     moved: Vec<Moved>,
+    #[serde(skip)]
+    partial_points: Vec<PartialPoints>,
     /// Mechanisms of all designs in one drawing, if they have the same points, axes and motion.
     #[serde(skip)]
     pub(super) mechanisms: Option<Record>,
@@ -193,6 +195,7 @@ impl Comparison {
             partial,
             unit: designs[0].unit,
             moved: moved(designs),
+            partial_points: partial_points(designs),
             mechanisms: mechanisms(designs),
         })
     }
@@ -453,7 +456,7 @@ fn like_first(design: &Compared, first: &Compared) -> Result<CurveTable, String>
         for value in values.iter_mut().flatten() {
             *value = column.value(*value);
         }
-        *name = column.name;
+        *name = column.name_in(&first.curves.header);
     }
     Ok(table)
 }
@@ -488,11 +491,8 @@ fn mechanisms(designs: &[Compared]) -> Option<Record> {
     let designs = records
         .iter()
         .flat_map(|record| record.motion.designs.iter().cloned());
-    let mut record = Record {
-        influences: Vec::new(),
-        front: None,
-        ..(*first).clone()
-    };
+    let mut record = (*first).clone();
+    (record.influences, record.front) = (Vec::new(), None);
     record.motion.designs = designs.collect();
     Some(record)
 }

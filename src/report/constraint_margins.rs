@@ -1,8 +1,9 @@
 //! Margins of the constraints of a tuning in one design.
 
 use super::figure::brief;
+use super::tuning_summary::ConstraintStatus;
 use crate::mechanism::DesignFault;
-use crate::optimise::{Margin, TargetLayout, VIOLATED, assessed};
+use crate::optimise::{Margin, TargetLayout, assessed};
 use crate::study::{Optimise, Study};
 use serde::Serialize;
 
@@ -15,7 +16,7 @@ pub(crate) struct ConstraintMargin {
     pub margin: f64,
     /// Unit of the margin.
     pub unit: String,
-    /// True if the constraint is violated by more than rounding errors.
+    /// True if the constraint is violated by more than rounding errors, or if the margin is NaN.
     pub is_violated: bool,
 }
 
@@ -29,7 +30,7 @@ pub(crate) fn constraint_margins(optimise: &Optimise, margins: &[Margin]) -> Vec
                 name: constraint.name.clone(),
                 margin: margin + 0.0,
                 unit: part.unit.clone(),
-                is_violated: *margin < -VIOLATED * part.visible,
+                is_violated: ConstraintStatus::of(margin / part.visible).is_violated(),
             }
         })
         .collect()
@@ -51,13 +52,41 @@ pub fn violated_constraints(study: &Study) -> Result<Vec<String>, DesignFault> {
     };
     let margins = constraint_margins(optimise, &found.margins);
     let violated = margins.into_iter().filter(|own| own.is_violated);
-    let words = violated.map(|own| {
-        format!(
-            "the design violates a constraint, and the tuning starts there: {}, missed by {} {}",
-            own.name,
-            brief(-own.margin),
-            own.unit
-        )
-    });
+    let words = violated.map(
+        |ConstraintMargin {
+             name, margin, unit, ..
+         }| {
+            let missed = if margin.is_nan() {
+                "which has no value".to_owned()
+            } else {
+                format!("missed by {} {unit}", brief(-margin))
+            };
+            format!(
+                "the design violates a constraint, and the tuning starts there: {name}, {missed}"
+            )
+        },
+    );
     Ok(words.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    /// A force that no member can carry has no value, so its margin is NaN.
+    #[test]
+    fn a_constraint_without_a_value_is_violated() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_steering.toml");
+        let study = Study::read(&path, &[]).unwrap();
+        let optimise = study.optimise.as_ref().unwrap();
+        let margins = [f64::NAN, 0.5, -0.5].map(|margin| Margin {
+            margin,
+            at: None,
+            is_upper: false,
+        });
+        let found = constraint_margins(optimise, &margins);
+        let violated: Vec<bool> = found.iter().map(|own| own.is_violated).collect();
+        assert_eq!(violated, [true, false, true]);
+    }
 }

@@ -1,6 +1,6 @@
 //! CSV files of a run.
 
-use super::{optional, shortest};
+use super::optional;
 use crate::curves::{Curves, MotionColumn, Station};
 use crate::optimise::Multistart;
 use crate::study::Study;
@@ -85,7 +85,7 @@ pub fn sensitivities_csv(study: &Study, curves: &Curves) -> Vec<u8> {
     })
 }
 
-/// Content of `history.csv`: one row for each iteration of each start.
+/// Content of `history.csv`: one row for each iteration of each start. A number that is not finite is an empty cell.
 pub fn history_csv(starts: &Multistart) -> Vec<u8> {
     csv_of(|writer| {
         writer.write_record([
@@ -104,10 +104,10 @@ pub fn history_csv(starts: &Multistart) -> Vec<u8> {
                 writer.write_record([
                     number.to_string(),
                     i.iteration.to_string(),
-                    shortest(i.misfit),
-                    shortest(i.cost),
-                    shortest(i.step),
-                    shortest(i.damping),
+                    optional(i.misfit),
+                    optional(i.cost),
+                    optional(i.step),
+                    optional(i.damping),
                     i.held.to_string(),
                     i.evaluations.to_string(),
                     i.infeasible.to_string(),

@@ -37,8 +37,8 @@ impl NotARun {
     }
 }
 
-/// Reads the record of a run, if it has the format `form`. Error messages name the command that writes such records (`writer`) and
-/// the `kind` of run.
+/// Reads the record of a run, if it has the format `form`. Error messages name the program or command that writes such records
+/// (`writer`), and the `kind` of input to run again.
 pub(super) fn in_form<T: DeserializeOwned>(
     text: &[u8],
     form: u32,
@@ -91,7 +91,7 @@ impl CarRecord {
         if kind.and_then(|kind| kind.kind).as_deref() != Some("car") {
             return Ok(None);
         }
-        let record = in_form(&text, CAR_FORM, ["hardpoint solve", "solve"]);
+        let record = in_form(&text, CAR_FORM, ["hardpoint", "study"]);
         record
             .map(Some)
             .map_err(|reason| NotARun::at(&path, reason))
@@ -109,4 +109,19 @@ fn is_sweep(directory: &Path) -> bool {
     let summary = text.and_then(|text| serde_json::from_slice::<Summary>(&text).ok());
     let is_there = directory.join("sweep.json").is_file();
     is_there && summary.is_none_or(|summary| summary.command == "sweep")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Several commands write the record of a car, so the message names none of them.
+    #[test]
+    fn an_old_record_of_a_car_names_no_command() {
+        let directory = tempfile::tempdir().unwrap();
+        let record = r#"{ "form": 0, "version": "0.0.1", "command": "tolerance", "kind": "car" }"#;
+        std::fs::write(directory.path().join("report.json"), record).unwrap();
+        let reason = CarRecord::read(directory.path()).unwrap_err().reason;
+        assert!(reason.ends_with("; run the study again"), "{reason}");
+    }
 }

@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 /// Number of corners of a circle.
 const ROUND: usize = 36;
 
-/// Regions of constraints, in the study's axes and length unit. Inner regions, spheres and planes include the clearance of their
-/// constraint. Boxes and cylinders that a point must avoid are drawn without the clearance.
+/// Regions of constraints of one wheel, in the study's axes and length unit. They include the clearance of their constraint. A
+/// box or cylinder that a point must avoid has sharp edges, although the clearance around an edge is round.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Places {
     /// Boxes, spheres, cylinders and planes.
@@ -100,7 +100,10 @@ impl Places {
                 point,
                 middle,
                 half,
-            } => (*point, box_lines(*middle, *half)),
+            } => {
+                let gap = first.lower.unwrap_or(0.0);
+                (*point, box_lines(*middle, half.map(|half| half + gap)))
+            }
             Measure::DistanceFrom(point, centre) => {
                 let radius = first.upper.or(first.lower).unwrap_or(0.0);
                 (*point, sphere_lines(*centre, radius))
@@ -121,7 +124,11 @@ impl Places {
                 along,
                 half,
                 radius,
-            } => (*point, tube_lines(*middle, *along, *half, *radius)),
+            } => {
+                let gap = first.lower.unwrap_or(0.0);
+                let lines = tube_lines(*middle, *along, half + gap, radius + gap);
+                (*point, lines)
+            }
             Measure::Height {
                 point,
                 over,

@@ -254,25 +254,35 @@ impl<'a> PlausibilityRemarks<'a> {
 
     /// Warning about the range of a variable that moves a single coordinate. Coordinates (`absolute`) are doubtful if the range
     /// contains 0 and is far from the design. Offsets are doubtful if the range contains the design and is far from 0.
-    fn range(&mut self, moves: &[Move], absolute: bool, [low, high]: [f64; 2]) {
-        let [Move { point, axis, .. }] = *moves else {
+    fn range(&mut self, moves: &[Move], absolute: bool, range: [f64; 2]) {
+        let [
+            Move {
+                point,
+                axis,
+                factor,
+            },
+        ] = *moves
+        else {
             return;
         };
+        let [one, other] = range.map(|end| factor * end + 0.0);
+        let (low, high) = (one.min(other), one.max(other));
         let designed = self.suspension.frame.vector(self.at(point));
         let coordinate = designed[axis];
-        let shown = as_written(coordinate);
+        let [shown, from, to] = [coordinate, low, high].map(as_written);
+        let unit = self.suspension.length_unit.symbol();
         let (name, axis) = (self.name(point), axis.name());
         let holds = |value: f64| (low..=high).contains(&value);
         let width = high - low;
         if absolute && holds(0.0) && (coordinate < low - width || coordinate > high + width) {
             self.say(format!(
-                "{axis} of {name} is {shown} in the design, and its range is {low} to \
-                 {high}, with absolute = true. Are these offsets?"
+                "{axis} of {name} is {shown} {unit} in the design, and its range is {from} to \
+                 {to} {unit}, with absolute = true. Are these offsets?"
             ));
         } else if !absolute && holds(coordinate) && low.abs().min(high.abs()) > width {
             self.say(format!(
-                "{axis} of {name}, which is {shown} in the design, has offsets from {low} to \
-                 {high}. Are these coordinates? In a sweep, coordinates need absolute = true"
+                "{axis} of {name}, which is {shown} {unit} in the design, has offsets from {from} to \
+                 {to} {unit}. Are these coordinates? In a sweep, coordinates need absolute = true"
             ));
         }
     }

@@ -62,7 +62,7 @@ impl Column {
         }
     }
 
-    /// Name for programs. Spaces and hyphens become underscores: `at design` -> `at_design`.
+    /// Name for programs, without a number. Spaces and hyphens become underscores: `at design` -> `at_design`.
     fn key(&self) -> String {
         self.name.unwrap_or(&self.title).replace([' ', '-'], "_")
     }
@@ -92,6 +92,8 @@ pub struct Table {
     rows: Vec<Vec<Cell>>,
     /// Number of leading columns for people that identify a row.
     keys: usize,
+    /// Indices of the rows that are headings of the rows below them.
+    headings: Vec<usize>,
 }
 
 impl Table {
@@ -106,6 +108,7 @@ impl Table {
             columns: columns.into_iter().map(Into::into).collect(),
             rows: Vec::new(),
             keys: 1,
+            headings: Vec::new(),
         }
     }
 
@@ -120,6 +123,19 @@ impl Table {
         let row: Vec<Cell> = row.into_iter().map(Into::into).collect();
         assert_eq!(row.len(), self.columns.len());
         self.rows.push(row);
+    }
+
+    /// Adds a heading for the rows below it. Its row has one filled cell, the first one.
+    pub fn push_heading(&mut self, title: impl Into<Cell>) {
+        self.headings.push(self.rows.len());
+        let mut row = vec![title.into()];
+        row.resize_with(self.columns.len(), || "".into());
+        self.rows.push(row);
+    }
+
+    /// True if the row with this index is a heading.
+    pub(super) fn is_heading(&self, row: usize) -> bool {
+        self.headings.contains(&row)
     }
 
     /// Adds a row with one cell per column.
@@ -144,7 +160,12 @@ impl Table {
                 table.keys += 1;
             }
             match &mut stacked {
-                Some(stacked) => stacked.rows.append(&mut table.rows),
+                Some(stacked) => {
+                    let above = stacked.rows.len();
+                    let headings = table.headings.iter().map(|row| row + above);
+                    stacked.headings.extend(headings);
+                    stacked.rows.append(&mut table.rows);
+                }
                 None => stacked = Some(table),
             }
         }
@@ -180,24 +201,32 @@ impl Table {
         })
     }
 
+    /// Names of the columns for programs, each once. If the name of a run or a goal is also the name of an earlier column, it
+    /// gets a number: `unit_2`.
+    fn program_keys(&self) -> Vec<String> {
+        let mut keys: Vec<String> = Vec::new();
+        for column in self.columns.iter().filter(|c| c.programs) {
+            let key = column.key();
+            let numbered = (2..).map(|number| format!("{key}_{number}"));
+            let mut names = std::iter::once(key.clone()).chain(numbered);
+            keys.extend(names.find(|name| !keys.contains(name)));
+        }
+        keys
+    }
+
     /// Table as CSV that ends with a line break. With `name`, a first column `table` contains the name in every row.
     pub fn csv(&self, name: Option<&str>) -> String {
-        let for_programs = |of: &Vec<String>| -> Vec<String> {
-            let cells = of.iter().zip(&self.columns).filter(|(_, c)| c.programs);
-            cells.map(|(cell, _)| cell.clone()).collect()
-        };
         let mut writer = csv::Writer::from_writer(Vec::new());
         let mut write = |first: Option<&str>, cells: Vec<String>| {
-            let cells = for_programs(&cells);
             let line = first.into_iter().chain(cells.iter().map(String::as_str));
             writer
                 .write_record(line)
                 .expect("all rows have the same length");
         };
-        let header = self.columns.iter().map(Column::key).collect();
-        write(name.map(|_| "table"), header);
+        write(name.map(|_| "table"), self.program_keys());
         for row in &self.rows {
-            write(name, row.iter().map(Cell::csv).collect());
+            let cells = row.iter().zip(&self.columns).filter(|(_, c)| c.programs);
+            write(name, cells.map(|(cell, _)| cell.csv()).collect());
         }
         let bytes = writer
             .into_inner()
@@ -207,10 +236,11 @@ impl Table {
 
     /// Table as a JSON list of objects.
     pub fn json(&self) -> Value {
+        let keys = self.program_keys();
         let object = |row: &Vec<Cell>| {
             let cells = row.iter().zip(&self.columns).filter(|(_, c)| c.programs);
-            let named = cells.map(|(cell, column)| (column.key(), cell.data.clone()));
-            Value::Object(named.collect::<Map<_, _>>())
+            let cells = cells.map(|(cell, _)| cell.data.clone());
+            Value::Object(keys.iter().cloned().zip(cells).collect::<Map<_, _>>())
         };
         Value::from(self.rows.iter().map(object).collect::<Vec<Value>>())
     }

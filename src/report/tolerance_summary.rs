@@ -230,20 +230,25 @@ impl ToleranceSummary {
         lines
     }
 
-    /// Table of every output at the design position, and at the position with the largest sigma.
-    pub fn values_table(&self) -> Table {
+    /// Table of every output at the design position, and at the position with the largest sigma. `length` is the symbol of the
+    /// length unit.
+    pub fn values_table(&self, length: &str) -> Table {
         let rack_moves = self.values.iter().any(|v| v.rack != self.values[0].rack);
-        let of_wheel = self.places.is_empty();
-        let head = ["output"].into_iter();
-        let head = head.chain(of_wheel.then_some("travel"));
-        let head = head.chain(rack_moves.then_some("rack"));
-        let head = head.chain(self.places.iter().map(String::as_str));
-        let keys = head.clone().count();
-        let nominal = Column::from("nominal");
-        let numbers = ["mean", "sigma", "linear", "p5", "p95", "linear holds"].map(Column::from);
-        let header = head.map(Column::from).chain([nominal]).chain(numbers);
-        let because = Column::for_programs("because");
-        let mut table = Table::with_columns(header.chain([because])).keyed(keys);
+        let mut header = vec![Column::from("output")];
+        if self.places.is_empty() {
+            header.push(Column::named(format!("travel {length}"), "travel"));
+            header.extend(rack_moves.then(|| Column::named(format!("rack {length}"), "rack")));
+        } else {
+            header.extend(self.places.iter().cloned().map(Column::from));
+        }
+        let keys = header.len();
+        let numbers = ["nominal", "mean", "sigma", "linear", "p5", "p95"];
+        header.extend(numbers.map(Column::from));
+        header.extend([
+            Column::from("linear holds"),
+            Column::for_programs("because"),
+        ]);
+        let mut table = Table::with_columns(header).keyed(keys);
         let mut outputs: Vec<&str> = Vec::new();
         for value in &self.values {
             if !outputs.contains(&&*value.output) {

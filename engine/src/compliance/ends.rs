@@ -22,7 +22,7 @@ use super::fault::{Motion, NoEquilibrium};
 use super::loads::WheelLoads;
 use super::solve::{Obstacle, Solution};
 use super::system::{Singular, State, Task};
-use super::wheel::{ElasticWheel, Equilibrium, HeldQuantity, level_task};
+use super::wheel::{ElasticWheel, Equilibrium, HeldQuantity, SpringReading, level_task};
 use crate::axle::Stop;
 use crate::model::LengthUnit;
 use crate::number::Each;
@@ -93,7 +93,7 @@ pub enum Event {
     WheelLifts,
     /// The suspension meets a stop.
     StopMet(Stop),
-    /// The force of a spring with its stops turns negative.
+    /// The force of a spring with its stops turns negative, and the rebound stop does not act. If it acts, it pulls.
     SpringSlack,
     /// A bushing is deflected beyond an end of its force curve, or rotated by more than 60 degrees.
     Extrapolated,
@@ -108,6 +108,11 @@ impl Event {
         Event::SpringSlack,
         Event::Extrapolated,
     ];
+}
+
+/// Returns true for a spring that would have to pull ([`Event::SpringSlack`]).
+pub(super) fn is_slack(spring: &SpringReading) -> bool {
+    spring.force < -NEGATIVE && !spring.meets(Stop::Rebound)
 }
 
 /// End of equilibrium in one direction.
@@ -376,9 +381,7 @@ impl Followable for ElasticWheel {
         match event {
             Event::WheelLifts => self.spring(&at).is_some() && self.wheel_load(&at) < -NEGATIVE,
             Event::StopMet(stop) => self.spring(&at).is_some_and(|spring| spring.meets(stop)),
-            Event::SpringSlack => self
-                .spring(&at)
-                .is_some_and(|spring| spring.force < -NEGATIVE),
+            Event::SpringSlack => self.spring(&at).as_ref().is_some_and(is_slack),
             Event::Extrapolated => self.bushings(&at).iter().any(|own| own.is_extrapolated),
         }
     }

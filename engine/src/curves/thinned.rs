@@ -10,9 +10,11 @@ impl Plan {
     pub fn thinned(&self, most: usize, most_racks: usize) -> Plan {
         let racks = evenly(&self.racks, most_racks);
         let most = most / racks.len();
-        let values = evenly(self.station_order.values(), most);
+        let values = self.station_order.values();
+        let kept = chosen(values, most);
+        let values: Vec<f64> = kept.iter().map(|k| values[*k]).collect();
         let time = self.time.as_ref().map(|law| TimeLaw {
-            times: evenly(&law.times, most),
+            times: kept.iter().map(|k| law.times[*k]).collect(),
             ..law.clone()
         });
         Plan {
@@ -25,14 +27,31 @@ impl Plan {
     }
 }
 
-/// Selects at most `most` of the values, evenly spaced by index, including the first and the last.
+/// Selects at most `most` of the values, evenly spaced by index. From three values on, they include the first, the last and the one
+/// nearest to zero.
 pub fn evenly(values: &[f64], most: usize) -> Vec<f64> {
-    match values.len() {
-        few if few <= most => values.to_vec(),
-        many => (0..most)
-            .map(|i| values[i * (many - 1) / (most - 1)])
-            .collect(),
+    chosen(values, most)
+        .into_iter()
+        .map(|k| values[k])
+        .collect()
+}
+
+/// Indices of the values that [`evenly`] selects, in rising order.
+fn chosen(values: &[f64], most: usize) -> Vec<usize> {
+    let all = values.len();
+    if all <= most {
+        return (0..all).collect();
     }
+    let mut chosen: Vec<usize> = (0..most).map(|i| i * (all - 1) / (most - 1)).collect();
+    let nearest = (0..all).min_by(|a, b| values[*a].abs().total_cmp(&values[*b].abs()));
+    if let Some(nearest) = nearest.filter(|k| !chosen.contains(k)) {
+        // The first and the last value stay.
+        let inner = chosen.iter_mut().skip(1).take(most.saturating_sub(2));
+        if let Some(closest) = inner.min_by_key(|k| k.abs_diff(nearest)) {
+            *closest = nearest;
+        }
+    }
+    chosen
 }
 
 #[cfg(test)]
@@ -45,5 +64,16 @@ mod tests {
         let few = evenly(&values, 41);
         assert_eq!((few.len(), few[0], few[40]), (41, 0.0, 999.0));
         assert_eq!(evenly(&values, 1000), values);
+    }
+
+    /// Charts show the curve at the rack displacement nearest to zero as the main curve.
+    #[test]
+    fn thinning_keeps_the_value_nearest_to_zero() {
+        let racks = [-20.0, -10.0, 0.0, 10.0];
+        assert_eq!(evenly(&racks, 3), [-20.0, 0.0, 10.0]);
+        assert_eq!(evenly(&racks, 2), [-20.0, 10.0]);
+        let racks = [-30.0, -20.0, -10.0, 1.0, 10.0];
+        assert_eq!(evenly(&racks, 3), [-30.0, 1.0, 10.0]);
+        assert_eq!(evenly(&[0.0, 1.0, 2.0, 3.0], 3), [0.0, 1.0, 3.0]);
     }
 }

@@ -10,13 +10,13 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// Largest difference of two drive values that denote the same pose.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct DriveRounding {
+pub struct DriveRounding {
     allowance: f64,
 }
 
 impl DriveRounding {
     /// Returns the allowance for stations and other drive values in the same unit.
-    pub(crate) fn of<'a>(values: impl IntoIterator<Item = &'a f64>) -> Self {
+    pub fn of<'a>(values: impl IntoIterator<Item = &'a f64>) -> Self {
         let sizes = values.into_iter().map(|value| value.abs());
         DriveRounding {
             allowance: ROUNDING * sizes.fold(0.0, f64::max),
@@ -24,7 +24,7 @@ impl DriveRounding {
     }
 
     /// Returns true if a drive value lies in the range between two others, both included.
-    pub(crate) fn is_within(self, value: f64, [low, high]: [f64; 2]) -> bool {
+    pub fn is_within(self, value: f64, [low, high]: [f64; 2]) -> bool {
         (low - self.allowance..=high + self.allowance).contains(&value)
     }
 

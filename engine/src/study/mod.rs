@@ -63,6 +63,7 @@ pub use compliance::{AxleComplianceStudy, ComplianceStudy, NamedBushing, NamedLi
 pub use constraints::named_joints;
 pub use convert::{UnitChoice, Units};
 pub use designs_file::DesignTable;
+pub use drive_rounding::DriveRounding;
 pub use hardpoint_study_file::bushing_file;
 pub use hardpoint_study_file::error::{Source as FileText, StudyError, StudyErrors};
 pub use hardpoint_study_file::names::nearest;

@@ -28,6 +28,10 @@ pub struct SweepStatistics {
     pub failures: Vec<FailureCount>,
     /// Range of each output.
     pub ranges: Vec<Option<OutputRange>>,
+    /// For each output, the number of solved designs that have a value of it. Older statistics do not have these numbers
+    /// ([`SweepStatistics::are_of`]).
+    #[serde(default)]
+    pub solved_values: Vec<u64>,
     /// Best designs by misfit, in order. All are solved at every station and satisfy the constraints.
     pub best: Vec<Candidate>,
     /// For each output, the number of solved designs that violate its limit ([`super::OutputColumn::least`]), or for which the
@@ -91,6 +95,7 @@ impl SweepStatistics {
             one_by_one: 0,
             failures: Vec::new(),
             ranges: vec![None; record.outputs.len()],
+            solved_values: vec![0; record.outputs.len()],
             best: Vec::new(),
             violating: if record.limits().is_empty() {
                 Vec::new()
@@ -148,6 +153,9 @@ impl SweepStatistics {
             };
             // A low misfit at some stations does not count if the design cannot reach the other stations.
             let is_solved = rows.failing[place].is_none();
+            for (count, value) in statistics.solved_values.iter_mut().zip(outputs) {
+                *count += u64::from(is_solved && !value.is_nan());
+            }
             let mut violates = false;
             for (k, least) in limits.iter().filter(|_| is_solved) {
                 if outputs[*k].is_nan() || outputs[*k] < *least {
@@ -195,6 +203,7 @@ impl SweepStatistics {
         let [variables, outputs] = [record.variables.len(), record.outputs.len()];
         let fits = |c: &Candidate| c.variables.len() == variables && c.outputs.len() == outputs;
         self.ranges.len() == outputs
+            && self.solved_values.len() == outputs
             && self.violating.len() == empty.violating.len()
             && self.best.iter().all(fits)
             && self.front.sorted().into_iter().all(fits)
@@ -210,6 +219,9 @@ impl SweepStatistics {
         self.one_by_one += next.one_by_one;
         self.violators += next.violators;
         for (own, other) in self.violating.iter_mut().zip(&next.violating) {
+            *own += other;
+        }
+        for (own, other) in self.solved_values.iter_mut().zip(&next.solved_values) {
             *own += other;
         }
         for failure in &next.failures {

@@ -3,7 +3,8 @@
 use super::{CarResults, CarState};
 use crate::car::{AxleParameter, Car};
 use crate::car::{BodyParameter, CarQuantity, Moves, WheelResult};
-use crate::model::{Axis, PointId};
+use crate::model::{Axis, LengthUnit, PointId, Side};
+use crate::number::Vector3;
 use crate::report::figure::resolution;
 use crate::report::files::csv_of_rows;
 use crate::report::optional;
@@ -113,7 +114,7 @@ impl CarComparison {
         table
     }
 
-    /// Table of parameters, rates and coordinates of left wheels that differ.
+    /// Table of parameters, rates and coordinates that differ.
     pub fn changes_table(&self) -> Table {
         let head = ["changed", "unit"].map(str::to_owned);
         let mut table = Table::with_columns(head.into_iter().chain(self.labels.iter().cloned()));
@@ -201,8 +202,28 @@ fn is_changed(first: Option<f64>, other: Option<f64>, in_same_units: bool) -> bo
     }
 }
 
-/// Parameters, rates and coordinates of the first car that differ in another car, in the units and axes of the first car. Of each
-/// axle, only the points of the left wheel are compared.
+/// True if the right wheel of an axle has hardpoints of its own. A rigid axle lists the points of both halves as one wheel.
+fn has_own_right_points(car: &Car, axle: usize) -> bool {
+    let axle = &car.axles[axle];
+    axle.right.is_some() && !axle.is_rigid()
+}
+
+/// Position of a wheel's point in the kernel's frame of this wheel, in `unit`. The wheel is the index of its axle and its side.
+/// `None` if the wheel has no point of this name.
+fn place_of(
+    car: &Car,
+    (axle, side): (usize, Side),
+    name: &str,
+    unit: LengthUnit,
+) -> Option<Vector3<f64>> {
+    let wheel = car.axles[axle].suspension(side);
+    let point = wheel.mechanism.point(name)?;
+    let convert = |length: f64| unit.convert(length, wheel.length_unit);
+    Some(Vector3::from(wheel.design[point.0].to_array().map(convert)))
+}
+
+/// Parameters, rates and coordinates of the first car that differ in another car, in the units and axes of the first car. The
+/// points of right wheels are included if the right wheel of a car has hardpoints of its own.
 fn changes(cars: &[&Car]) -> Vec<Change> {
     let mut changes = Vec::new();
     let units = |car: &Car| (car.length_unit, car.mass_unit);
@@ -222,21 +243,28 @@ fn changes(cars: &[&Car]) -> Vec<Change> {
         push(moves.label(cars[0]), moves.unit(cars[0]), values);
     }
     for axle in [0, 1] {
-        let first = &cars[0].axles[axle].left;
-        for number in 0..first.mechanism.points.len() {
-            let name = first.mechanism.name(PointId(number));
-            for axis in Axis::ALL {
-                let coordinate = |car: &&Car| {
-                    let wheel = &car.axles[axle].left;
-                    let mut points = 0..wheel.mechanism.points.len();
-                    let point = points.find(|k| wheel.mechanism.name(PointId(*k)) == name)?;
-                    let place = wheel.design[point][axis];
-                    let place = first.length_unit.convert(place, wheel.length_unit);
-                    Some(first.frame.sign(axis) * place + 0.0)
-                };
-                let values = cars.iter().map(coordinate).collect();
-                let label = format!("{}.{name}.{}", crate::car::AXLE_NAMES[axle], axis.name());
-                push(label, cars[0].length_unit.symbol().to_owned(), values);
+        for side in Side::ALL {
+            if side == Side::Right && cars.iter().all(|car| !has_own_right_points(car, axle)) {
+                continue;
+            }
+            let prefix = match side {
+                Side::Left => "",
+                Side::Right => "right_",
+            };
+            let mechanism = &cars[0].axles[axle].suspension(side).mechanism;
+            for number in 0..mechanism.points.len() {
+                let name = mechanism.name(PointId(number));
+                for coordinate in Axis::ALL {
+                    let values = cars.iter().map(|car| {
+                        let place = place_of(car, (axle, side), name, cars[0].length_unit)?;
+                        let frame = cars[0].axles[axle].frame(side);
+                        Some(frame.sign(coordinate) * place[coordinate] + 0.0)
+                    });
+                    let (end, axis) = (crate::car::AXLE_NAMES[axle], coordinate.name());
+                    let label = format!("{end}.{prefix}{name}.{axis}");
+                    let unit = cars[0].length_unit.symbol().to_owned();
+                    push(label, unit, values.collect());
+                }
             }
         }
     }

@@ -211,7 +211,7 @@ pub struct CarConstraintRecord {
     /// True for a constraint of an axle alone. Then `name` includes the limits.
     #[serde(default)]
     pub is_of_axle: bool,
-    /// Status after the tuning. `None` if there is no margin.
+    /// Status after the tuning. `None` in some records of older versions.
     #[serde(default)]
     pub status: Option<ConstraintStatus>,
     /// Decrease of the misfit if the limit moves outward by one unit. The misfit is a multiple of the tolerances.

@@ -52,6 +52,17 @@ pub fn car_constraint_names(records: &[CarConstraintRecord], numbers: &[usize]) 
     numbers.iter().map(name).collect()
 }
 
+impl CarTargetRecord {
+    /// Table cell with the target value, or with the limits in words. For a target of an axle alone: a deviation of 0, with the
+    /// curve or band of the target in words.
+    pub(in crate::report) fn wanted_cell(&self) -> Cell {
+        match self.curve {
+            None => wanted_cell(self.wanted, self.unit()),
+            Some(curve) => format!("0 (target {})", value_in_words(curve, self.unit())).into(),
+        }
+    }
+}
+
 /// Table of the targets with their values.
 pub fn car_targets_table(records: &[CarTargetRecord]) -> Table {
     let mut table = Table::new(["target", "case", "wanted", "before", "after", "tolerance"]);
@@ -61,10 +72,7 @@ pub fn car_targets_table(records: &[CarTargetRecord]) -> Table {
         let cells: [Cell; 6] = [
             target.output.as_str().into(),
             target.case.as_str().into(),
-            match target.curve {
-                None => wanted_cell(target.wanted, unit),
-                Some(curve) => format!("0 (target {})", value_in_words(curve, unit)).into(),
-            },
+            target.wanted_cell(),
             cell(target.values[0]),
             cell(target.values[1]),
             cell(Some(target.tolerance)),
@@ -212,7 +220,7 @@ impl CarResults<'_> {
                 unit: own.quantity.info().unit.suffix(self.study.car.length_unit),
                 margins,
                 is_of_axle: false,
-                status: status(margins[1], own.visible),
+                status: Some(status(margins[1], own.visible)),
                 price: None,
                 price_not_determined: false,
             }
@@ -233,7 +241,7 @@ impl CarResults<'_> {
                     unit: part.map_or(String::new(), |part| part.unit.clone()),
                     margins,
                     is_of_axle: true,
-                    status: status(margins[1], part.map_or(1.0, |part| part.visible)),
+                    status: Some(status(margins[1], part.map_or(1.0, |part| part.visible))),
                     price: None,
                     price_not_determined: false,
                 });
@@ -281,9 +289,10 @@ pub fn car_variables_table(records: &[CarVariableRecord]) -> Table {
     table
 }
 
-/// Status of a constraint with this margin. `visible` is the violation that counts as 1, in the unit of the margin.
-fn status(margin: Option<f64>, visible: f64) -> Option<ConstraintStatus> {
-    margin.map(|margin| ConstraintStatus::of(margin / visible))
+/// Status of a constraint with this margin, or without a known margin. `visible` is the violation that counts as 1, in the unit of
+/// the margin.
+fn status(margin: Option<f64>, visible: f64) -> ConstraintStatus {
+    ConstraintStatus::of(margin.unwrap_or(f64::NAN) / visible)
 }
 
 /// Limits of a constraint of an axle. Both limits are `None` if the parts of the constraint have different limits.

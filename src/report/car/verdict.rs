@@ -4,10 +4,9 @@ use super::record::{CarConstraintRecord, CarTargetRecord};
 use super::tuning::car_constraint_names;
 use crate::axle::Law;
 use crate::car::{AxleEnd, AxleResult, CarQuantity, CarTuning};
-use crate::report::brief;
 use crate::report::tuning_summary::{
     ConstraintStatus, SlightEffectRecord, contradiction_in_words, least_violation_in_words,
-    price_in_words, unmoved_constraint_in_words, unmoved_in_words,
+    price_in_words, unmoved_constraint_in_words, unmoved_in_words, violation_in_words,
 };
 use crate::study::CarStudy;
 use serde_json::{Value, json};
@@ -102,13 +101,11 @@ impl CarVerdict<'_> {
     /// without such violations.
     fn least_violation(&self) -> Option<String> {
         let violated = self.constraints.iter().enumerate().filter(|(number, own)| {
-            own.status == Some(ConstraintStatus::Violated)
+            own.status.is_some_and(ConstraintStatus::is_violated)
                 && !self.tuning.unmoved_constraints.contains(number)
         });
-        let violated = violated.filter_map(|(_, own)| {
-            let by = brief(-own.margins[1]?);
-            Some(format!("{} by {by} {}", own.name, own.unit))
-        });
+        let violated =
+            violated.map(|(_, own)| violation_in_words(&own.name, own.margins[1], &own.unit));
         least_violation_in_words(self.tuning.starts.best, &violated.collect::<Vec<_>>())
     }
 

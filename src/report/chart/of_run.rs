@@ -72,15 +72,18 @@ pub(in crate::report) struct Charted<'r> {
     pub motion: &'r MotionRecord,
     /// Index of the table of the first design. The tables of the other designs follow.
     pub first_table: usize,
+    /// Tables with all stations, in which missed targets are looked up. A page may draw fewer stations.
+    pub whole: &'r [CurveTable],
 }
 
 impl<'r> Charted<'r> {
-    /// Curves over the study's own motion, whose tables come first.
-    pub(in crate::report) fn of(record: &'r Record) -> Self {
+    /// Curves over the study's own motion, whose tables come first. `whole` has the tables with all stations.
+    pub(in crate::report) fn of(record: &'r Record, whole: &'r [CurveTable]) -> Self {
         Charted {
             command: &record.command,
             motion: &record.motion,
             first_table: 0,
+            whole,
         }
     }
 
@@ -306,7 +309,7 @@ impl Chart {
                 .iter()
                 .map(|[drive, value]| (*drive, Some(*value), Some(*value)));
             self.missed
-                .extend(outside(record, tables, column, limits, tolerance));
+                .extend(outside(record, column, limits, tolerance));
             self.wanted.push(Wanted::Values {
                 points,
                 tolerance,
@@ -322,7 +325,7 @@ impl Chart {
         for band in bands.filter(|_| motion.drive == abscissa) {
             let limits = band.limits.iter().copied();
             self.missed
-                .extend(outside(record, tables, column, limits, band.tolerance));
+                .extend(outside(record, column, limits, band.tolerance));
             self.wanted.push(Wanted::Limits(band.limits.clone()));
         }
     }
@@ -391,7 +394,6 @@ fn is_solved(status: &str) -> bool {
 /// commands, and for an axle with several moving coordinates.
 fn outside(
     record: Charted<'_>,
-    tables: &[CurveTable],
     column: &str,
     limits: impl Iterator<Item = (f64, Option<f64>, Option<f64>)>,
     tolerance: f64,
@@ -400,7 +402,7 @@ fn outside(
     if record.command != "optimise" || !record.motion.further.is_empty() {
         return Vec::new();
     }
-    let column_of = |name: &str| tables.last()?.column(name);
+    let column_of = |name: &str| record.tables(record.whole).last()?.column(name);
     let Some((drives, values)) = column_of(&record.motion.drive).zip(column_of(column)) else {
         return Vec::new();
     };
@@ -423,4 +425,59 @@ fn outside(
 /// CSS class for the colour of the design with this index. The colours repeat.
 pub(in crate::report) fn hue(design: usize) -> String {
     format!("hue{}", design % HUES)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::record::DesignRecord;
+
+    /// A page draws only some stations of a long run. A target that is missed at another station has its mark.
+    #[test]
+    fn missed_targets_are_marked_at_all_stations() {
+        let column = "toe_deg".to_owned();
+        let output = OutputRecord {
+            column: column.clone(),
+            title: "toe".to_owned(),
+            unit: "°".to_owned(),
+            positive: None,
+        };
+        let target = TargetRecord {
+            column,
+            tolerance: 0.1,
+            points: vec![[1.0, 0.0], [2.0, 0.0]],
+            over: None,
+            held: Vec::new(),
+        };
+        let design = DesignRecord {
+            label: "after".to_owned(),
+            curves: "curves.csv".to_owned(),
+            stations: 4,
+            remarks: Vec::new(),
+            failures: Vec::new(),
+            frames: Vec::new(),
+        };
+        let motion = MotionRecord {
+            drive: "travel_mm".to_owned(),
+            abscissae: Vec::new(),
+            rack: None,
+            further: Vec::new(),
+            outputs: vec![output],
+            targets: vec![target],
+            bands: Vec::new(),
+            designs: vec![design],
+        };
+        let csv = b"travel_mm,toe_deg,status\n0,0,ok\n1,0.5,ok\n2,0.05,ok\n3,0,ok\n";
+        let whole = [CurveTable::read(csv).unwrap()];
+        let few = [whole[0].thinned(2)];
+        let of = Charted {
+            command: "optimise",
+            motion: &motion,
+            first_table: 0,
+            whole: &whole,
+        };
+        let groups = chart_groups(&motion.outputs);
+        let chart = charts_over(of, &few, &groups[0], "travel_mm");
+        assert_eq!(chart.missed, [[1.0, 0.5]]);
+    }
 }

@@ -15,7 +15,23 @@ pub(super) struct Moved {
     by: [f64; 3],
 }
 
+/// Points that some designs do not have, and the labels of the designs that have them.
+#[derive(Clone, Debug)]
+pub(super) struct PartialPoints {
+    names: Vec<String>,
+    labels: Vec<String>,
+}
+
 impl Comparison {
+    /// Sentences about the points that only some of the designs have. They are not in [`Comparison::moved_table`].
+    pub fn partial_points(&self) -> impl Iterator<Item = String> {
+        let sentence = |of: &PartialPoints| {
+            let [names, labels] = [&of.names, &of.labels].map(|list| list.join(", "));
+            format!("Hardpoints only in {labels}: {names}")
+        };
+        self.partial_points.iter().map(sentence)
+    }
+
     /// Table of the points that differ from the first design, in its axes and unit. Points that only one of both designs has are
     /// left out.
     pub fn moved_table(&self) -> Table {
@@ -47,6 +63,34 @@ pub(super) fn moved(designs: &[Compared]) -> Vec<Moved> {
         return moved.flatten().collect();
     }
     moved_of(designs, 0, None)
+}
+
+/// Points that some of the designs with known points do not have, grouped by the designs that have them.
+pub(super) fn partial_points(designs: &[Compared]) -> Vec<PartialPoints> {
+    let known = designs.iter().filter_map(|design| {
+        // Both wheels have points of the same names.
+        let points = design.points.as_ref()?.wheel(0).points.iter();
+        let names: Vec<&String> = points.map(|(name, _)| name).collect();
+        Some((&design.label, names))
+    });
+    let known: Vec<(&String, Vec<&String>)> = known.collect();
+    let mut groups: Vec<PartialPoints> = Vec::new();
+    for name in known.iter().flat_map(|(_, names)| names) {
+        let having = known.iter().filter(|(_, names)| names.contains(name));
+        let labels: Vec<String> = having.map(|(label, _)| (*label).clone()).collect();
+        if labels.len() == known.len() {
+            continue;
+        }
+        match groups.iter_mut().find(|group| group.labels == labels) {
+            Some(group) if group.names.contains(name) => {}
+            Some(group) => group.names.push((*name).clone()),
+            None => groups.push(PartialPoints {
+                names: vec![(*name).clone()],
+                labels,
+            }),
+        }
+    }
+    groups
 }
 
 /// Relative difference of coordinates that a conversion of units and back causes. In each direction, the coordinate, the ratio

@@ -3,6 +3,7 @@
 use super::super::curve_table::CurveTable;
 use super::{Compared, ComparedPoints, Comparison, NamedPoints};
 use crate::model::{FrameConvention, LengthUnit};
+use crate::report::comparison_page;
 
 fn design(label: &str, unit: LengthUnit, csv: &str) -> Compared {
     Compared {
@@ -76,6 +77,28 @@ fn what_cannot_be_compared_says_why() {
     let third = "travel_mm,toe_deg,status\n0,1.0,ok\n";
     let refused = Comparison::of(&[design("a", mm, table), design("b", mm, third)]);
     assert!(refused.unwrap_err().contains("have no common output"));
+}
+
+/// The second design has a spring, and the third design has no known points.
+#[test]
+fn points_of_one_design_are_named() {
+    let mm = LengthUnit::Millimetre;
+    let csv = "travel_mm,camber_deg,status\n0,1,ok\n";
+    let mut designs = ["a", "b", "c"].map(|label| design(label, mm, csv));
+    let Some(ComparedPoints::OneWheel(points)) = &mut designs[1].points else {
+        panic!("the design has points")
+    };
+    for name in ["spring_upper", "spring_lower"] {
+        points.points.push((name.to_owned(), [0.0; 3]));
+    }
+    designs[2].points = None;
+    let comparison = Comparison::of(&designs).unwrap();
+    let sentences: Vec<String> = comparison.partial_points().collect();
+    assert_eq!(
+        sentences,
+        ["Hardpoints only in b: spring_upper, spring_lower"]
+    );
+    assert!(comparison_page(&comparison, &[], &[]).contains(&sentences[0]));
 }
 
 /// A rack at -1 mm in axes with y to the right is at the same position as a rack at 1 mm with y to the left.

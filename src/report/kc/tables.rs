@@ -68,13 +68,9 @@ impl KcResults<'_> {
             if self.is_axle {
                 columns.insert(0, "wheel");
             }
-            let width = columns.len();
-            let columns: Vec<String> = columns.into_iter().map(str::to_owned).collect();
             let mut table = Table::with_columns(columns);
             for outcome in outcomes {
-                let mut title = vec![Cell::from(self.test_name(&outcome.test))];
-                title.resize_with(width, || "".into());
-                table.push_row(title);
+                table.push_heading(self.test_name(&outcome.test));
                 for figure in &outcome.figures {
                     let mut row = Vec::new();
                     row.extend(self.is_axle.then(|| Cell::from(subject(figure.of))));

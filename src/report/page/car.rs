@@ -204,15 +204,7 @@ fn targets(record: &CarRecord) -> String {
     if record.targets.is_empty() {
         return String::new();
     }
-    let names = [
-        "target",
-        "case",
-        "at least",
-        "at most",
-        "before",
-        "after",
-        "deviation",
-    ];
+    let names = ["target", "case", "wanted", "before", "after", "deviation"];
     let mut table = Table::with_columns(names.map(Column::from));
     for target in &record.targets {
         let unit = target.unit();
@@ -220,8 +212,7 @@ fn targets(record: &CarRecord) -> String {
         table.push_row([
             Cell::from(target.output.as_str()),
             target.case.as_str().into(),
-            cell(target.wanted[0]),
-            cell(target.wanted[1]),
+            target.wanted_cell(),
             cell(target.values[0]),
             cell(target.values[1]),
             Cell::by(target.deviation, |value| shown(value, "tolerances")),
@@ -265,7 +256,8 @@ fn constraints(record: &CarRecord) -> String {
     };
     let violated = |row: usize| {
         let status = constraints[row].status;
-        (status == Some(ConstraintStatus::Violated)).then_some("unmet")
+        let is_violated = status.is_some_and(ConstraintStatus::is_violated);
+        is_violated.then_some("unmet")
     };
     let note = "Margin: distance to the nearer limit, negative if it is violated. Price: decrease of the misfit if the \
                 limit moves outward by one unit.";

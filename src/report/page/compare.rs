@@ -187,11 +187,14 @@ pub fn comparison_page(comparison: &Comparison, topologies: &[String], files: &[
         )
     };
     let moved = comparison.moved_table();
-    let moved = if moved.is_empty() {
+    let mut moved = if moved.is_empty() {
         "<p>Points of the same name have the same position.</p>".to_owned()
     } else {
         moved.html()
     };
+    for points in comparison.partial_points() {
+        moved += &format!("<p>{}</p>", html(&points));
+    }
     let moving = comparison.moving_columns();
     let mut charts = Charts::default();
     let figures_of_outputs = figures(comparison, &moving, &mut charts);

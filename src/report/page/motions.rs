@@ -78,6 +78,7 @@ pub(super) fn of_motions(run: &Run, missed: &[(&str, String)], charts: &mut Char
             command: &record.command,
             motion: &named.motion,
             first_table,
+            whole: &run.curves,
         };
         first_table += named.motion.designs.len();
         // The name of a target ends with the name of its motion.

@@ -102,12 +102,22 @@ fn verdict(tuning: &TuningSummary) -> String {
 
 fn bounds(tuning: &TuningSummary) -> String {
     let [active, all] = tuning.at_bounds();
-    match active {
-        0 => format!("<p class=\"note\">None of {all} variables is at a bound.</p>"),
-        n => {
-            format!("<p class=\"unmet\">{n} of {all} variables are at a bound of their range.</p>")
-        }
-    }
+    let (class, words) = match active {
+        0 => ("note", format!("None of {all} variables is at a bound.")),
+        1 if all == 1 => (
+            "unmet",
+            "The variable is at a bound of its range.".to_owned(),
+        ),
+        1 => (
+            "unmet",
+            format!("1 of {all} variables is at a bound of its range."),
+        ),
+        n => (
+            "unmet",
+            format!("{n} of {all} variables are at a bound of their range."),
+        ),
+    };
+    format!("<p class=\"{class}\">{words}</p>")
 }
 
 fn effects(effects: &[SideEffect]) -> String {
@@ -173,17 +183,21 @@ const WIDTH: f64 = 300.0;
 const HEIGHT: f64 = 220.0;
 const EDGE: f64 = 14.0;
 
-/// Picture of two designs in one view. It shows the left wheel, and marks the moved points.
+/// Picture of two designs in one view. It shows the rims of the last design, and marks the moved points.
 fn picture(scene: &Scene, designs: [&Placement; 2], sight: Sight) -> String {
     let axes = scene.axes(sight);
     let flat = |p: &[f64; 3]| axes.map(|(axis, sign)| sign * p[axis]);
     let all = designs.iter().flat_map(|d| &d.points).map(flat);
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     let radius = scene.wheel_radius.unwrap_or(0.0);
-    let centre = flat(&designs[1].points[scene.wheel_centre]);
     let wide = if sight == Sight::Side { radius } else { 0.0 };
-    let rim = [-1.0, 1.0].map(|by| [centre[0] + by * wide, centre[1] + by * radius]);
-    for p in all.chain(rim) {
+    let centres = [Some(scene.wheel_centre), scene.right_wheel_centre];
+    let centres = centres.into_iter().flatten();
+    let centres = centres.map(|centre| flat(&designs[1].points[centre]));
+    // Each rim between two opposite corners of the rectangle around it.
+    let rims = centres.map(|[x, y]| [-1.0, 1.0].map(|by| [x + by * wide, y + by * radius]));
+    let rims: Vec<[[f64; 2]; 2]> = rims.collect();
+    for p in all.chain(rims.iter().copied().flatten()) {
         for k in 0..2 {
             low[k] = low[k].min(p[k]);
             high[k] = high[k].max(p[k]);
@@ -197,17 +211,19 @@ fn picture(scene: &Scene, designs: [&Placement; 2], sight: Sight) -> String {
         format!("{x:.1} {y:.1}")
     };
     let mut shapes = String::new();
-    if wide > 0.0 {
-        let place = at(centre);
-        let (x, y) = place.split_once(' ').unwrap_or_default();
-        let r = scale * radius;
-        _ = write!(
-            shapes,
-            r#"<circle class="rim" cx="{x}" cy="{y}" r="{r:.1}"/>"#
-        );
-    } else if radius > 0.0 {
-        let [a, b] = rim.map(at);
-        _ = write!(shapes, r#"<path class="rim" d="M{a}L{b}"/>"#);
+    for rim in rims.into_iter().filter(|_| radius > 0.0) {
+        if wide > 0.0 {
+            let place = at([0, 1].map(|k| 0.5 * (rim[0][k] + rim[1][k])));
+            let (x, y) = place.split_once(' ').unwrap_or_default();
+            let r = scale * radius;
+            _ = write!(
+                shapes,
+                r#"<circle class="rim" cx="{x}" cy="{y}" r="{r:.1}"/>"#
+            );
+        } else {
+            let [a, b] = rim.map(&at);
+            _ = write!(shapes, r#"<path class="rim" d="M{a}L{b}"/>"#);
+        }
     }
     for (design, class) in designs.into_iter().zip(["before", "after"]) {
         for line in scene.bodies.iter().flat_map(|body| &body.lines) {

@@ -118,7 +118,7 @@ fn with_design(run: &Run, design: Option<&PageDesign>) -> String {
     let record = &run.record;
     let misses = tuning_of(run).map_or_else(Vec::new, missed);
     let figures = figures(
-        Charted::of(record),
+        Charted::of(record, &run.curves),
         &misses,
         &mut charts,
         |tables, group, over| front_lines(record, tables, first_of_front, group, over),
@@ -194,10 +194,7 @@ fn of_summary(run: &Run, charts: &mut Charts) -> (String, String) {
             let sections = front + &tuning_sections(tuning, history, charts);
             (sections, String::new())
         }
-        Summary::Tolerance(tolerance) => (
-            String::new(),
-            tolerance_sections(tolerance, &record.motion.drive),
-        ),
+        Summary::Tolerance(tolerance) => (String::new(), tolerance_sections(tolerance, record)),
         solve => {
             let ranges = solve.tables().map(|[ranges, ..]| ranges.html());
             (String::new(), ranges.unwrap_or_default())

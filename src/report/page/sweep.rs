@@ -142,7 +142,7 @@ fn figures(record: &Record, charts: &mut Charts) -> String {
     let mut figures = String::new();
     for group in chart_groups(&record.motion.outputs) {
         let over = record.motion.natural_abscissa(group.column());
-        let mut chart = charts_over(Charted::of(record), &charts.tables, &group, over);
+        let mut chart = charts_over(Charted::of(record, &[]), &charts.tables, &group, over);
         chart.notes.clear();
         for line in &mut chart.lines {
             line.label = None;

@@ -26,8 +26,8 @@ fn written(table: &Table, class: impl Fn(usize) -> Option<&'static str>, kind: &
         .rows()
         .enumerate()
         .map(|(number, cells)| {
-            if let Some(title) = group(&cells) {
-                return title;
+            if table.is_heading(number) {
+                return heading(&cells);
             }
             let class = class(number).map_or_else(String::new, |c| format!(" class=\"{c}\""));
             let cells = cells.into_iter().enumerate();
@@ -40,22 +40,13 @@ fn written(table: &Table, class: impl Fn(usize) -> Option<&'static str>, kind: &
     )
 }
 
-/// HTML of a heading for the rows below it. A row with at least three cells is a heading if only its first cell has a text. `None`
-/// for any other row.
-fn group(cells: &[&Cell]) -> Option<String> {
-    let [title, others @ ..] = cells else {
-        return None;
-    };
-    let is_group = others.len() > 1
-        && !title.text().is_empty()
-        && others.iter().all(|cell| cell.text().is_empty());
-    is_group.then(|| {
-        format!(
-            "<tr class=\"group\"><th scope=\"rowgroup\" colspan=\"{}\">{}</th></tr>",
-            cells.len(),
-            breakable(title.text())
-        )
-    })
+/// HTML of a row that is a heading for the rows below it. The first cell has its title.
+fn heading(cells: &[&Cell]) -> String {
+    format!(
+        "<tr class=\"group\"><th scope=\"rowgroup\" colspan=\"{}\">{}</th></tr>",
+        cells.len(),
+        breakable(cells.first().map_or("", |title| title.text()))
+    )
 }
 
 impl Table {
@@ -86,4 +77,21 @@ fn cell(cell: &Cell, column: Option<&str>) -> String {
 /// Text as HTML. A line may break after an underscore.
 pub(super) fn breakable(cell: &str) -> String {
     html(cell).replace('_', "_<wbr>")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A row of values may have only its first cell filled. It is not a heading.
+    #[test]
+    fn only_marked_rows_are_headings() {
+        let mut table = Table::new(["quantity", "value", "unit"]);
+        table.push_heading("lateral force");
+        table.push(["toe", "", ""]);
+        let html = table.html();
+        assert_eq!(html.matches("class=\"group\"").count(), 1, "{html}");
+        assert!(html.contains("colspan=\"3\">lateral force</th>"), "{html}");
+        assert!(html.contains("<td>toe</td><td></td><td></td>"), "{html}");
+    }
 }

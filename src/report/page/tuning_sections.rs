@@ -8,6 +8,7 @@ use super::scatter::{contributors, distributions};
 use super::table::table;
 use super::tuning_charts::prices_chart;
 use crate::SideEffect;
+use crate::report::record::Record;
 use crate::report::{
     ToleranceSummary, TuningSummary, VALUES_NOTE, further_in_words, side_effects_in_words,
     side_effects_table, visible_side_effects,
@@ -118,9 +119,9 @@ fn prices_section(tuning: &TuningSummary, charts: &mut Charts) -> String {
 }
 
 /// Pictures and tables of a tolerance analysis: distributions, contributors, values, bands and failures.
-pub(super) fn tolerance_sections(tolerance: &ToleranceSummary, drive: &str) -> String {
-    let mut sections = distributions(tolerance, drive) + &contributors(tolerance);
-    sections += &tolerance.values_table().html();
+pub(super) fn tolerance_sections(tolerance: &ToleranceSummary, record: &Record) -> String {
+    let mut sections = distributions(tolerance, &record.motion.drive) + &contributors(tolerance);
+    sections += &tolerance.values_table(&record.length_unit).html();
     sections += &format!("<p class=\"note\">{VALUES_NOTE}</p>");
     if !tolerance.bands.is_empty() {
         sections += &tolerance.bands_table().html();

@@ -246,7 +246,12 @@ pub fn pictures(run: &Run) -> Vec<Picture> {
 fn chart(run: &Run, group: &ChartGroup<'_>) -> Layout {
     let record = &run.record;
     let abscissa = record.motion.usual_abscissa(group.column());
-    let chart = charts_over(Charted::of(record), &run.curves, group, abscissa);
+    let chart = charts_over(
+        Charted::of(record, &run.curves),
+        &run.curves,
+        group,
+        abscissa,
+    );
     chart.layout(&run.curves)
 }
 

@@ -1,12 +1,10 @@
 //! Warnings about the targets of a tuning.
 
 use crate::report::figure::brief;
-use crate::study::{Limit, Study, Target, Wanted};
+use crate::study::{DriveRounding, Limit, Study, Target, Wanted};
 
 /// Largest plausible span of a target's points, relative to the span of the motion.
 const SPAN: f64 = 4.0;
-/// Smallest part outside of the motion that counts, relative to the span of the motion.
-const ROUNDING: f64 = 1e-9;
 
 /// Warnings about targets whose points are partly outside of the motion, one per line. The part of a target outside of the
 /// motion has no effect.
@@ -36,8 +34,9 @@ fn beyond_motion(study: &Study, target: &Target) -> Option<String> {
     let own = ends(points.iter().map(|[at, _]| *at))?;
     let moved = ends(values.iter().copied())?;
     let width = |[low, high]: [f64; 2]| high - low;
-    let outside = (moved[0] - own[0]).max(own[1] - moved[1]);
-    if outside <= ROUNDING * width(moved) || width(moved) == 0.0 {
+    let rounding = DriveRounding::of(values);
+    let is_inside = own.iter().all(|end| rounding.is_within(*end, moved));
+    if is_inside || width(moved) == 0.0 {
         return None;
     }
     let range = |ends: [f64; 2]| {

@@ -151,12 +151,26 @@ impl SweepDirectory {
     /// Record of a part. `None` if the part is not complete. An error if its files do not belong to this sweep.
     pub fn part(&self, part: u64) -> Result<Option<PartRecord>, NotARun> {
         let found = self.written(part)?;
-        if found
-            .as_ref()
-            .is_some_and(|found| !found.statistics.are_of(&self.record))
-        {
-            return Err(self.not_of_this_part(part));
+        found.map(|found| self.renewed(found)).transpose()
+    }
+
+    /// Record of a part with the statistics that this version computes. If the statistics have other dimensions, it sums them
+    /// again from the rows. The number of levels grows with the number of designs ([`SweepStatistics::are_of`]), so it changes if
+    /// a sweep is extended. Other versions may also store fewer numbers. The new sums have the same bits as those of a sweep that
+    /// runs at once.
+    fn renewed(&self, mut found: PartRecord) -> Result<PartRecord, NotARun> {
+        let record = &self.record;
+        if found.statistics.are_of(record) {
+            return Ok(found);
         }
+        self.verify(found.part)?;
+        let mut statistics = SweepStatistics::empty(record);
+        // The rows do not show which designs were solved one by one.
+        statistics.one_by_one = found.statistics.one_by_one;
+        self.each_block(found.part, |rows| {
+            statistics.absorb(record, &SweepStatistics::of(record, rows));
+        })?;
+        found.statistics = statistics;
         Ok(found)
     }
 
@@ -204,27 +218,16 @@ impl SweepDirectory {
         wrong(&statistics, "it does not belong to this part of this sweep")
     }
 
-    /// Sums the statistics of kept parts again from their rows, if they have other levels. The number of levels grows with the
-    /// number of designs ([`SweepStatistics::are_of`]), so it changes if a sweep is extended. The new sums have the same bits as
-    /// those of a sweep that runs at once.
+    /// Sums the statistics of kept parts again from their rows, if they have other dimensions, and writes them.
     pub fn renew_statistics(&self) -> Result<(), MergeError> {
         let record = &self.record;
         for part in 0..record.parts() {
-            let Some(mut found) = self.written(part)? else {
+            let Some(found) = self.written(part)? else {
                 continue;
             };
-            if found.statistics.are_of(record) {
-                continue;
+            if !found.statistics.are_of(record) {
+                self.renewed(found)?.replace(&self.path, record)?;
             }
-            self.verify(part)?;
-            let mut statistics = SweepStatistics::empty(record);
-            // The rows do not show which designs were solved one by one.
-            statistics.one_by_one = found.statistics.one_by_one;
-            self.each_block(part, |rows| {
-                statistics.absorb(record, &SweepStatistics::of(record, rows));
-            })?;
-            found.statistics = statistics;
-            found.replace(&self.path, record)?;
         }
         Ok(())
     }

@@ -142,3 +142,21 @@ fn lines_are_no_longer_than_the_width() {
     }
     assert!(wide.text(60).lines().count() <= 1 + 4, "{}", wide.text(60));
 }
+
+/// A compared run may have the name of a column.
+#[test]
+fn columns_of_equal_names_stay_apart() {
+    let mut table = Table::new(["changed", "unit", "unit", "unit"]);
+    let [first, second] = [30.0, 35.0].map(Cell::from);
+    table.push([
+        Cell::from("front.spring.rate"),
+        "N_per_mm".into(),
+        first,
+        second,
+    ]);
+    let row = &table.json()[0];
+    assert_eq!(row["unit"], "N_per_mm");
+    assert_eq!(row["unit_2"], 30.0);
+    assert_eq!(row["unit_3"], 35.0);
+    assert!(table.csv(None).starts_with("changed,unit,unit_2,unit_3\n"));
+}

@@ -12,6 +12,7 @@ pub use tables::misfit_table;
 pub use verdict::{ConstraintStatus, SlightEffectRecord};
 pub(in crate::report) use verdict::{
     least_violation_in_words, price_in_words, unmoved_constraint_in_words, unmoved_in_words,
+    violation_in_words,
 };
 pub use words::{contradiction_in_words, interrupted_in_words};
 
@@ -195,9 +196,9 @@ struct ConstraintSummary {
     /// True if `limit` is the upper limit.
     #[serde(default)]
     is_upper: bool,
-    /// Margin to the nearest limit in `unit`; negative if it is violated.
+    /// Margin to the nearest limit in `unit`; negative if it is violated. `None` if it is not known.
     #[serde(alias = "room")]
-    margin: f64,
+    margin: Option<f64>,
     unit: String,
     /// Drive value with the smallest margin.
     at: Option<f64>,
@@ -218,7 +219,7 @@ struct ConstraintSummary {
 impl ConstraintSummary {
     fn status(&self) -> ConstraintStatus {
         self.status
-            .unwrap_or_else(|| ConstraintStatus::of(self.margin))
+            .unwrap_or_else(|| ConstraintStatus::of(self.margin.unwrap_or(f64::NAN)))
     }
 
     /// Nearest limit in words.
@@ -331,7 +332,7 @@ impl TuningSummary {
     /// Rows of the violated constraints in [`TuningSummary::constraints_table`].
     pub fn violated(&self) -> Vec<usize> {
         let rows = self.constraints.iter().enumerate();
-        let violated = rows.filter(|(_, c)| c.status() == ConstraintStatus::Violated);
+        let violated = rows.filter(|(_, c)| c.status().is_violated());
         violated.map(|(row, _)| row).collect()
     }
 

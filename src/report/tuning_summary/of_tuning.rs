@@ -155,12 +155,15 @@ impl TunedStudy<'_> {
         let part = &constraint.parts[0];
         let limit = single_limit(constraint, found.is_upper);
         let towards = if found.is_upper { -1.0 } else { 1.0 };
+        let margin = (!found.margin.is_nan()).then_some(found.margin + 0.0);
         ConstraintSummary {
             name: constraint.name.clone(),
-            value: limit.map(|limit| limit + towards * found.margin + 0.0),
+            value: limit
+                .zip(margin)
+                .map(|(limit, margin)| limit + towards * margin + 0.0),
             limit,
             is_upper: found.is_upper,
-            margin: found.margin + 0.0,
+            margin,
             unit: part.unit.clone(),
             at: found.at.map(|at| drive.printed(at)),
             at_unit: drive.unit(self.study.wheel().length_unit).to_owned(),

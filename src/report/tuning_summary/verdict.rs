@@ -19,12 +19,15 @@ pub enum ConstraintStatus {
     Binds,
     /// A limit is violated.
     Violated,
+    /// The margin is not known, because a value is missing. Such a constraint counts as violated.
+    Unknown,
 }
 
 impl ConstraintStatus {
-    /// Status for a margin, as a multiple of a visible change ([`crate::study::Limited::visible`]).
+    /// Status for a margin, as a multiple of a visible change ([`crate::study::Limited::visible`]). NaN for an unknown margin.
     pub(in crate::report) fn of(margin: f64) -> Self {
         match margin {
+            margin if margin.is_nan() => ConstraintStatus::Unknown,
             margin if margin < -VIOLATED => ConstraintStatus::Violated,
             margin if margin < BINDING => ConstraintStatus::Binds,
             _ => ConstraintStatus::Kept,
@@ -35,9 +38,15 @@ impl ConstraintStatus {
     pub(in crate::report) fn in_words(self) -> Option<&'static str> {
         match self {
             ConstraintStatus::Violated => Some("VIOLATED"),
+            ConstraintStatus::Unknown => Some("not computed"),
             ConstraintStatus::Binds => Some("binds"),
             ConstraintStatus::Kept => None,
         }
+    }
+
+    /// True if the constraint counts as violated.
+    pub(in crate::report) fn is_violated(self) -> bool {
+        matches!(self, ConstraintStatus::Violated | ConstraintStatus::Unknown)
     }
 }
 
@@ -94,6 +103,14 @@ pub(in crate::report) fn price_in_words(constraint: &str, price: f64, unit: &str
     )
 }
 
+/// Violation of a constraint in words. `margin` is its negative margin, or `None` if the margin is not known.
+pub(in crate::report) fn violation_in_words(name: &str, margin: Option<f64>, unit: &str) -> String {
+    margin.map_or_else(
+        || format!("{name}, which has no value"),
+        |margin| format!("{name} by {} {unit}", brief(-margin)),
+    )
+}
+
 /// Reason why the tuning keeps the start `kept` although its design violates constraints. `violated` lists the constraints with
 /// their violations. `None` without violations.
 pub(in crate::report) fn least_violation_in_words(
@@ -106,4 +123,21 @@ pub(in crate::report) fn least_violation_in_words(
          starts. Missed: {}",
         violated.join("; ")
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A constraint without a value is not satisfied, as in a sweep.
+    #[test]
+    fn a_margin_without_a_value_counts_as_violated() {
+        let status = ConstraintStatus::of(f64::NAN);
+        assert!(status.is_violated());
+        assert_eq!(status.in_words(), Some("not computed"));
+        assert!(!ConstraintStatus::of(0.0).is_violated());
+        let words =
+            ["1", "2"].map(|name| violation_in_words(name, (name == "1").then_some(-0.5), "mm"));
+        assert_eq!(words, ["1 by 0.5 mm", "2, which has no value"]);
+    }
 }

@@ -68,7 +68,7 @@ impl TuningSummary {
             .map(|row| &self.constraints[row]);
         let violated: Vec<String> = violated
             .filter(|c| !self.unmoved_constraints.contains(&c.name))
-            .map(|c| format!("{} by {} {}", c.name, brief(-c.margin), c.unit))
+            .map(|c| violation_in_words(&c.name, c.margin, &c.unit))
             .collect();
         least_violation_in_words(self.best_start, &violated)
     }

@@ -39,6 +39,11 @@ fn an_axle_is_tuned() {
     ] {
         assert!(out.join(file).is_file(), "{file}");
     }
+    // Both pictures at the top of the page show the rims of both wheels.
+    let page = fs::read_to_string(out.join("report.html")).unwrap();
+    let (_, answer) = page.split_once("<section id=\"answer\"").unwrap();
+    let (answer, _) = answer.split_once("</section>").unwrap();
+    assert_eq!(answer.matches("class=\"rim\"").count(), 4);
     let again = out.join("optimised.toml");
     let (said, _) = run(&["check", again.to_str().unwrap()], 0);
     assert!(said.contains("18 of 18 stations solved"), "{said}");

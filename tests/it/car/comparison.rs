@@ -161,6 +161,24 @@ fn exported_points_are_those_of_the_car() {
     assert!(text(&refused.get_output().stderr).contains("car_rear.toml"));
 }
 
+/// Cars that differ only in a point of the right wheel. The comparison lists this point. It does not list the mirror images.
+#[test]
+fn points_of_right_wheels_are_compared() {
+    let directory = tempfile::tempdir().unwrap();
+    let directory = directory.path();
+    hardpoint(directory, &["new", "car"]).success();
+    // The left point is at y = 330.
+    let right = "front.axle.right={ hardpoints = { tie_rod_inner = [-110.0, -330.5, 243.0] } }";
+    let solve = ["solve", "car.toml", "--out", "changed", "--set", right];
+    hardpoint(directory, &solve).success();
+    let arguments = ["compare", "car.toml", "changed", "--format", "csv"];
+    let said = hardpoint(directory, &arguments).success();
+    let said = text(&said.get_output().stdout);
+    let row = "front.right_tie_rod_inner.y,mm,-330.0,-330.5";
+    assert!(said.contains(row), "{said}");
+    assert_eq!(said.matches(".right_").count(), 1, "{said}");
+}
+
 /// If a file does not exist, the error names the file and does not speak of other kinds of studies.
 #[test]
 fn a_missing_file_is_named() {

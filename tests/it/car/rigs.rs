@@ -225,7 +225,7 @@ constraints = [{ axle = "front", line = ["lower_arm_front", "lower_arm_rear", "t
 fn the_command_reports_both_kinds() {
     let directory = tempfile::tempdir().unwrap();
     car(directory.path(), BUMP_STEER);
-    let arguments = ["optimise", "car.toml", "--out", "tuned"];
+    let arguments = ["optimise", "car.toml", "--out", "tuned", "--report"];
     let said = hardpoint(directory.path(), &arguments).get_output().clone();
     let text = String::from_utf8(said.stdout).unwrap();
     assert!(
@@ -233,6 +233,10 @@ fn the_command_reports_both_kinds() {
         "{text}"
     );
     assert!(text.contains("margin after"), "{text}");
+    // Terminal and page name the curve of a target of one axle. The value is the deviation from this curve.
+    assert!(text.contains("0 (target -0.04 to 0.03)"), "{text}");
+    let page = std::fs::read_to_string(directory.path().join("tuned/report.html")).unwrap();
+    assert!(page.contains(">0 (target −0.04 to 0.03)</td>"));
     let summary = std::fs::read_to_string(directory.path().join("tuned/summary.json")).unwrap();
     let summary: Value = serde_json::from_str(&summary).unwrap();
     assert_eq!(summary["targets"].as_array().unwrap().len(), 3);

@@ -124,6 +124,12 @@ fn each_stop_has_its_own_name() {
             rig.contains(&format!("the {own} is in contact in")),
             "{rig}"
         );
+        // The rebound stop acts before the spring is slack. Beyond this, the stop pulls.
+        assert_eq!(
+            limits.contains("spring slack"),
+            own == "bump stop",
+            "{limits}"
+        );
         for said in [limits, rig] {
             assert!(!said.contains(other), "{said}");
         }

@@ -1,6 +1,8 @@
 //! Tests of the pictures that `--plots` writes.
 
 use super::*;
+use hardpoint::report::Places;
+use hardpoint::study::Study;
 use resvg::tiny_skia::Pixmap;
 
 #[test]
@@ -419,4 +421,34 @@ fn names_at_their_points(view: &str, study: &str) -> usize {
         leader = None;
     }
     count
+}
+
+/// The outlines of regions that a point must avoid are larger than the regions by the clearance.
+#[test]
+fn regions_to_avoid_include_the_clearance() {
+    let constraints = "optimise.constraints=[\
+        { point = \"tie_rod_inner\", outside = { box = [[0, 10, 20], [100, 200, 300]] }, clearance = 3 }, \
+        { point = \"tie_rod_inner\", outside = { cylinder = { from = [0, 100, 100], to = [50, 100, 100], radius = 30 } }, clearance = 3 }]";
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_steering.toml");
+    let study = Study::read(&path, &[constraints.to_owned()]).unwrap();
+    let places = Places::of(&study);
+    let ends = |number: usize| {
+        let points = places.shapes[number].lines.iter().flatten();
+        [0, 1, 2].map(|axis| {
+            let values = points.clone().map(|p| p[axis]);
+            [
+                values.clone().fold(f64::INFINITY, f64::min),
+                values.fold(f64::NEG_INFINITY, f64::max),
+            ]
+        })
+    };
+    assert_eq!(ends(0), [[-3.0, 103.0], [7.0, 203.0], [17.0, 303.0]]);
+    let expected = [[-3.0, 53.0], [67.0, 133.0], [67.0, 133.0]];
+    for (found, expected) in ends(1)
+        .into_iter()
+        .flatten()
+        .zip(expected.into_iter().flatten())
+    {
+        assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+    }
 }

@@ -1,7 +1,7 @@
 //! Tests of the plausibility warnings for a study without a wheel radius.
 
 use hardpoint::model::Suspension;
-use hardpoint::report::{plausibility, rack_doubt};
+use hardpoint::report::{plausibility, rack_doubt, variable_plausibility};
 use hardpoint::study::Study;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -122,4 +122,22 @@ fn a_rack_without_effect_in_a_named_motion_is_reported() {
         found.contains("no part of a semi_trailing_arm is attached to the rack"),
         "{found}"
     );
+}
+
+/// The warning about a variable uses the offsets of the coordinate: values of the variable times its factor, with their unit.
+#[test]
+fn the_range_of_a_variable_includes_its_factor() {
+    let doubts = |factor: &str, range: &str| {
+        let sweep = format!(
+            "sweep={{ method = \"sobol\", samples = 8, variables = [{{ hardpoints = [\"tie_rod_inner\"], \
+             axis = \"z\", range = {range}, factors = [{factor}] }}] }}"
+        );
+        let study = Study::read(&studies().join("macpherson_solve.toml"), &[sweep]);
+        variable_plausibility(&study.unwrap())
+    };
+    let found = doubts("-2.0", "[-126.5, -116.5]");
+    let words =
+        "z of tie_rod_inner, which is 243 mm in the design, has offsets from 233 to 253 mm.";
+    assert!(found.len() == 1 && found[0].contains(words), "{found:?}");
+    assert_eq!(doubts("0.01", "[233.0, 253.0]"), Vec::<String>::new());
 }

@@ -1,6 +1,7 @@
 //! Tests of the statistics of rows: which designs are ranked, and which sums the main effects use. Also a test of the record.
 
 use super::{Bench, STUDY};
+use hardpoint::report::SweepSummary;
 use hardpoint::study::Study;
 use hardpoint::sweep::{Effects, Failing, SweepPlan, SweepStatistics};
 
@@ -57,6 +58,51 @@ fn an_incomplete_grid_has_corrected_shares() {
     });
     assert_eq!(lacking, failed);
     assert_ne!(lacking, whole);
+}
+
+/// One solved design has no value of an output, and one design that is not solved everywhere has a value. The note counts the
+/// solved design.
+#[test]
+fn a_note_counts_the_solved_designs_without_a_value() {
+    let bench = Bench::new(&STUDY.replace("samples = 700", "samples = 60"));
+    let study = Study::read(&bench.path("study.toml"), &[]).unwrap();
+    let plan = SweepPlan::of(&study, study.sweep.as_ref().unwrap()).unwrap();
+    let record = &plan.record;
+    let mut rows = plan.worker().unwrap().rows(0).clone();
+    rows.outputs[4 * record.outputs.len()] = f64::NAN;
+    rows.failing[9] = Some(Failing {
+        status: "unreachable".to_owned(),
+        reason: "planted".to_owned(),
+        stations: 1,
+        at: None,
+    });
+    let statistics = SweepStatistics::of(record, &rows);
+    let mut twice = statistics.clone();
+    twice.absorb(record, &statistics);
+    for (statistics, words) in [
+        (&statistics, "1 solved design lacks"),
+        (&twice, "2 solved designs lack"),
+    ] {
+        let summary = SweepSummary::of(record, statistics);
+        let wanted = format!("{words} {}:", record.outputs[0].column);
+        let notes = summary.notes();
+        assert!(notes.iter().any(|n| n.starts_with(&wanted)), "{notes:?}");
+    }
+}
+
+/// Statistics of an older version lack the numbers of solved designs with a value. The program sums them again from the rows.
+#[test]
+fn statistics_of_an_older_version_are_summed_again() {
+    let bench = Bench::new(&STUDY.replace("samples = 700", "samples = 60"));
+    bench.sweep("run", &[]).success();
+    let summary = bench.json("run/summary.json");
+    let mut part = bench.json("run/designs.json");
+    let statistics = part["statistics"].as_object_mut().unwrap();
+    assert!(statistics.remove("solved_values").is_some());
+    std::fs::write(bench.path("run/designs.json"), part.to_string()).unwrap();
+    bench.run(&["report", "run"]).success();
+    bench.run(&["merge", "--out", "merged", "run"]).success();
+    assert_eq!(bench.json("merged/summary.json"), summary);
 }
 
 /// The x axis of the study points rearward, against the axis of the program. The tolerance in the record stays positive.

@@ -1,6 +1,6 @@
 //! Tests of `--format json` and `--format csv`: they contain every table of a command with exact numbers.
 
-use super::Called;
+use super::{Called, study};
 use crate::support::larger;
 use serde_json::Value;
 
@@ -227,6 +227,24 @@ fn the_tables_have_the_numbers_of_the_files() {
         for key in ["at_design", "min", "max", "mean", "standard_deviation"] {
             assert_eq!(output[key], same[key], "{key} of {output}");
         }
+    }
+}
+
+/// The headings for people have the unit of the travel and the rack displacement. The keys for programs stay without it.
+#[test]
+fn positions_of_scatter_have_a_unit() {
+    let path = study("macpherson_tolerance");
+    let builds = ["--set", "tolerance.builds=20"];
+    let racks = ["--set", "motion.rack=[-5.0, 0.0, 5.0]"];
+    let arguments = [&["tolerance", path.to_str().unwrap()], &builds[..], &racks].concat();
+    let said = Called::with(&arguments, &[("COLUMNS", "200")]).said();
+    let header = said.lines().find(|line| line.contains("nominal"));
+    let header = header.unwrap_or_else(|| panic!("{said}"));
+    assert!(header.contains("travel mm  rack mm"), "{said}");
+    let said = Called::with(&[&arguments[..], &["--format", "json"]].concat(), &[]).said();
+    let tables: Value = serde_json::from_str(&said).unwrap();
+    for key in ["travel", "rack"] {
+        assert!(tables["values"][0][key].is_number(), "{said}");
     }
 }
 

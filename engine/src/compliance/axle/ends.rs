@@ -2,7 +2,9 @@
 
 use super::equations::{AxleState, AxleTask};
 use super::{AxleEquilibrium, ElasticAxle};
-use crate::compliance::ends::{DrivingForce, EquilibriumEnd, Event, Followable, NEGATIVE, Way};
+use crate::compliance::ends::{
+    DrivingForce, EquilibriumEnd, Event, Followable, NEGATIVE, Way, is_slack,
+};
 use crate::compliance::fault::{Motion, NoEquilibrium};
 use crate::compliance::loads::WheelLoads;
 use crate::compliance::solve::Obstacle;
@@ -55,9 +57,7 @@ impl Followable for ElasticAxle {
                 self.spring(&at, side).is_some() && self.wheel_load(&at, side) < -NEGATIVE
             }
             Event::StopMet(stop) => self.spring(&at, side).is_some_and(|own| own.meets(stop)),
-            Event::SpringSlack => self
-                .spring(&at, side)
-                .is_some_and(|own| own.force < -NEGATIVE),
+            Event::SpringSlack => self.spring(&at, side).as_ref().is_some_and(is_slack),
             Event::Extrapolated => {
                 let bushings = self.bushings(&at, side);
                 bushings.iter().any(|own| own.is_extrapolated)

@@ -6,8 +6,7 @@ use crate::report::text::counted;
 use crate::sweep::{KEPT, Kind, OutputColumn, SweepRecord, SweepStatistics};
 
 /// Notes about the comparison with targets and constraints, about outputs without a value in some solved designs, and about the
-/// designs used for main effects. The number of solved designs without a value may be too small: `count` of a range includes
-/// designs that are not solved everywhere.
+/// designs used for main effects.
 pub(super) fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
     let mut notes = Vec::new();
     if record.is_fit {
@@ -18,8 +17,8 @@ pub(super) fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<S
     notes.extend(violated(record, statistics));
     notes.extend(fixed_values(record));
     notes.extend(unranked(record, statistics));
-    for (output, range) in record.outputs.iter().zip(&statistics.ranges) {
-        let lacking = statistics.solved - range.map_or(0, |r| r.count).min(statistics.solved);
+    for (output, present) in record.outputs.iter().zip(&statistics.solved_values) {
+        let lacking = statistics.solved - present;
         if lacking == 0 {
             continue;
         }

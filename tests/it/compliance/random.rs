@@ -234,7 +234,6 @@ fn random_loads_are_balanced_or_rightly_refused() {
 #[ignore = "100 000 loads: minutes"]
 fn a_hundred_thousand_random_loads() {
     let seen = check(11, 2_000, 50);
-    println!("{seen:?}");
     assert!(seen.loads > 90_000, "{seen:?}");
     println!("{seen:?}");
     assert_seen(&seen);

@@ -94,8 +94,8 @@ fn the_drawing_is_the_equilibrium_at_the_design_load() {
     }
 }
 
-/// If the stiffness of mounts, rack and bar rises, the axle approaches an axle in which these parts are rigid. The
-/// difference is inversely proportional to the stiffness.
+/// If the stiffness of mounts, rack and steering column rises, the axle approaches an axle in which these parts are rigid.
+/// The difference is inversely proportional to the stiffness.
 #[test]
 fn stiff_shared_parts_are_rigid_ones() {
     let mut random = Random(23);
@@ -137,8 +137,7 @@ fn stiff_shared_parts_are_rigid_ones() {
     }
 }
 
-/// At equal travels, the anti-roll bar has no torque. At other travels its torque is its rate times the difference of the
-/// lever angles.
+/// At equal travels, the anti-roll bar has no torque. In roll, the bar raises the load transfer between the wheels.
 #[test]
 fn equal_travels_leave_the_bar_alone() {
     let mut random = Random(24);

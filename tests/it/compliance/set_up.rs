@@ -351,6 +351,7 @@ fn effects_of_a_pushrod_are_slopes_of_settled_builds() {
                 (a, f, b) = (b, g, next);
                 g = miss(b);
             }
+            assert!(g.abs() < 1e-8, "the secant method does not converge: {g:e}");
             let [camber, toe, ..] = built(&study, adjustment, by, b);
             [camber, toe, -b]
         };

@@ -92,6 +92,7 @@ fn curves_are_proved() {
         let further = format!("{motion}[outputs]\ncertify = true\ncharacteristics = [\"toe\"]\n");
         let study = axle(&study_of(&case("solid_four_link"), &further));
         let curves = axle_curves(&study.axle, &study.plan).unwrap().curves;
+        assert!(curves.stations.len() >= 3, "{motion}");
         for station in &curves.stations {
             let proof = station.proof.as_ref();
             assert!(proof.is_some(), "{motion}: {:?}", station.status);

@@ -485,6 +485,9 @@ fn curves_of_a_sweep_have_figures_at_every_station() {
                 figures += usize::from(column.contains("toe_by_lateral_force"));
             }
         }
-        assert!(toes >= alone.len() && figures == toes, "{name}: {toes} {figures}");
+        assert!(
+            toes >= alone.len() && figures == toes,
+            "{name}: {toes} {figures}"
+        );
     }
 }

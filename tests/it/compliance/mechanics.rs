@@ -397,7 +397,10 @@ fn constant_forces_and_those_at_the_design_load_add() {
         let [a, b] = [&both, &free].map(|w| w.figures(&w.at(travel, 0.0).unwrap()));
         let plain = wheel.figures(&wheel.at(travel, 0.0).unwrap());
         let effect = (a.toe - plain.toe).abs();
-        assert!(effect > 1e-6, "the constant forces have no effect: {effect:e}");
+        assert!(
+            effect > 1e-6,
+            "the constant forces have no effect: {effect:e}"
+        );
         assert!(
             (a.toe - b.toe).abs() < 1e-12,
             "{travel}: {} {}",

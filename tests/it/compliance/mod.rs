@@ -1,7 +1,7 @@
 //! Tests of elasto-kinematics against independent reference values with 120 digits, and against mechanics.
 
 mod axle;
-mod command;
+pub mod command;
 mod curves;
 mod derivatives;
 mod ends;

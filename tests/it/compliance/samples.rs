@@ -242,7 +242,11 @@ fn printed_builds_are_the_builds() {
             let ends = [values[0].min(values[1]), larger(values[0], values[1])];
             for (end, limit) in ends.into_iter().zip(spread.range) {
                 let limit = limit * column.factor();
-                assert!(is_same(end, limit), "{} {station}: {end} {limit}", column.name);
+                assert!(
+                    is_same(end, limit),
+                    "{} {station}: {end} {limit}",
+                    column.name
+                );
                 compared += 1;
             }
             assert!((values[0] - values[1]).abs() > 1e-6, "{values:?}");

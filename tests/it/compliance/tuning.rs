@@ -109,7 +109,10 @@ fn planted_targets_of_kinematics_and_compliance_come_back() {
         let tuning = tune(&study.vehicle, optimise, Control::default()).unwrap();
         let before = tuning.before.as_ref().unwrap().misfit;
         let best = tuning.best.as_ref().unwrap();
-        println!("seed {seed}: misfit {before:.2} -> {:.1e}", best.after.misfit);
+        println!(
+            "seed {seed}: misfit {before:.2} -> {:.1e}",
+            best.after.misfit
+        );
         assert!(before > 0.1, "{seed}: {before}");
         assert!(best.after.misfit < 1e-6, "{seed}: {}", best.after.misfit);
     }

@@ -225,7 +225,8 @@ fn second_order_is_that_of_builds() {
             );
             let problem = problem(&study);
             let built = |steps: &[(&str, f64)]| built(motion, steps);
-            all += assert_second_order(&problem, parts, sigma, &["roll_steer", "anti_lift"], &built);
+            all +=
+                assert_second_order(&problem, parts, sigma, &["roll_steer", "anti_lift"], &built);
         }
     }
     assert!(all >= 16, "{all}");

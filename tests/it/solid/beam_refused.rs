@@ -1,7 +1,7 @@
 //! Tests of studies of twist beams that the program refuses, and of the reasons of stations beyond the range of heave.
 
-use super::twist_beam::random;
 use super::STILL;
+use super::twist_beam::random;
 use crate::support::random::Random;
 use hardpoint::study::Study;
 use std::path::Path;

@@ -1,5 +1,6 @@
 //! Support for tests of tolerances: gradients and second-order terms from finite differences between builds.
 
+use crate::compliance::support::fourth_order;
 use hardpoint::tolerance::{Expansion, Problem};
 
 /// Values of a build by output and station, in the units of the engine. The arguments are parts with their deviations.
@@ -15,10 +16,10 @@ pub fn assert_gradients(problem: &Problem<'_>, parts: &[&str], built: Built<'_>)
         let at = [-2.0, -1.0, 1.0, 2.0].map(|step| built(&[(part, step * h)]));
         for (output, column) in problem.outputs().iter().enumerate() {
             for station in problem.stations().of_motion() {
-                let [a, b, c, d] = at.each_ref().map(|values| values[output][station]);
-                let slope = (a - d + 8.0 * (c - b)) / (12.0 * h);
+                let values = at.each_ref().map(|values| values[output][station]);
+                let slope = fourth_order(values, h);
                 let found = expansion.gradient(problem.cell(output, station))[number];
-                let size = (b.abs() + c.abs()).max(1e-2) * 1e-11 / h;
+                let size = (values[1].abs() + values[2].abs()).max(1e-2) * 1e-11 / h;
                 let error = (found - slope).abs();
                 assert!(
                     error < 1e-6 * slope.abs() + size,

@@ -119,7 +119,10 @@ fn lanes_have_the_values_of_designs_one_by_one() {
             }
             // Some quantities do not exist at some stations.
             let all = bits.len();
-            assert!(all >= 3 * DESIGNS * quantities.len(), "{name} {motion}: {all}");
+            assert!(
+                all >= 3 * DESIGNS * quantities.len(),
+                "{name} {motion}: {all}"
+            );
             assert!(2 * finite > all, "{name} {motion}: {finite} of {all}");
             match &first {
                 None => first = Some(bits),

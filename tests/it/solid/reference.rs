@@ -1,6 +1,7 @@
 //! Tests of axles on four links, and on three links with a Panhard rod, against an independent solution with 90 digits.
 
 use super::{STILL, axle, case, points_of, study_of};
+use crate::support::number;
 use hardpoint::axle::{
     AxleQuantity as A, AxleSolver, AxleState, Motion, Placement, Quantity, Read,
     WheelQuantity as W, axle_curves,
@@ -40,10 +41,6 @@ fn quantities() -> Vec<(String, Quantity, f64)> {
         all.push((name.to_owned(), Quantity::Axle(q), scale));
     }
     all
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_str().and_then(|text| text.parse().ok()).unwrap()
 }
 
 /// Returns the value with this name from an array whose order is that of the reference case's names.
@@ -251,7 +248,10 @@ fn member_forces_are_the_reference_s() {
         let loads = case["loads"].as_object().unwrap();
         let entries = loads.iter().map(|(name, load)| {
             let force = [0, 1, 2].map(|i| load["force"][i].as_f64().unwrap());
-            format!("{{ name = \"{name}\", at = {}, force = {force:?} }}", load["at"])
+            format!(
+                "{{ name = \"{name}\", at = {}, force = {force:?} }}",
+                load["at"]
+            )
         });
         let entries = entries.collect::<Vec<_>>().join(", ");
         for state in case["states"].as_array().unwrap() {
@@ -267,7 +267,9 @@ fn member_forces_are_the_reference_s() {
             };
             for load in loads.keys() {
                 for (theirs, ours) in MEMBERS {
-                    let Some(expected) = named(&case, &state["values"], &format!("{load}_{theirs}")) else {
+                    let Some(expected) =
+                        named(&case, &state["values"], &format!("{load}_{theirs}"))
+                    else {
                         continue;
                     };
                     let found: f64 = ["left", "right"]
@@ -275,7 +277,10 @@ fn member_forces_are_the_reference_s() {
                         .iter()
                         .sum();
                     let off = (found - expected).abs();
-                    assert!(off < 1e-10, "{name} {roll} {heave} {load} {theirs}: {found} {expected}");
+                    assert!(
+                        off < 1e-10,
+                        "{name} {roll} {heave} {load} {theirs}: {found} {expected}"
+                    );
                     compared += 1;
                 }
             }

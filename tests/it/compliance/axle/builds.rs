@@ -82,7 +82,10 @@ fn builds_scatter_by_sides_and_shared_parts_once() {
 /// of the analysis are the values of these builds. Both wheels differ from each other and from the nominal design.
 #[test]
 fn printed_builds_are_the_builds() {
-    let study = elastic(&with(SUBFRAME, &replaced(SCATTERED, "builds = 400", "builds = 2")));
+    let study = elastic(&with(
+        SUBFRAME,
+        &replaced(SCATTERED, "builds = 400", "builds = 2"),
+    ));
     let problem = Problem::of(&study, study.tolerance.as_ref().unwrap()).unwrap();
     let drawn = problem.drawn().unwrap();
     let found = monte_carlo(&problem, &drawn, |_| ControlFlow::Continue(())).unwrap();

@@ -308,7 +308,12 @@ fn contact(case: &Case, centre: Vector3<f64>, axis: Vector3<f64>) -> Vector3<f64
 }
 
 /// Returns the loads in a state of the second formulation.
-pub(super) fn loads(case: &Case, built: &Built, world: &World, given: &[WheelLoads; 2]) -> Vec<Load> {
+pub(super) fn loads(
+    case: &Case,
+    built: &Built,
+    world: &World,
+    given: &[WheelLoads; 2],
+) -> Vec<Load> {
     let mut found = Vec::new();
     for (side, given) in given.iter().enumerate() {
         let flip = |v: Vector3<f64>| if side == 0 { v } else { mirrored(v) };
@@ -353,7 +358,12 @@ pub(super) fn loads(case: &Case, built: &Built, world: &World, given: &[WheelLoa
 
 /// Returns the largest difference between a state and the second formulation: positions divided by 100 mm, and angles in
 /// rad. The twist of the anti-roll bar is its torque divided by its rate.
-pub(super) fn difference(case: &Case, built: &Built, axle: &ElasticAxle, at: &AxleEquilibrium) -> f64 {
+pub(super) fn difference(
+    case: &Case,
+    built: &Built,
+    axle: &ElasticAxle,
+    at: &AxleEquilibrium,
+) -> f64 {
     let mut worst = 0.0_f64;
     let centre_id = case.suspension.mechanism.wheel_centre;
     for side in Side::ALL {

@@ -157,7 +157,10 @@ fn lanes_have_the_values_of_designs_one_by_one() {
             let found = compare(&world, motion, 8.0);
             (designs, left) = (designs + DESIGNS, left + found.rejected);
             let [finite, all] = found.values;
-            assert!(all > 5 * 12 * DESIGNS && 2 * finite > all, "{motion}: {finite} of {all}");
+            assert!(
+                all > 5 * 12 * DESIGNS && 2 * finite > all,
+                "{motion}: {finite} of {all}"
+            );
         }
     }
     println!("{left} of {designs} designs were solved one by one");

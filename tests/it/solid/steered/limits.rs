@@ -1,6 +1,7 @@
 //! Tests of the ends of a steering gear's range, and of the parts that are at their toggles there.
 
 use super::{axle, random, study};
+use crate::compliance::support::fourth_order;
 use crate::solid::own::{Point, cross, dot, minus};
 use crate::support::random::Random;
 use hardpoint::analyse::RangeEnd;
@@ -221,8 +222,7 @@ fn a_fold_along_the_drag_link_has_exact_derivatives() {
                 ends[place].value
             };
             let h = 0.02;
-            let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(|step| at(step * h));
-            let slope = (a - 8.0 * b + 8.0 * c - d) / (12.0 * h);
+            let slope = fourth_order([-2.0, -1.0, 1.0, 2.0].map(|step| at(step * h)), h);
             let pairs = limit.gradient.iter().zip(&free);
             let exact: f64 = pairs.map(|(by, way)| by.dot(*way)).sum();
             assert!(

@@ -367,7 +367,11 @@ fn compare_all(axles: usize) {
     println!("second derivatives {:?}", worst.second);
     println!("gradients {:?}", worst.gradient);
     assert!(10 * solved > 9 * axles, "{solved}");
-    assert!(24 * worst.with_gradients > axles, "{}", worst.with_gradients);
+    assert!(
+        24 * worst.with_gradients > axles,
+        "{}",
+        worst.with_gradients
+    );
     // In both programs, the residuals of the equations are up to 1e-12 mm, and condition numbers are below 1e3. The error
     // of derivatives is larger by another factor of the condition number.
     assert!(worst.value.0 < 1e-9, "{:?}", worst.value);

@@ -5,6 +5,7 @@ pub mod command;
 mod curves;
 mod derivatives;
 mod ends;
+mod joint_forces;
 mod lanes;
 mod mechanics;
 mod member_forces;

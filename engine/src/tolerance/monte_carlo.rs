@@ -292,8 +292,11 @@ pub fn monte_carlo_in(
     Ok(total)
 }
 
-/// Mean, standard deviation, and standard error of the standard deviation from sums of powers: var(s) = (m4 - m2^2)/(4 n
-/// m2).
+/// Mean, standard deviation, and standard error of the standard deviation from sums of powers.
+///
+/// The standard error is sqrt(var(s^2)) / (2 s). The unbiased estimate of var(s^2) comes from the second and the fourth
+/// k-statistic: var(s^2) = (2 n k2^2 + (n - 1) k4) / (n (n + 1)) (M. G. Kendall, A. Stuart, *The Advanced Theory of
+/// Statistics*, vol. 1, chapter 12). With fewer than 4 builds, k4 and the standard error have no value (NaN).
 pub(super) fn moments([n, s1, s2, s3, s4]: [f64; 5]) -> [f64; 3] {
     if n == 0.0 {
         return [f64::NAN; 3];
@@ -301,7 +304,13 @@ pub(super) fn moments([n, s1, s2, s3, s4]: [f64; 5]) -> [f64; 3] {
     let mean = s1 / n;
     let m2 = (s2 / n - mean * mean).max(0.0);
     let m4 = s4 / n - mean * (4.0 * s3 / n - mean * (6.0 * s2 / n - 3.0 * mean * mean));
-    let sigma = (m2 * n / (n - 1.0)).sqrt();
-    let error = ((m4 - m2 * m2).max(0.0) / (4.0 * n * m2)).sqrt();
-    [mean, sigma, error]
+    let k2 = m2 * n / (n - 1.0);
+    let sigma = k2.sqrt();
+    if n < 4.0 {
+        return [mean, sigma, f64::NAN];
+    }
+    let k4 = n * n * ((n + 1.0) * m4 - 3.0 * (n - 1.0) * m2 * m2)
+        / ((n - 1.0) * (n - 2.0) * (n - 3.0));
+    let variance = (2.0 * n * k2 * k2 + (n - 1.0) * k4) / (n * (n + 1.0));
+    [mean, sigma, (variance.max(0.0) / (4.0 * k2)).sqrt()]
 }

@@ -1,4 +1,4 @@
-//! Tests of `hardpoint kc` and `hardpoint check` as a user runs them.
+//! Tests of commands for studies with elastic parts, as a user runs them.
 
 use crate::support::rows_by_column;
 use std::path::Path;
@@ -100,6 +100,8 @@ fn kc_writes_figures_levels_and_the_matrix() {
     );
 }
 
+/// For a study without elastic parts, `kc` gives kinematics and jacking, and no results of test loads that only elastic parts
+/// have.
 #[test]
 fn a_rigid_study_has_its_kinematics_and_jacking() {
     let directory = tempfile::tempdir().unwrap();
@@ -162,6 +164,7 @@ bands = [{ characteristic = "toe_by_lateral_force", at_most = 0.2 }]
         "solve", &path, "--out", "solve", "--report", "--plots", "plots",
     ]);
     let curves = rows(&at.join("solve/curves.csv"));
+    assert_eq!(curves.len(), 5);
     assert!(curves.iter().all(|row| &row[row.len() - 1] == "ok"));
     let page = std::fs::read_to_string(at.join("solve/report.html")).unwrap();
     assert!(page.contains("toe_by_lateral_force") && at.join("plots").is_dir());
@@ -190,20 +193,6 @@ bands = [{ characteristic = "toe_by_lateral_force", at_most = 0.2 }]
     ]);
     let found = rows(&at.join("curves.csv"));
     assert_eq!(found.len(), curves.len());
-}
-
-#[test]
-fn other_commands_refuse_elastic_parts() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = study("double_wishbone_compliance.toml");
-    let ran = hardpoint(&["assemblies", &path], directory.path());
-    assert_eq!(ran.status.code(), Some(2));
-    let said = String::from_utf8_lossy(&ran.stderr).into_owned();
-    assert!(said.contains("would ignore them"), "{said}");
-    let ran = hardpoint(&["check", &path], directory.path());
-    let said = String::from_utf8_lossy(&ran.stdout).into_owned();
-    assert_eq!(ran.status.code(), Some(0), "{said}");
-    assert!(said.contains("Elastic parts") && said.contains("lower_arm_rear"));
 }
 
 /// If a load is too large for the wheel, `kc` still writes all other results. It states the largest fraction of the load
@@ -400,19 +389,6 @@ fn the_page_draws_the_figures() {
     assert!((drawn - toe).abs() < 0.1 * per_place.abs(), "{drawn} {toe}");
 }
 
-/// `kc` refuses topologies whose arm is connected to the carrier at two points, because its tests do not support them.
-#[test]
-fn kc_refuses_arms_that_hold_the_carrier_twice() {
-    let directory = tempfile::tempdir().unwrap();
-    for topology in ["integral_link", "h_arm"] {
-        let path = study(&format!("{topology}_solve.toml"));
-        let refused = hardpoint(&["kc", &path, "--out", "kc"], directory.path());
-        let said = String::from_utf8_lossy(&refused.stderr).into_owned();
-        assert_eq!(refused.status.code(), Some(2), "{said}");
-        assert!(said.contains("at two points"), "{said}");
-    }
-}
-
 /// `compare` of two runs of `kc` shows the results that differ, with their differences. It refuses to compare a run
 /// with a study.
 #[test]
@@ -436,6 +412,7 @@ fn two_runs_of_kc_are_compared() {
     let [stiff, soft, both] = ["stiff/kc.csv", "soft/kc.csv", "both/comparison.csv"].map(read);
     assert_eq!(both.len(), stiff.len());
     let number = |text: &str| text.parse::<f64>().ok();
+    let mut compared = 0;
     for ((row, first), other) in both.iter().zip(&stiff).zip(&soft) {
         for key in ["load", "trail_mm", "hold", "quantity", "unit"] {
             assert_eq!(row[key], first[key]);
@@ -447,7 +424,9 @@ fn two_runs_of_kc_are_compared() {
             number(&row["soft_difference"]),
             difference.map(|(b, a)| b - a)
         );
+        compared += usize::from(difference.is_some());
     }
+    assert!(compared > 20, "{compared}");
     // The soft arm has more recession than the stiff one.
     let recession = both
         .iter()
@@ -458,18 +437,6 @@ fn two_runs_of_kc_are_compared() {
     let said = String::from_utf8_lossy(&mixed.stderr).into_owned();
     assert_eq!(mixed.status.code(), Some(2));
     assert!(said.contains("runs of `hardpoint kc` only"), "{said}");
-}
-
-/// A page needs a directory, so `kc` refuses it with results on standard output.
-#[test]
-fn a_page_of_tests_needs_a_directory() {
-    let directory = tempfile::tempdir().unwrap();
-    let study = study("double_wishbone_compliance.toml");
-    let refused = hardpoint(&["kc", &study, "--out", "-", "--report"], directory.path());
-    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
-    assert_eq!(refused.status.code(), Some(2), "{said}");
-    assert!(refused.stdout.is_empty());
-    assert!(said.contains("--report needs a directory"), "{said}");
 }
 
 /// `kc` and `setup` make no pictures, so they have no option `--plots`.
@@ -514,125 +481,28 @@ fn curves_of_a_sweep_have_figures_at_every_station() {
         let (swept, alone) = (read("sweep"), read("solve"));
         assert_eq!(swept.len(), alone.len(), "{name}");
         assert!(swept.len() > 1, "{name}");
+        let (mut toes, mut figures) = (0, 0);
         for (swept, alone) in swept.iter().zip(&alone) {
             for (column, text) in alone {
                 if column == "status" || column == "reason" {
                     continue;
                 }
+                // The sweep writes the coordinates that the motion prescribes. So it omits the travels of the axle's wheels.
                 let Some(found) = swept.get(column) else {
+                    assert!(column.starts_with("travel_"), "{name} {column}");
                     continue;
                 };
                 let [found, expected] = [found, text].map(|text| text.parse::<f64>());
                 let (found, expected) = (found.unwrap(), expected.unwrap());
                 let most = 1e-10 * expected.abs().max(1.0);
                 assert!((found - expected).abs() <= most, "{name} {column}");
+                toes += usize::from(column.ends_with("toe_deg"));
+                figures += usize::from(column.contains("toe_by_lateral_force"));
             }
-            let is_figure = |column: &&String| {
-                column.starts_with("toe_by_lateral") || column.contains("_toe_by_lateral")
-            };
-            let figures: Vec<_> = swept.keys().filter(is_figure).collect();
-            assert!(!figures.is_empty(), "{name}: {:?}", swept.keys());
         }
-    }
-}
-
-/// Runs a command that must be refused. Checks the exit code and returns the messages.
-fn refused(arguments: &[&str], directory: &Path) -> String {
-    let ran = hardpoint(arguments, directory);
-    let said = String::from_utf8_lossy(&ran.stderr).into_owned();
-    assert_eq!(ran.status.code(), Some(2), "{arguments:?}: {said}");
-    said
-}
-
-/// The program names a measured sheet that does not exist. It does not ask for the keys of a curve, because a sheet does
-/// not need them.
-#[test]
-fn a_missing_sheet_is_named() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = study("double_wishbone_compliance.toml");
-    let optimise = "optimise={variables=[{rate=\"spring\",range=[5.0,150.0]}],\
-                    targets=[{file=\"nofile.csv\",tolerance=1.0}]}";
-    let said = refused(&["optimise", &path, "--set", optimise], directory.path());
-    assert!(
-        said.contains("cannot read ") && said.contains("nofile.csv"),
-        "{said}"
-    );
-    assert!(
-        !said.contains("expected \"figure\" or \"characteristic\""),
-        "{said}"
-    );
-}
-
-/// If the spring has no force, `kc` refuses the study and names the spring, because the spring cannot carry the wheel.
-/// `kc` accepts a small spring force. It also accepts a spring without force if the parts are free of force in the
-/// design position.
-#[test]
-fn a_spring_without_force_is_named() {
-    let directory = tempfile::tempdir().unwrap();
-    let directory = directory.path();
-    for name in [
-        "double_wishbone_compliance.toml",
-        "subframe_axle_compliance.toml",
-    ] {
-        let path = study(name);
-        let kc = |changes: &[&str]| {
-            let mut arguments = vec!["kc", &path, "--out", "-"];
-            for change in changes {
-                arguments.extend(["--set", change]);
-            }
-            hardpoint(&arguments, directory)
-        };
-        let ran = kc(&["spring.force=0.0"]);
-        let said = String::from_utf8_lossy(&ran.stderr).into_owned();
-        assert_ne!(ran.status.code(), Some(0), "{name}");
         assert!(
-            said.contains("the spring's force in the design position is 0"),
-            "{said}"
-        );
-        assert!(!said.contains("leverage"), "{said}");
-        assert!(kc(&["spring.force=0.001"]).status.success(), "{name}");
-        let free = ["spring.force=0.0", "compliance.relaxed=\"free\""];
-        assert!(kc(&free).status.success(), "{name}");
-    }
-}
-
-/// `kc` does not ask for elastic parts that the study cannot have.
-#[test]
-fn kc_does_not_ask_for_impossible_parts() {
-    let directory = tempfile::tempdir().unwrap();
-    for (name, reason) in [
-        (
-            "twist_beam_solve.toml",
-            "elastic parts are not available for twist beams yet",
-        ),
-        (
-            "off_road_car_front.toml",
-            "elastic parts are not available for a steered solid axle yet",
-        ),
-    ] {
-        let said = refused(&["kc", &study(name)], directory.path());
-        assert!(said.contains(reason), "{name}: {said}");
-        assert!(!said.contains("expected [compliance]"), "{name}: {said}");
-    }
-    // A solid axle on links can have elastic parts, so the message asks for them.
-    let said = refused(&["kc", &study("solid_axle_rear.toml")], directory.path());
-    assert!(said.contains("expected [compliance]"), "{said}");
-}
-
-/// `kc` explains the signs of derivatives only if it has solved a station.
-#[test]
-fn signs_are_explained_only_if_there_are_values() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = study("double_wishbone_compliance.toml");
-    for (travel, is_explained) in [("0.0", true), ("900.0", false)] {
-        let motion = format!("motion={{ travel = [{travel}] }}");
-        let arguments = ["kc", &path, "--set", &motion, "--out", "kc"];
-        let ran = hardpoint(&arguments, directory.path());
-        let said = String::from_utf8(ran.stdout).unwrap();
-        assert_eq!(
-            said.contains("Derivatives at the station"),
-            is_explained,
-            "{said}"
+            toes >= alone.len() && figures == toes,
+            "{name}: {toes} {figures}"
         );
     }
 }

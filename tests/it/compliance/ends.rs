@@ -150,7 +150,8 @@ fn fine(wheel: &ElasticWheel, unit: &WheelLoads, held: HeldQuantity, step: f64, 
     reached
 }
 
-/// For random designs, the ends of equilibrium equal those of continuations in small steps.
+/// For random designs, the ends of equilibrium equal those of continuations in steps of 100 N. A continuation stops within 1e-5 N
+/// of the end; the bound is 1e-4 N plus rounding.
 #[test]
 fn ends_are_those_of_fine_continuations() {
     let studies = [
@@ -246,8 +247,8 @@ fn a_symmetric_axle_ends_where_its_wheel_does() {
     }
 }
 
-/// With the wheel load held, the wheel lifts when the vertical test load is minus the design load, within rounding of
-/// 1e-6 N.
+/// With the wheel load held, the wheel lifts when the vertical test load is minus the design load. The program counts a load
+/// below -1e-6 N as negative. The bound is three times as large.
 #[test]
 fn a_wheel_lifts_where_its_load_is_gone() {
     for name in [SAMPLE, "five_link_compliance.toml"] {
@@ -406,10 +407,11 @@ fn limits_of_elastic_builds_are_the_nearest_of_each() {
     }
 }
 
-/// Studies with removed parts or extreme rates are computed or refused with a reason.
+/// Studies with removed parts or extreme rates are refused, or their ends enclose 0 and come after all events.
 #[test]
-fn mutilated_studies_have_ends_or_a_reason() {
+fn mutilated_studies_have_ends_or_are_refused() {
     let mut random = Random(45);
+    let mut found = 0;
     for number in 0..30 {
         let study = elastic(&with(SAMPLE, ""));
         let (mut suspension, mut parts) = varied(&study, &mut random);
@@ -433,6 +435,7 @@ fn mutilated_studies_have_ends_or_a_reason() {
         for load in [TestLoad::Lateral, TestLoad::Aligning, TestLoad::Vertical] {
             all.extend(run.load_ends(&test_of(load)).into_iter().flatten());
         }
+        found += all.len();
         for pair in all.chunks(2) {
             let [lower, upper] = pair else {
                 panic!("{pair:?}");
@@ -450,4 +453,6 @@ fn mutilated_studies_have_ends_or_a_reason() {
             }
         }
     }
+    // Five pairs of ends for each study that is not refused.
+    assert!(found >= 10, "{found}");
 }

@@ -1,13 +1,16 @@
 //! Tests of elasto-kinematics against independent reference values with 120 digits, and against mechanics.
 
 mod axle;
-mod command;
+pub mod command;
 mod curves;
 mod derivatives;
 mod ends;
+mod joint_forces;
 mod lanes;
 mod mechanics;
 mod member_forces;
+mod messages;
+mod other_programs;
 mod random;
 mod reference;
 mod refused;
@@ -49,10 +52,19 @@ pub fn number(value: &Value) -> f64 {
     }
 }
 
+/// Vector of the reference. A missing vector is zero.
 pub fn vector(value: &Value) -> Vector3<f64> {
     match value {
         Value::Null => Vector3::new(0.0, 0.0, 0.0),
         _ => Vector3::new(number(&value[0]), number(&value[1]), number(&value[2])),
+    }
+}
+
+/// Design load of a reference case. 0 for a case whose parts are free of force in the design position.
+pub fn design_load(case: &Value) -> f64 {
+    match &case["design_load"]["wheel"] {
+        Value::Null => 0.0,
+        load => number(load),
     }
 }
 
@@ -67,8 +79,8 @@ pub fn suspension(case: &Value) -> Suspension {
     }
     text += &format!("[wheel]\nradius = {}\n", case["radius"]);
     for key in ["static_camber", "static_toe"] {
-        if case[key].is_number() {
-            text += &format!("{key} = {}\n", case[key]);
+        if !case[key].is_null() {
+            text += &format!("{key} = {:?}\n", number(&case[key]));
         }
     }
     text += "[motion]\ntravel = 0.0\n";
@@ -99,7 +111,7 @@ pub fn spring(case: &Value) -> SpringLaw {
     }
 }
 
-/// Elastic parts of a reference case.
+/// Elastic parts of a reference case. The case has no preloads of links and no axes of bushings.
 pub fn compliance(case: &Value, suspension: &Suspension) -> Compliance {
     let mechanism = &suspension.mechanism;
     let empty = serde_json::Map::new();

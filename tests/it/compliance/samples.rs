@@ -1,6 +1,7 @@
 //! Tests of sweeps, builds and limits of a wheel with elastic parts.
 
 use super::support::{elastic, with};
+use crate::support::larger;
 use hardpoint::optimise::{Control, TargetLayout, assessed_at, tune};
 use hardpoint::study::Study;
 use hardpoint::sweep::SweepPlan;
@@ -52,6 +53,7 @@ fn rows_of_a_sweep_are_those_of_single_designs() {
     );
     let mut worker = plan.worker().unwrap();
     let rows = worker.rows(0).clone();
+    assert_eq!(rows.designs(), 7);
     assert!(rows.failing.iter().all(Option::is_none));
     let outputs: Vec<String> = plan
         .record
@@ -99,7 +101,7 @@ fn rows_of_a_sweep_are_those_of_single_designs() {
             let expected = values(&format!("{name}{unit}"))[2];
             assert!(is_same(found, expected), "{name}: {found} {expected}");
         }
-        // The gain of toe (derivative in the design position) equals the bump steer.
+        // The gain of toe (derivative in the design position) equals the bump steer, up to rounding.
         let (gain, steer) = (
             row[column("toe_gain_deg_per_mm")],
             row[column("bump_steer_design_deg_per_mm")],
@@ -208,13 +210,50 @@ fn builds_scatter_as_first_order_says() {
         rate != 0.0 && (rate - expected).abs() < 1e-5 * rate.abs(),
         "{rate} {expected}"
     );
-    // A build that is printed as a study has the values of the Monte Carlo build.
-    let text = problem.built_text(5).unwrap();
-    let built = elastic(&text);
-    let own = &built.compliance().unwrap().parts.bushings[1].shapes[1];
-    let drawn = &study.compliance().unwrap().parts.bushings[1].shapes[1];
-    assert_ne!(own, drawn);
-    assert!(built.curves().unwrap().are_complete());
+}
+
+/// Builds that are printed as studies have the values of the Monte Carlo builds. With two builds, smallest and largest value
+/// of the analysis are the values of these builds.
+#[test]
+fn printed_builds_are_the_builds() {
+    let text = with(NAME, BUILDS);
+    let study = elastic(&text.replace("builds = 1500", "builds = 2"));
+    let problem = Problem::of(&study, study.tolerance.as_ref().unwrap()).unwrap();
+    let drawn = problem.drawn().unwrap();
+    let found = monte_carlo(&problem, &drawn, |_| ControlFlow::Continue(())).unwrap();
+    assert_eq!(found.builds, 2);
+    let rate = |study: &Study| study.compliance().unwrap().parts.bushings[1].shapes[1].clone();
+    let built = [0, 1].map(|number| elastic(&problem.built_text(number).unwrap()));
+    assert!(rate(&built[0]) != rate(&study) && rate(&built[0]) != rate(&built[1]));
+    let curves = built.map(|study| study.curves().unwrap());
+    let mut compared = 0;
+    for (output, column) in problem.outputs().iter().enumerate() {
+        assert_eq!(curves[0].columns[output].name, column.name);
+        for station in 0..problem.stations().count() {
+            let cell = problem.cell(output, station);
+            let spread = &found.spreads[cell];
+            // Test results have values in the design position only.
+            if spread.count == 0 {
+                continue;
+            }
+            let values = curves
+                .each_ref()
+                .map(|own| own.stations[station].value(output).unwrap());
+            let ends = [values[0].min(values[1]), larger(values[0], values[1])];
+            for (end, limit) in ends.into_iter().zip(spread.range) {
+                let limit = limit * column.factor();
+                assert!(
+                    is_same(end, limit),
+                    "{} {station}: {end} {limit}",
+                    column.name
+                );
+                compared += 1;
+            }
+            assert!((values[0] - values[1]).abs() > 1e-6, "{values:?}");
+        }
+    }
+    // Toe and camber at each station, and one test result; two builds.
+    assert_eq!(compared, 2 * (2 * problem.stations().count() + 1));
 }
 
 const LIMITED: &str = r#"

@@ -1,6 +1,7 @@
 //! Tests of studies with elastic parts. A message names the line and key of a mistake. A command that does not support
 //! elastic parts refuses the study.
 
+use super::support::with;
 use crate::support::mutants::mutilated;
 use crate::support::random::Random;
 use hardpoint::compliance::KcRun;
@@ -13,10 +14,7 @@ const STUDIES: [&str; 2] = [
 ];
 
 fn text(name: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("studies")
-        .join(name);
-    std::fs::read_to_string(path).unwrap()
+    with(name, "")
 }
 
 /// Replaces `from`, which the good study contains once, by `to`. Asserts that the study then has exactly one mistake,

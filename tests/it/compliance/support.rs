@@ -48,7 +48,8 @@ pub fn fourth_order([a, b, c, d]: [f64; 4], step: f64) -> f64 {
 /// Standard deviation of a measurement, divided by its value.
 const NOISE: f64 = 0.01;
 
-/// Measured sheet: `kc.csv` without secants, with a column of tolerances and random noise times `share`.
+/// Measured sheet: `kc.csv` without secants, with a column of tolerances and random noise times `share`. Rows without a value are
+/// left out.
 pub fn sheet(csv: &[u8], share: f64, seed: u64) -> String {
     let mut reader = csv::Reader::from_reader(csv);
     let header = reader.headers().unwrap().clone();

@@ -2,7 +2,7 @@
 //! columns of the curves.
 
 use super::axle;
-use super::own::{Point, minus};
+use super::own::{Point, cross, dot, minus};
 use super::twist_beam::random;
 use crate::support::random::Random;
 use hardpoint::axle::axle_curves;
@@ -12,20 +12,8 @@ use hardpoint::model::Side;
 /// Weight on the axle in N, the scale of the errors.
 const WEIGHT: f64 = 7000.0;
 
-fn cross(a: Point, b: Point) -> Point {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
-}
-
 fn scaled(a: Point, by: f64) -> Point {
     a.map(|c| by * c)
-}
-
-fn dot(a: Point, b: Point) -> f64 {
-    (0..3).map(|i| a[i] * b[i]).sum()
 }
 
 struct Read<'a>(&'a Curves);

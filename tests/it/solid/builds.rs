@@ -1,6 +1,7 @@
 //! Tests of builds of solid axles: geometry of the assembled parts, and builds as studies.
 
 use super::kinds::{KINDS, Kind};
+use super::own::{Point, dot, minus, mirror};
 use hardpoint::axle::axle_curves;
 use hardpoint::model::{Side, Suspension};
 use hardpoint::number::{Vector3, Width};
@@ -10,22 +11,8 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-type Point = [f64; 3];
-
-fn minus(a: Point, b: Point) -> Point {
-    [0, 1, 2].map(|i| a[i] - b[i])
-}
-
-fn dot(a: Point, b: Point) -> f64 {
-    (0..3).map(|i| a[i] * b[i]).sum()
-}
-
 fn distance(a: Point, b: Point) -> f64 {
     dot(minus(a, b), minus(a, b)).sqrt()
-}
-
-fn mirrored([x, y, z]: Point) -> Point {
-    [x, -y, z]
 }
 
 fn on(_: u64) -> ControlFlow<()> {
@@ -50,7 +37,7 @@ impl Expected {
         for (name, point) in kind.points {
             nominal.insert((*name).to_owned(), *point);
             if !kind.is_single(name) {
-                nominal.insert(format!("right_{name}"), mirrored(*point));
+                nominal.insert(format!("right_{name}"), mirror(*point));
             }
         }
         let tolerance = study.tolerance.as_ref().unwrap();
@@ -101,7 +88,7 @@ fn places(kind: &Kind, [left, right]: [&Suspension; 2]) -> BTreeMap<String, Poin
         places.insert((*name).to_owned(), left.design[id.0].to_array());
         if !kind.is_single(name) {
             let place = right.design[id.0].to_array();
-            places.insert(format!("right_{name}"), mirrored(place));
+            places.insert(format!("right_{name}"), mirror(place));
         }
     }
     places
@@ -180,7 +167,7 @@ fn builds_have_the_dimensions_of_their_parts() {
                 };
                 let id = right.mechanism.point(near).unwrap();
                 if !near.starts_with("drop_link_inner") {
-                    let own = Vector3::from(mirrored(right.design[id.0].to_array()));
+                    let own = Vector3::from(mirror(right.design[id.0].to_array()));
                     let off = (left.design[number] - own).norm();
                     assert!(off < 1e-9, "{} {near}: {off:e}", kind.name);
                 }

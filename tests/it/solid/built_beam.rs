@@ -1,8 +1,8 @@
 //! Independent formulation of built twist beams: two rigid bodies, each with a position and a quaternion. The mounts on
 //! the body and on the arms are separate points.
 
-use super::own::{Point, minus, mirror, solve, turned};
-use super::twist_beam::{AT_REST, Unknowns, carried, half};
+use super::own::{Point, minus, mirror, turned};
+use super::twist_beam::{Unknowns, carried, half, in_steps};
 use hardpoint::study::Study;
 use std::path::Path;
 
@@ -127,34 +127,7 @@ impl Parts {
     }
 
     pub(super) fn solved(&self, travels: [f64; 2]) -> Unknowns {
-        let mut x = AT_REST;
-        const STEPS: u32 = 3;
-        for step in 0..=STEPS {
-            let travels = travels.map(|travel| travel * f64::from(step) / f64::from(STEPS));
-            for _ in 0..6 {
-                let residuals = self.residuals(&x, travels);
-                let mut rows: Vec<Vec<f64>> = residuals.iter().map(|_| Vec::new()).collect();
-                for k in 0..14 {
-                    let by = if k % 7 < 3 { 1e-3 } else { 1e-6 };
-                    let moved = |sign: f64| {
-                        let mut moved = x;
-                        moved[k] += sign * by;
-                        self.residuals(&moved, travels)
-                    };
-                    let (above, below) = (moved(1.0), moved(-1.0));
-                    for (row, entry) in rows.iter_mut().enumerate() {
-                        entry.push((above[row] - below[row]) / (2.0 * by));
-                    }
-                }
-                for (row, residual) in rows.iter_mut().zip(residuals) {
-                    row.push(-residual);
-                }
-                for (x, step) in x.iter_mut().zip(solve(rows)) {
-                    *x += step;
-                }
-            }
-        }
-        x
+        in_steps(travels, |x, travels| self.residuals(x, travels))
     }
 
     /// Wheel centre and outboard spin axis of a wheel, with their actual y.

@@ -61,11 +61,11 @@ fn gradients_are_those_of_whole_designs() {
         let base = study.axle.left.design.clone();
         for placement in PLACES {
             let placed = solver.place(&placement).unwrap();
-            let mut gradients = Vec::new();
+            let mut gradients = vec![Vec::new(); wanted.len()];
             solver
-                .gradients(&placed, &wanted, |_, [left, right]| {
+                .gradients(&placed, &wanted, |number, [left, right]| {
                     let sum = left.iter().zip(right).map(|(l, r)| *l + *r);
-                    gradients.push(sum.collect::<Vec<_>>());
+                    gradients[number] = sum.collect::<Vec<_>>();
                 })
                 .unwrap();
             for point in [

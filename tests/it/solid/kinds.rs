@@ -1,9 +1,8 @@
 //! Solid axles of each kind, with scatter of every part.
 
+use super::own::Point;
 use hardpoint::study::Study;
 use std::path::Path;
-
-type Point = [f64; 3];
 
 /// Hinged bodies: two points of the hinge axis, and the points of the body.
 type Rockers = &'static [([&'static str; 2], &'static [&'static str])];

@@ -1,30 +1,13 @@
 //! Tests of forces in the members of solid axles: the axle is in balance (three forces, three moments). The test uses
 //! only the points of the study.
 
+use super::own::{Point, cross, minus, mirror};
 use super::{axle, case, points_of, study_of};
 use crate::support::random::Random;
 use hardpoint::axle::axle_curves;
 use hardpoint::curves::Curves;
 use hardpoint::model::Side;
 use serde_json::Value;
-
-type Point = [f64; 3];
-
-fn mirror([x, y, z]: Point) -> Point {
-    [x, -y, z]
-}
-
-fn minus(a: Point, b: Point) -> Point {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn cross(a: Point, b: Point) -> Point {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
-}
 
 fn value(curves: &Curves, name: &str) -> f64 {
     let place = curves.columns.iter().position(|c| c.name == name);

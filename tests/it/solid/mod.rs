@@ -2,11 +2,13 @@
 
 mod beam_builds;
 mod beam_loads;
+mod beam_refused;
 mod beam_set_up;
 mod builds;
 mod built_beam;
 mod by_design;
 mod certificate;
+mod differences;
 mod elastic;
 mod kinds;
 mod lanes;

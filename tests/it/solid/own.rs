@@ -11,8 +11,24 @@ use hardpoint::axle::{AxleQuantity as A, AxleSolver, Placement, Quantity};
 
 pub(super) type Point = [f64; 3];
 
+pub(super) fn plus(a: Point, b: Point) -> Point {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
 pub(super) fn minus(a: Point, b: Point) -> Point {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+pub(super) fn dot(a: Point, b: Point) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+pub(super) fn cross(a: Point, b: Point) -> Point {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
 }
 
 pub(super) fn mirror([x, y, z]: Point) -> Point {
@@ -64,7 +80,7 @@ fn turned_by(q: [f64; 4], v: Point) -> [Point; 4] {
     ]
 }
 
-/// Solves a square system by elimination with pivoting.
+/// Solves a square system by elimination with pivoting. Each row contains the coefficients and then the right-hand side.
 pub(super) fn solve(mut m: Vec<Vec<f64>>) -> Vec<f64> {
     let n = m.len();
     for k in 0..n {
@@ -170,19 +186,15 @@ pub(super) fn random(random: &mut Random, single: bool) -> Vec<(&'static str, Po
 pub(super) fn own(points: &[(&str, Point)], single: bool) -> Axle {
     let at = |name: &str| points.iter().find(|(n, _)| *n == name).unwrap().1;
     let rod = |name: &str| [at(&format!("{name}_chassis")), at(&format!("{name}_axle"))];
-    let mut rods = vec![rod("lower_link"), rod("lower_link").map(mirror)];
-    let rods = {
-        rods.push(rod("upper_link"));
-        rods.push(if single {
-            rod("panhard")
-        } else {
-            rod("upper_link").map(mirror)
-        });
-        rods
+    let last = if single {
+        rod("panhard")
+    } else {
+        rod("upper_link").map(mirror)
     };
+    let lower = rod("lower_link");
     let centre = at("wheel_centre");
     Axle {
-        rods,
+        rods: vec![lower, lower.map(mirror), rod("upper_link"), last],
         centres: [centre, mirror(centre)],
     }
 }

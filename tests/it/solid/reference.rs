@@ -1,8 +1,10 @@
 //! Tests of axles on four links, and on three links with a Panhard rod, against an independent solution with 90 digits.
 
 use super::{STILL, axle, case, points_of, study_of};
+use crate::support::number;
 use hardpoint::axle::{
-    AxleQuantity as A, AxleSolver, AxleState, Motion, Placement, Quantity, Read, WheelQuantity as W,
+    AxleQuantity as A, AxleSolver, AxleState, Motion, Placement, Quantity, Read,
+    WheelQuantity as W, axle_curves,
 };
 use hardpoint::characteristics::Characteristic as C;
 use hardpoint::model::Side::{self, Left, Right};
@@ -39,10 +41,6 @@ fn quantities() -> Vec<(String, Quantity, f64)> {
         all.push((name.to_owned(), Quantity::Axle(q), scale));
     }
     all
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_str().and_then(|text| text.parse().ok()).unwrap()
 }
 
 /// Returns the value with this name from an array whose order is that of the reference case's names.
@@ -102,6 +100,7 @@ fn every_value_is_the_reference_s() {
         let mut solver = AxleSolver::<2>::new(&study.axle, &wanted, false).unwrap();
         let mut of_shafts = AxleSolver::<2>::new(&by_shafts.axle, &wanted, false).unwrap();
         let mut worst = Worst(0.0, String::new());
+        assert_eq!(case["states"].as_array().unwrap().len(), 7);
         for state in case["states"].as_array().unwrap() {
             let label = format!("{name} {} {}", state["roll_deg"], state["heave"]);
             let placed = solver.place(&placement(state)).expect(&label);
@@ -225,4 +224,68 @@ fn gradients_by_single_points_are_the_reference_s() {
     assert_eq!(compared, 6 * quantities.len());
     println!("{:e} {}", worst.0, worst.1);
     assert!(worst.0 < 1e-10, "{:e} {}", worst.0, worst.1);
+}
+
+/// Names of links and springs in the reference and in the columns of the program.
+const MEMBERS: [(&str, &str); 8] = [
+    ("lower_left", "left_lower_link"),
+    ("lower_right", "right_lower_link"),
+    ("upper_left", "left_upper_link"),
+    ("upper_right", "right_upper_link"),
+    ("upper", "upper_link"),
+    ("panhard", "panhard"),
+    ("left_spring", "left_spring"),
+    ("right_spring", "right_spring"),
+];
+
+/// Forces of links and springs agree with the reference. Its loads act on both wheels. The program prints the forces for the
+/// load on each wheel, so their sum is compared. The bound is 50 rounding errors of the largest force, 1e4 N.
+#[test]
+fn member_forces_are_the_reference_s() {
+    let mut compared = 0;
+    for name in CASES {
+        let case = case(name);
+        let loads = case["loads"].as_object().unwrap();
+        let entries = loads.iter().map(|(name, load)| {
+            let force = [0, 1, 2].map(|i| load["force"][i].as_f64().unwrap());
+            format!(
+                "{{ name = \"{name}\", at = {}, force = {force:?} }}",
+                load["at"]
+            )
+        });
+        let entries = entries.collect::<Vec<_>>().join(", ");
+        for state in case["states"].as_array().unwrap() {
+            let [roll, heave] = ["roll_deg", "heave"].map(|key| state[key].as_f64().unwrap());
+            let further = format!(
+                "[motion]\nroll = [{roll:?}]\nheave = [{heave:?}]\n[outputs]\ncharacteristics = [\"toe\"]\nloads = [{entries}]\n"
+            );
+            let study = axle(&study_of(&case, &further));
+            let curves = axle_curves(&study.axle, &study.plan).unwrap().curves;
+            let force = |column: String| {
+                let place = curves.columns.iter().position(|c| c.name == column);
+                curves.stations[0].value(place.expect(&column)).unwrap()
+            };
+            for load in loads.keys() {
+                for (theirs, ours) in MEMBERS {
+                    let Some(expected) =
+                        named(&case, &state["values"], &format!("{load}_{theirs}"))
+                    else {
+                        continue;
+                    };
+                    let found: f64 = ["left", "right"]
+                        .map(|side| force(format!("{side}_{load}_{ours}_N")))
+                        .iter()
+                        .sum();
+                    let off = (found - expected).abs();
+                    assert!(
+                        off < 1e-10,
+                        "{name} {roll} {heave} {load} {theirs}: {found} {expected}"
+                    );
+                    compared += 1;
+                }
+            }
+        }
+    }
+    // Four links and two springs, three loads, seven states, two axles.
+    assert_eq!(compared, 6 * 3 * 7 * 2);
 }

@@ -62,7 +62,7 @@ fn ends(limits: &AxleLimits) -> [Option<(f64, &RangeEnd, &RangeEnd)>; 2] {
     else {
         panic!("an axle of one body");
     };
-    // In positive roll (to the left), the left wheel is in droop.
+    // In positive roll (as in a left turn), the left wheel is in droop.
     let of_travel = [&half_difference.upper, &half_difference.lower];
     let mut of_roll = limits.roll.iter();
     of_travel.map(|travel| {
@@ -71,6 +71,8 @@ fn ends(limits: &AxleLimits) -> [Option<(f64, &RangeEnd, &RangeEnd)>; 2] {
     })
 }
 
+/// Each axle rolls to 0.97 of its limit, and not to 1.001 of it. The program finds this limit for the template and for eleven
+/// axles with points moved by up to 20 mm.
 #[test]
 fn axles_of_each_kind_roll_up_to_their_limits() {
     let mut random = Random(46);

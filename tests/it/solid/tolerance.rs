@@ -1,6 +1,7 @@
 //! Tests of tolerances of solid axles. First-order and second-order results are compared with builds that are solved one
 //! by one and with Monte Carlo analyses.
 
+use super::differences::{assert_gradients, assert_second_order};
 use super::kinds::{KINDS, Kind};
 use hardpoint::axle::axle_curves;
 use hardpoint::study::Study;
@@ -89,28 +90,7 @@ fn gradients_are_slopes_of_builds() {
             .collect();
         let study = kind.study_of((&scatter.join(", "), ""), ROLL, OUTPUTS);
         let problem = problem(&study);
-        let expansion = Expansion::of(&problem).unwrap();
-        let mut looked_at = 0;
-        for (number, part) in entries.iter().enumerate() {
-            let h = 0.1;
-            let at = [-2.0, -1.0, 1.0, 2.0].map(|step| built(kind, ROLL, &[(part, step * h)]));
-            for (output, column) in problem.outputs().iter().enumerate() {
-                for station in problem.stations().of_motion() {
-                    let [a, b, c, d] = at.each_ref().map(|values| values[output][station]);
-                    let slope = (a - d + 8.0 * (c - b)) / (12.0 * h);
-                    let found = expansion.gradient(problem.cell(output, station))[number];
-                    let size = (b.abs() + c.abs()).max(1e-2) * 1e-11 / h;
-                    let error = (found - slope).abs();
-                    assert!(
-                        error < 1e-6 * slope.abs() + size,
-                        "{}, {part}, {} {station}: {found} {slope}",
-                        kind.name,
-                        column.name
-                    );
-                    looked_at += usize::from(slope.abs() > 1e3 * size);
-                }
-            }
-        }
+        let looked_at = assert_gradients(&problem, &entries, &|steps| built(kind, ROLL, steps));
         assert!(looked_at > 20 * entries.len(), "{}: {looked_at}", kind.name);
     }
 }
@@ -136,58 +116,10 @@ fn second_order_is_that_of_builds() {
         for motion in motions {
             let study = kind.study_of((&scatter.join(", "), ""), motion, OUTPUTS);
             let problem = problem(&study);
-            let expansion = Expansion::of(&problem).unwrap();
             // The last station of the motion has a steer angle if the axle is steered.
-            let station = problem.stations().of_motion().last().unwrap();
-            let bend = |along: &[&str]| -> Vec<f64> {
-                let h = 0.2;
-                let at = |step: f64| {
-                    let steps: Vec<_> =
-                        along.iter().map(|part| (*part, step * h * sigma)).collect();
-                    built(kind, motion, &steps)
-                };
-                let at = [-2.0, -1.0, 0.0, 1.0, 2.0].map(at);
-                let second = |k: usize| {
-                    let [a, b, c, d, e] = at.each_ref().map(|values| values[k][station]);
-                    -a + 16.0 * b - 30.0 * c + 16.0 * d - e
-                };
-                (0..at[0].len())
-                    .map(|k| second(k) / (12.0 * h * h))
-                    .collect()
-            };
-            let [first, other, together] = [bend(&parts[..1]), bend(&parts[1..]), bend(&parts)];
-            let mut looked_at = 0;
-            for (output, column) in problem.outputs().iter().enumerate() {
-                let cell = problem.cell(output, station);
-                let found = expansion.second[cell];
-                let of_velocities = ["roll_steer", "force_roll", "anti_squat"];
-                if of_velocities.iter().any(|name| column.name.contains(name)) {
-                    assert!(found[0].is_nan() && expansion.holds(cell).is_none());
-                    continue;
-                }
-                let (one, two) = (first[output], other[output]);
-                let mixed = 0.5 * (together[output] - one - two);
-                let mean = 0.5 * (one + two);
-                let growth = 0.5 * (one * one + two * two) + mixed * mixed;
-                // Rounding error of finite differences of positions in millimetres.
-                let rounding = if column.name.ends_with("_deg") {
-                    1e-12
-                } else {
-                    1e-9
-                };
-                let size = one.abs() + two.abs() + mixed.abs() + rounding;
-                let at = format!("{}, {motion} {}", kind.name, column.name);
-                assert!(
-                    (found[0] - mean).abs() < 1e-4 * size + rounding,
-                    "{at}: {found:?} {mean}"
-                );
-                let error = (found[1] - growth).abs();
-                assert!(
-                    error < 1e-4 * size * size + rounding * size,
-                    "{at}: {found:?} {growth}"
-                );
-                looked_at += usize::from(size > 1e3 * rounding);
-            }
+            let of_velocities = ["roll_steer", "force_roll", "anti_squat"];
+            let built = |steps: &[(&str, f64)]| built(kind, motion, steps);
+            let looked_at = assert_second_order(&problem, parts, sigma, &of_velocities, &built);
             assert!(looked_at >= 4, "{}, {motion}: {looked_at}", kind.name);
         }
     }
@@ -203,6 +135,7 @@ fn first_order_is_the_monte_carlo_where_scatter_is_small() {
         let drawn = problem.drawn().unwrap();
         let on = |_| ControlFlow::Continue(());
         let found = monte_carlo(&problem, &drawn, on).unwrap();
+        let mut looked_at = 0;
         for (cell, spread) in found.spreads.iter().enumerate() {
             let column = &problem.outputs()[cell / problem.stations().count()].name;
             let linear = expansion.variance[cell].sqrt();
@@ -220,7 +153,10 @@ fn first_order_is_the_monte_carlo_where_scatter_is_small() {
             );
             // Five standard errors of the mean of 200 builds.
             assert!((spread.mean - drawn[cell]).abs() < 0.36 * linear);
+            looked_at += 1;
         }
+        // There are twelve outputs at three stations or more.
+        assert!(looked_at > 24, "{}: {looked_at}", kind.name);
     }
 }
 

@@ -2,7 +2,7 @@
 //! equations are five of the hinge, five of the mounts, two for unit quaternions and two for heights. Newton's method continues
 //! until the residuals are rounding errors. So its Jacobian, from finite differences, need not be accurate.
 
-use super::own::{Point, minus, mirror, solve, turned};
+use super::own::{Point, cross, dot, minus, mirror, plus, solve, turned};
 use super::{STILL, axle, slopes_of_designs};
 use crate::support::larger;
 use crate::support::random::Random;
@@ -10,22 +10,12 @@ use hardpoint::axle::{
     AxleQuantity as A, AxleSolver, Motion, Placement, Quantity, Read, WheelParts as _,
 };
 use hardpoint::model::Side;
-use hardpoint::study::Study;
 use std::fmt::Write as _;
-use std::path::Path;
-
-fn plus(a: Point, b: Point) -> Point {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-fn dot(a: Point, b: Point) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
 
 /// Unknowns of both halves: position and quaternion of each half.
 pub(super) type Unknowns = [f64; 14];
 
-pub(super) const AT_REST: Unknowns = [
+const AT_REST: Unknowns = [
     0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0,
 ];
 
@@ -37,6 +27,42 @@ pub(super) fn half(x: &Unknowns, side: usize) -> (Point, [f64; 4]) {
 pub(super) fn carried(x: &Unknowns, side: usize, point: Point) -> Point {
     let (shift, q) = half(x, side);
     plus(turned(q, point), shift)
+}
+
+/// Solves a beam for both travels: at rest, and then in three steps. In each of them, six iterations of Newton's method use a
+/// Jacobian from central differences.
+pub(super) fn in_steps(
+    travels: [f64; 2],
+    residuals: impl Fn(&Unknowns, [f64; 2]) -> Unknowns,
+) -> Unknowns {
+    let mut x = AT_REST;
+    const STEPS: u32 = 3;
+    for step in 0..=STEPS {
+        let travels = travels.map(|travel| travel * f64::from(step) / f64::from(STEPS));
+        for _ in 0..6 {
+            let now = residuals(&x, travels);
+            let mut rows: Vec<Vec<f64>> = now.iter().map(|_| Vec::new()).collect();
+            for k in 0..14 {
+                let by = if k % 7 < 3 { 1e-3 } else { 1e-6 };
+                let moved = |sign: f64| {
+                    let mut moved = x;
+                    moved[k] += sign * by;
+                    residuals(&moved, travels)
+                };
+                let (above, below) = (moved(1.0), moved(-1.0));
+                for (row, entry) in rows.iter_mut().enumerate() {
+                    entry.push((above[row] - below[row]) / (2.0 * by));
+                }
+            }
+            for (row, residual) in rows.iter_mut().zip(now) {
+                row.push(-residual);
+            }
+            for (x, step) in x.iter_mut().zip(solve(rows)) {
+                *x += step;
+            }
+        }
+    }
+    x
 }
 
 /// Points of the left half with the shear centre.
@@ -111,34 +137,7 @@ impl Beam {
     }
 
     fn solved(&self, travels: [f64; 2]) -> Unknowns {
-        let mut x = AT_REST;
-        const STEPS: u32 = 3;
-        for step in 1..=STEPS {
-            let travels = travels.map(|travel| travel * f64::from(step) / f64::from(STEPS));
-            for _ in 0..6 {
-                let residuals = self.residuals(&x, travels);
-                let mut rows: Vec<Vec<f64>> = residuals.iter().map(|_| Vec::new()).collect();
-                for k in 0..14 {
-                    let by = if k % 7 < 3 { 1e-3 } else { 1e-6 };
-                    let moved = |sign: f64| {
-                        let mut moved = x;
-                        moved[k] += sign * by;
-                        self.residuals(&moved, travels)
-                    };
-                    let (above, below) = (moved(1.0), moved(-1.0));
-                    for (row, entry) in rows.iter_mut().enumerate() {
-                        entry.push((above[row] - below[row]) / (2.0 * by));
-                    }
-                }
-                for (row, residual) in rows.iter_mut().zip(residuals) {
-                    row.push(-residual);
-                }
-                for (x, step) in x.iter_mut().zip(solve(rows)) {
-                    *x += step;
-                }
-            }
-        }
-        x
+        in_steps(travels, |x, travels| self.residuals(x, travels))
     }
 
     /// Rotation of the right half relative to the left half, positive if it raises the rear of an arm.
@@ -148,12 +147,7 @@ impl Beam {
             turned(half(x, 0).1, [1.0, 0.0, 0.0]),
             turned(half(x, 1).1, [1.0, 0.0, 0.0]),
         ];
-        let across = [
-            hinge[1] * left[2] - hinge[2] * left[1],
-            hinge[2] * left[0] - hinge[0] * left[2],
-            hinge[0] * left[1] - hinge[1] * left[0],
-        ];
-        dot(right, across).atan2(dot(right, left))
+        dot(right, cross(hinge, left)).atan2(dot(right, left))
     }
 }
 
@@ -264,11 +258,7 @@ fn arms_turn_about_the_axes_of_the_mode() {
             );
         }
         let lever = minus(beam.wheel_centre, beam.mount);
-        let expected = [
-            turn[1] * lever[2] - turn[2] * lever[1],
-            turn[2] * lever[0] - turn[0] * lever[2],
-            turn[0] * lever[1] - turn[1] * lever[0],
-        ];
+        let expected = cross(turn, lever);
         for (found, expected) in velocity.to_array().into_iter().zip(expected) {
             assert!(
                 (found - expected).abs() < 1e-12,
@@ -439,73 +429,5 @@ fn derivatives_by_motions_are_slopes() {
             "{k}: {rolling} {}",
             by_roll[k]
         );
-    }
-}
-
-/// The program refuses entries that have no meaning for a twist beam, and states the reason.
-#[test]
-fn what_a_twist_beam_lacks_is_refused() {
-    let beam = random(&mut Random(77));
-    let outputs = |of: &str| format!("{STILL}[outputs]\n{of}\n");
-    let quantity = |name: &str| outputs(&format!("characteristics = [\"{name}\"]"));
-    for (further, reason) in [
-        (quantity("axle_steer"), "needs a solid axle"),
-        (quantity("roll_centre_height"), "twist beam"),
-        (quantity("anti_roll_bar_angle"), "twist beam"),
-        (outputs("certify = true"), "hinge"),
-        (
-            format!("{STILL}[anti_roll_bar]\nrate = 1.0e5\n"),
-            "torsional_rate",
-        ),
-    ] {
-        let text = beam.text(&further);
-        let errors = Study::from_text("beam.toml", &text, Path::new("")).unwrap_err();
-        assert!(errors.to_string().contains(reason), "{further}: {errors}");
-    }
-    let mut aside = beam.clone();
-    aside.shear_centre[1] = 1.0;
-    let mut on_line = beam.clone();
-    on_line.shear_centre = [beam.mount[0], 0.0, beam.mount[2]];
-    let mut near_line = on_line.clone();
-    near_line.shear_centre[2] += 0.25;
-    let mut of_right = beam.clone();
-    of_right.mount[1] *= -1.0;
-    for (beam, reason) in [
-        (aside, "y = 0"),
-        (
-            of_right,
-            "is not on the left side of the car: expected the coordinates of the left mount",
-        ),
-        (on_line, "lies 0 mm from the line through both mounts"),
-        (near_line, "lies 0.25 mm from the line through both mounts"),
-    ] {
-        let errors = Study::from_text("beam.toml", &beam.text(STILL), Path::new("")).unwrap_err();
-        assert!(errors.to_string().contains(reason), "{errors}");
-    }
-}
-
-/// Below the sample's range, the arms become vertical. Above the range, a second solution with twisted halves branches off from
-/// the solution with equal halves. This happens 3 degrees before the arms are vertical. Every station beyond an end of the
-/// range has the same reason, whatever stopped the solver. No reason names links, because a twist beam has none.
-#[test]
-fn heaves_beyond_the_range_have_one_reason_at_each_end() {
-    let text = include_str!("../../../studies/twist_beam_solve.toml");
-    let start = text.find("roll = {").unwrap();
-    let end = text[start..].find("\n[outputs]").unwrap() + start;
-    for (heaves, reason) in [
-        ("-900.0, -600.0, -590.0, -372.0", "the arms are vertical"),
-        (
-            "451.38, 451.5, 451.8, 452.0, 600.0, 900.0",
-            "the path meets another assembly there",
-        ),
-    ] {
-        let heaves = format!("heave = [{heaves}]\n");
-        let text = format!("{}{heaves}{}", &text[..start], &text[end..]);
-        let study = Study::from_text("beam.toml", &text, Path::new("")).unwrap();
-        let failures = hardpoint::solved::Solved::of(&study).unwrap().failures();
-        assert!(!failures.is_empty());
-        for failure in failures.iter().map(ToString::to_string) {
-            assert!(failure.contains(reason), "{failure}");
-        }
     }
 }

@@ -93,8 +93,9 @@ fn inches_and_pounds_give_the_same_axle() {
     assert!(forces > 8 && rates >= 2, "{forces} {rates}");
 }
 
+/// The program refuses pounds-force without inches, and unknown units of force and mass.
 #[test]
-fn pounds_need_inches_and_rigid_joints() {
+fn pounds_need_inches_and_known_units() {
     let metric = study_of(&case("solid_four_link"), super::STILL);
     let with = |keys: &str| metric.replace("[suspension]\n", &format!("[suspension]\n{keys}\n"));
     for (keys, reason) in [

@@ -3,7 +3,7 @@
 //! Newton's method continues until the residuals are rounding errors. So its Jacobian, from central differences, need not
 //! be accurate.
 
-use super::own::{self, Point, minus, mirror, solve, turned};
+use super::own::{self, Point, cross, dot, minus, mirror, plus, solve, turned};
 use super::{STILL, axle, slopes_of_designs, text};
 use crate::support::larger;
 use crate::support::random::Random;
@@ -21,22 +21,6 @@ enum Base {
 }
 
 const BASES: [Base; 2] = [Base::Axle, Base::Body];
-
-fn plus(a: Point, b: Point) -> Point {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-fn dot(a: Point, b: Point) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: Point, b: Point) -> Point {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
-}
 
 /// Rotates a point about the line from `first` to `second`, by Rodrigues' formula.
 fn about([first, second]: [Point; 2], angle: f64, point: Point) -> Point {

@@ -103,6 +103,7 @@ fn kc_tests_both_wheels_of_an_axle() {
     let secants = figures
         .iter()
         .filter(|row| !row["secant"].is_empty() && row["quantity"] == "toe_by_lateral_force");
+    assert_eq!(secants.clone().count(), 6);
     for row in secants {
         let [value, secant] = ["value", "secant"].map(|key| row[key].parse::<f64>().unwrap());
         assert!(
@@ -164,7 +165,9 @@ fn check_lists_mounts_and_commands_of_rigid_mechanisms_refuse() {
     assert_eq!(refused.status.code(), Some(2), "{errors}");
     assert!(errors.contains("elastic parts"), "{errors}");
     let named = hardpoint(&["kc", &study(), "--names", "spmm"], directory.path());
-    assert_eq!(named.status.code(), Some(2));
+    let errors = String::from_utf8_lossy(&named.stderr).into_owned();
+    assert_eq!(named.status.code(), Some(2), "{errors}");
+    assert!(errors.contains("--names spmm is not available"), "{errors}");
 }
 
 /// `check` warns about the right wheel of an elastic axle, if this wheel has its own points.
@@ -179,7 +182,7 @@ fn check_warns_about_the_right_wheel() {
     std::fs::write(directory.path().join("right.toml"), exchanged).unwrap();
     let checked = hardpoint(&["check", "right.toml"], directory.path());
     let said = String::from_utf8_lossy(&checked.stdout).into_owned();
-    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    let said = crate::support::one_line(&said);
     assert!(
         said.contains("right wheel: upper_arm_front is behind upper_arm_rear"),
         "{said}"
@@ -219,8 +222,7 @@ fn mounts_on_one_line_do_not_hold_the_subframe() {
 #[test]
 fn kc_tests_the_rigid_mechanism_of_an_axle() {
     let directory = tempfile::tempdir().unwrap();
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/subframe_axle_compliance.toml");
-    let text = std::fs::read_to_string(path).unwrap();
+    let text = std::fs::read_to_string(study()).unwrap();
     let (rigid, _) = text.split_once("[compliance]").unwrap();
     let rigid = rigid
         .replace("rack_stiffness", "# rack")

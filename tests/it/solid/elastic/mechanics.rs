@@ -1,7 +1,7 @@
 //! Tests of elastic solid axles against mechanics: work and energy, mirror images, links that fit without force, and
 //! the forces of links that do not fit.
 
-use super::rigid_limit::{rigid, values};
+use super::rigid_limit::{largest, rigid, values};
 use super::{Kind, Made, STILL, Scatter, elastic, made, results, study};
 use crate::support::larger;
 use crate::support::random::Random;
@@ -198,10 +198,11 @@ fn five_rigid_links_miss_by_millimetres() {
         "\"solid_axle\"\n",
         "\"solid_axle\"\nsingle = [\"upper_link\"]\n",
     );
+    // The soft link carries 0.001 N/mm times its misfit of millimetres. The other links deflect by less than 1e-9 mm.
+    // The rates differ by a factor of 2e13, so rounding errors are larger than that.
     let (ours, theirs) = (values(&soft), values(&single));
-    for (ours, theirs) in ours.iter().zip(&theirs) {
-        assert!((ours - theirs).abs() < 1e-6, "{ours} {theirs}");
-    }
+    let apart = largest(&ours, &theirs);
+    assert!(ours.len() > 16 && apart < 1e-6, "{apart:e}");
     // Equal stiffness of all links gives the best fit of the lengths.
     let study = study(&made.text);
     let axle = elastic(&study);

@@ -1,6 +1,6 @@
 //! Tests of elastic solid axles that the program refuses. The message states the reason and the fix.
 
-use super::{Kind, STILL, Scatter, made};
+use super::{Kind, STILL, Scatter, builds, made};
 use crate::support::random::Random;
 use hardpoint::study::Study;
 use std::path::Path;
@@ -154,4 +154,44 @@ fn watt_linkages_and_twist_beams_have_no_elastic_parts() {
     );
     let found = refusal(&beam);
     assert!(found.contains("twist beam"), "{found}");
+}
+
+/// The program refuses builds of an axle on five links with bushings, and a robust tuning of it. The message names the reason
+/// and the fix.
+#[test]
+fn builds_with_five_links_are_refused_with_reasons() {
+    let five = builds::text(Kind::FiveLink, "free", builds::MOTION);
+    let scatter = "[tolerance]\nscatter = [{ length = \"panhard\", sigma = 0.1 }]\n";
+    let bushing = "[bushings.panhard_chassis]\nstiffness = [3000.0, 900.0, 900.0, 1e4, 1e5, 1e5]\n";
+    let start = five.find("[links.panhard]").unwrap();
+    let length = five[start..]
+        .lines()
+        .take(2)
+        .map(|line| line.len() + 1)
+        .sum::<usize>();
+    let bushed = format!("{}{}{bushing}", &five[..start], &five[start + length..]);
+    let robust = "[optimise]\nscatter = 4\nvariables = [{ hardpoint = \"lower_link_axle\", axis = \"z\", range = [-5.0, 5.0] }]\n\
+                  targets = [{ characteristic = \"axle_steer\", over = \"travel_left\", at = 20.0, value = 0.0, tolerance = 0.1 }]\n";
+    for (text, reasons) in [
+        (
+            format!("{bushed}{scatter}"),
+            ["axial_stiffness", "five links"],
+        ),
+        (
+            format!("{five}{scatter}{robust}"),
+            ["not available yet", "five links"],
+        ),
+    ] {
+        let found = Study::elastic_from_text("solid.toml", &text, Path::new(""));
+        let found = found
+            .err()
+            .unwrap_or_else(|| panic!("accepted:\n{text}"))
+            .to_string();
+        for reason in reasons {
+            assert!(found.contains(reason), "{reason}: {found}");
+        }
+    }
+    // Without builds, the program accepts bushings on an axle with five links.
+    let sound = Study::elastic_from_text("solid.toml", &bushed, Path::new(""));
+    assert!(sound.is_ok(), "{}", sound.unwrap_err());
 }

@@ -168,8 +168,8 @@ pub struct Pose {
     pub vertical: [f64; 2],
 }
 
-/// Number of results at a pose: energy; for each wheel toe, camber, centre and contact point; then steer, pitch and
-/// position.
+/// Number of results at a pose: for each wheel toe, camber, centre and contact point; then steer, pitch and position of the
+/// axle.
 pub const RESULTS: usize = 2 * 8 + 5;
 
 struct Frame {

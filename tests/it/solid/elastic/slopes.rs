@@ -106,6 +106,7 @@ fn derivatives_by_hardpoints_and_rates_are_those_of_the_second_formulation() {
         let theirs = made.axle.slopes(&pose, travels, &inputs);
         for (k, (ours, theirs)) in ours.iter().zip(&theirs).enumerate() {
             let scale = if is_angle(k) { 300.0 } else { 1.0 };
+            assert_eq!((ours.len(), theirs.len()), (inputs.len(), inputs.len()));
             for (i, (ours, theirs)) in ours.iter().zip(theirs).enumerate() {
                 let error = (ours - theirs).abs() * scales[i] * scale;
                 worst = larger(worst, error);

@@ -2,6 +2,7 @@
 //! rods.
 
 use super::hyper::{Hyper, Point};
+use super::limits::follows;
 use super::world::World;
 use super::{axle, study};
 use hardpoint::analyse::RangeEnd;
@@ -176,17 +177,7 @@ fn limits_of_the_drag_link_are_its_toggles() {
         let world = super::random(&mut generator, number % 2 == 0, 30.0);
         let own = axle(&study(&world, "[motion]\nheave = [0.0]\n"));
         for end in own.axle.limits().unwrap().rack.unwrap() {
-            let follows = |share: f64| {
-                let mut solver = AxleSolver::<1>::new(&own.axle, &[], false).unwrap();
-                let placed = solver.place(&Placement::Travels {
-                    travels: [0.0; 2],
-                    rack: share * end.value,
-                    on_plane: false,
-                });
-                placed
-                    .and_then(|placed| solver.read(&placed).map(drop))
-                    .is_ok()
-            };
+            let follows = |share: f64| follows(&own.axle, share * end.value);
             assert!(follows(0.9999), "{number}: {end:?}");
             assert!(!follows(1.0001), "{number}: {end:?}");
         }
@@ -232,6 +223,7 @@ fn the_axes_of_the_study_do_not_matter() {
                 1,
             );
             let found = values(&text);
+            assert_eq!(found.len(), own.len(), "{frame}");
             for (k, (found, own)) in found.iter().zip(&own).enumerate() {
                 let error = (found - own).abs() / own.abs().max(1.0);
                 assert!(error < 1e-10, "{frame} {k}: {found} {own}");

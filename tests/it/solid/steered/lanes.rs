@@ -70,9 +70,18 @@ fn axle(generator: &mut Random, number: usize, by: f64) -> World {
     world
 }
 
-/// Compares a sweep in SIMD lanes with the same sweep one by one: values, failures and faults. Returns the number of
-/// designs without all poses, and the number of designs that the lanes reject.
-fn compare(world: &World, motion: &str, scatter: f64) -> [usize; 2] {
+/// Results of a comparison of SIMD lanes with single designs.
+struct Compared {
+    /// Number of designs without all poses.
+    failed: usize,
+    /// Number of designs that the lanes reject.
+    rejected: usize,
+    /// Number of values that exist, and number of all values.
+    values: [usize; 2],
+}
+
+/// Compares a sweep in SIMD lanes with the same sweep one by one: values, failures and faults.
+fn compare(world: &World, motion: &str, scatter: f64) -> Compared {
     let study = swept(world, motion, scatter);
     let quantities = &study.axle().unwrap().plan.quantities;
     let mean_steer = Quantity::named("mean_steer")[0];
@@ -117,10 +126,19 @@ fn compare(world: &World, motion: &str, scatter: f64) -> [usize; 2] {
             Some(first) => assert!(*first == bits, "{motion}: bits of {width:?}"),
         }
     }
+    let cells = (0..DESIGNS).flat_map(|design| (0..quantities.len()).map(move |k| (design, k)));
+    let all = cells.flat_map(|(design, k)| alone.block().values(design, k));
+    let values = all.fold([0; 2], |[finite, all], value| {
+        [finite + usize::from(value.is_finite()), all + 1]
+    });
     let failures = alone.block().failures().iter().map(|failed| failed.design);
     let faults = alone.block().faults().iter().map(|(design, _)| *design);
     let failed: std::collections::BTreeSet<usize> = failures.chain(faults).collect();
-    [failed.len(), rejected]
+    Compared {
+        failed: failed.len(),
+        rejected,
+        values,
+    }
 }
 
 /// SIMD lanes and the solver for single designs give equal values for steered axles: in roll, in heave, and steered to
@@ -136,8 +154,13 @@ fn lanes_have_the_values_of_designs_one_by_one() {
             "heave = { from = -50.0, to = 50.0, steps = 5 }\nrack = [50.0]",
             "travel_left = [20.0]\ntravel_right = [20.0]\nrack = { from = -60.0, to = 60.0, steps = 5 }",
         ] {
-            let [_, rejected] = compare(&world, motion, 8.0);
-            (designs, left) = (designs + DESIGNS, left + rejected);
+            let found = compare(&world, motion, 8.0);
+            (designs, left) = (designs + DESIGNS, left + found.rejected);
+            let [finite, all] = found.values;
+            assert!(
+                all > 5 * 12 * DESIGNS && 2 * finite > all,
+                "{motion}: {finite} of {all}"
+            );
         }
     }
     println!("{left} of {designs} designs were solved one by one");
@@ -158,12 +181,12 @@ fn toggles_of_knuckles_are_found_as_one_by_one() {
         let gear = -50.0 - 5.0 * number as f64;
         let motion =
             format!("roll = [-5.0, 0.0, 5.0]\nheave = [0.0, 40.0]\nrack = [{gear:?}, 90.0]");
-        let [failed, rejected] = compare(&world, &motion, 25.0);
-        assert!(failed <= rejected);
+        let found = compare(&world, &motion, 25.0);
+        assert!(found.failed <= found.rejected);
         counts = [
             counts[0] + DESIGNS,
-            counts[1] + failed,
-            counts[2] + rejected,
+            counts[1] + found.failed,
+            counts[2] + found.rejected,
         ];
     }
     let [designs, failed, rejected] = counts;

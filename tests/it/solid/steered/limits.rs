@@ -1,30 +1,14 @@
 //! Tests of the ends of a steering gear's range, and of the parts that are at their toggles there.
 
 use super::{axle, random, study};
+use crate::compliance::support::fourth_order;
+use crate::solid::own::{Point, cross, dot, minus};
 use crate::support::random::Random;
 use hardpoint::analyse::RangeEnd;
 use hardpoint::axle::{Axle, AxleEnd, AxleSolver, Placement};
 use hardpoint::mechanism::LimitCause;
 use hardpoint::model::{Rod, Side};
 use hardpoint::number::Vector3;
-
-type Point = [f64; 3];
-
-fn minus(a: Point, b: Point) -> Point {
-    [0, 1, 2].map(|i| a[i] - b[i])
-}
-
-fn dot(a: Point, b: Point) -> f64 {
-    (0..3).map(|i| a[i] * b[i]).sum()
-}
-
-fn cross(a: Point, b: Point) -> Point {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
-}
 
 fn level(rack: f64) -> Placement {
     Placement::Travels {
@@ -34,7 +18,8 @@ fn level(rack: f64) -> Placement {
     }
 }
 
-fn follows(axle: &Axle, rack: f64) -> bool {
+/// Returns true if the axle at rest has a position with the steering gear displaced by `rack`.
+pub fn follows(axle: &Axle, rack: f64) -> bool {
     let mut solver = AxleSolver::<1>::new(axle, &[], false).unwrap();
     let placed = solver.place(&level(rack));
     placed
@@ -237,8 +222,7 @@ fn a_fold_along_the_drag_link_has_exact_derivatives() {
                 ends[place].value
             };
             let h = 0.02;
-            let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(|step| at(step * h));
-            let slope = (a - 8.0 * b + 8.0 * c - d) / (12.0 * h);
+            let slope = fourth_order([-2.0, -1.0, 1.0, 2.0].map(|step| at(step * h)), h);
             let pairs = limit.gradient.iter().zip(&free);
             let exact: f64 = pairs.map(|(by, way)| by.dot(*way)).sum();
             assert!(

@@ -118,9 +118,11 @@ fn at(place: Place, first: Option<usize>, second: Option<usize>) -> At {
     }
 }
 
-/// Largest error of each kind, with the name of the quantity. Errors are relative to 1 or to the value.
+/// Largest error of each kind, with the name of the quantity. An error is relative to the value, or to 1 for values below 1.
 #[derive(Default)]
 struct Worst {
+    /// Number of axles with compared gradients.
+    with_gradients: usize,
     value: (f64, String),
     rate: (f64, String),
     second: (f64, String),
@@ -291,6 +293,7 @@ fn compare_gradients(
     worst: &mut Worst,
 ) {
     let own = axle(&study(world, "[motion]\nheave = [0.0]\n"));
+    let mut compared = 0;
     for number in 0..world.points.len() {
         for axis in 0..3 {
             let mut moved = world.clone();
@@ -309,9 +312,13 @@ fn compare_gradients(
                 let sensitivity = found.sensitivities.iter().find(at).unwrap();
                 let what = || format!("{} by {name} {axis}", known.name);
                 note(&mut worst.gradient, sensitivity.value, expected.first, what);
+                compared += 1;
             }
         }
     }
+    // Every coordinate changes more than 25 quantities.
+    assert!(compared > 3 * 25 * world.points.len(), "{compared}");
+    worst.with_gradients += 1;
 }
 
 #[test]
@@ -360,6 +367,11 @@ fn compare_all(axles: usize) {
     println!("second derivatives {:?}", worst.second);
     println!("gradients {:?}", worst.gradient);
     assert!(10 * solved > 9 * axles, "{solved}");
+    assert!(
+        24 * worst.with_gradients > axles,
+        "{}",
+        worst.with_gradients
+    );
     // In both programs, the residuals of the equations are up to 1e-12 mm, and condition numbers are below 1e3. The error
     // of derivatives is larger by another factor of the condition number.
     assert!(worst.value.0 < 1e-9, "{:?}", worst.value);

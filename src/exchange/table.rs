@@ -41,7 +41,7 @@ pub(super) struct NamedPoint {
     pub marks: Marks,
     /// True if the point applies to the left wheel and, mirrored, to the right wheel.
     pub mirrored: bool,
-    /// True if at least one coordinate is a number. A row of texts is not a point.
+    /// True if at least one coordinate has a digit. A row of texts without digits is not a point.
     pub has_number: bool,
     /// Coordinates, or the reason why they cannot be read.
     pub position: Result<[f64; 3], String>,

@@ -79,7 +79,10 @@ impl Unused<'_> {
         let of_texts = table.points.iter().zip(&meanings);
         let of_texts = of_texts.filter(|(point, meaning)| !point.has_number && meaning.is_none());
         let of_texts: Vec<&str> = of_texts.map(|(point, _)| point.name.as_str()).collect();
-        left_out.extend(shortened(&of_texts, "these rows have texts instead of coordinates"));
+        left_out.extend(shortened(
+            &of_texts,
+            "these rows have texts instead of coordinates",
+        ));
         let numbers: Vec<&str> = self.numbers.iter().map(String::as_str).collect();
         let reason = "these names of numbers are not known, or a study has no keys for them";
         left_out.extend(shortened(&numbers, reason));

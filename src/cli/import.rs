@@ -134,7 +134,7 @@ fn body(text: &str) -> Result<(String, String), String> {
 /// Answers to the questions that the content of a file leaves open.
 #[derive(Clone, Default)]
 pub(super) struct Answers {
-    sheet: Option<String>,
+    pub(super) sheet: Option<String>,
     pub(super) unit: Option<FileUnit>,
     pub(super) axes: Option<Axes>,
     side: Option<Side>,

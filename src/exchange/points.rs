@@ -63,16 +63,7 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
         return Ok(None);
     };
     let decimals = Decimals::of(sheet, &headers)?;
-    if let (Some(own), Some(stated)) = (decimals.unit, table.unit)
-        && own != stated
-    {
-        return Err(format!(
-            "the coordinates are marked as {}, but the header states {}",
-            unit_in_words(own.symbol),
-            unit_in_words(stated.symbol)
-        ));
-    }
-    table.unit = table.unit.or(decimals.unit);
+    table.unit = agreed(table.unit, decimals.unit)?;
     let mut reader = Rows {
         sheet,
         decimals,
@@ -102,6 +93,18 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
         return Ok(None);
     }
     Ok(Some(table))
+}
+
+/// Unit of the header and of the cells of the coordinates. Refuses two different units.
+fn agreed(header: Option<FileUnit>, cells: Option<FileUnit>) -> Result<Option<FileUnit>, String> {
+    match (header, cells) {
+        (Some(stated), Some(own)) if stated != own => Err(format!(
+            "the coordinates are marked as {}, but the header states {}",
+            unit_in_words(own.symbol),
+            unit_in_words(stated.symbol)
+        )),
+        _ => Ok(header.or(cells)),
+    }
 }
 
 /// Reader of the rows in their order.

@@ -24,6 +24,8 @@ const TUNED: &str = "optimised.toml";
 /// Source of an export.
 pub(super) struct Source {
     path: PathBuf,
+    /// True for a study in memory. Then `path` is only its name in messages, even if a file or a directory has this name.
+    is_in_memory: bool,
     /// Files that were read.
     pub(super) inputs: Vec<PathBuf>,
     /// Study at the exported design. `None` for a run that keeps no study.
@@ -57,6 +59,7 @@ impl Source {
     fn of(arguments: &ExportArguments, study: Option<Study>) -> Self {
         Source {
             path: arguments.source.clone(),
+            is_in_memory: study.is_some(),
             inputs: Vec::new(),
             study,
             rounded: None,
@@ -167,7 +170,9 @@ impl Source {
         let study = self.study()?;
         let file = match self.is_tuning() {
             true => self.path.join(STUDY_COPY),
-            false if arguments.set.is_empty() => return Ok(study.wheel().design.clone()),
+            false if self.is_in_memory || arguments.set.is_empty() => {
+                return Ok(study.wheel().design.clone());
+            }
             false if self.path.is_dir() => self.path.join(STUDY_COPY),
             false => self.path.clone(),
         };
@@ -182,7 +187,7 @@ impl Source {
 
     /// True if the source is the directory of a tuning.
     fn is_tuning(&self) -> bool {
-        self.path.is_dir() && self.path.join(TUNED).is_file()
+        !self.is_in_memory && self.path.is_dir() && self.path.join(TUNED).is_file()
     }
 
     /// Rounds the moved or tuned coordinates, and prints the effect on the targets.

@@ -2,12 +2,13 @@
 
 use super::exit::{Exit, Stop};
 use super::import_car;
+use super::import_summary::{summary, warnings};
 use super::instead::instead_of;
 use super::save::{file_of_out, save};
 use super::terminal::{eprint, note};
 use crate::exchange::{
-    Axes, FileUnit, Hardpoint, ImportOptions, Imported, PointTable, Question, Refusal,
-    STANDARD_INPUT, bytes_of, for_shell, import, read_map, read_points, unit_of,
+    Axes, FileUnit, ImportOptions, Imported, PointTable, Question, Refusal, STANDARD_INPUT,
+    bytes_of, for_shell, import, read_map, read_points, unit_of,
 };
 use crate::model::{AxlePosition, FrameConvention, LengthUnit, Side, Topology};
 use clap::Args;
@@ -133,7 +134,7 @@ fn body(text: &str) -> Result<(String, String), String> {
 /// Answers to the questions that the content of a file leaves open.
 #[derive(Clone, Default)]
 pub(super) struct Answers {
-    sheet: Option<String>,
+    pub(super) sheet: Option<String>,
     pub(super) unit: Option<FileUnit>,
     pub(super) axes: Option<Axes>,
     side: Option<Side>,
@@ -226,12 +227,12 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
     let has_terminal = std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
     let can_ask = has_terminal && !is_input;
     let mut questions = Questions::of(arguments, can_ask);
+    if arguments.car {
+        return import_car::run(arguments, &mut questions, &mut answers);
+    }
     let table = questions.settle(&mut answers, |answers| {
         read_points(&arguments.file, answers.sheet.as_deref(), answers.axle)
     })?;
-    if arguments.car {
-        return import_car::run(arguments, &table, &mut questions, &mut answers);
-    }
     let mut imported = imported(arguments, &table, &names, &mut questions, &mut answers)?;
     let study = study_text(arguments, &mut imported)?;
     let out = file_of_out(&arguments.out);
@@ -252,7 +253,8 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
         format!("{} wheel", imported.side.name())
     };
     note(&format!(
-        "{shown}: {count} hardpoints of {kind}, {part}, {}, {}\n{summary}",
+        "{}{shown}: {count} hardpoints of {kind}, {part}, {}, {}\n{summary}",
+        warnings(&imported.notes),
         imported.unit.symbol(),
         imported.frame.name()
     ));
@@ -260,11 +262,23 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
 }
 
 /// Imports without writing a file. Returns the text of the study and the summary. `points` is a JSON map that replaces the file.
+/// `names` has priority over the names of `--map`.
 pub(super) fn in_memory(
     arguments: &ImportArguments,
     points: Option<&str>,
     names: &BTreeMap<String, String>,
 ) -> Result<(String, String), Stop> {
+    if arguments.car {
+        return Err(Stop::wrong_input(
+            "--car writes three studies, but this function returns one study: leave out --car",
+        ));
+    }
+    let mut all = match &arguments.map {
+        Some(path) => self::names(path)?,
+        None => BTreeMap::new(),
+    };
+    all.extend(names.clone());
+    let names = &all;
     let mut answers = Answers::of(arguments);
     let mut questions = Questions::of(arguments, false);
     let table = questions.settle(&mut answers, |answers| match points {
@@ -273,7 +287,8 @@ pub(super) fn in_memory(
     })?;
     let mut imported = imported(arguments, &table, names, &mut questions, &mut answers)?;
     let study = study_text(arguments, &mut imported)?;
-    Ok((study, summary(&imported, None)))
+    let summary = warnings(&imported.notes) + &summary(&imported, None);
+    Ok((study, summary))
 }
 
 /// Makes a suspension from a table of points.
@@ -329,7 +344,7 @@ pub(super) fn origin(file: &Path) -> String {
 fn study_text(arguments: &ImportArguments, imported: &mut Imported) -> Result<String, Stop> {
     let study = imported.study_and_notes("the imported study", &origin(&arguments.file));
     let (text, notes) = study.map_err(|reason| {
-        let summary = summary(imported, None);
+        let summary = warnings(&imported.notes) + &summary(imported, None);
         let reason = format!("the points do not form a valid suspension\n{summary}{reason}");
         Stop::in_file(&arguments.file, reason)
     })?;
@@ -374,55 +389,6 @@ fn ask(
         }
     }
     None
-}
-
-/// Summary of an import: roles of the points, units and axes that were read or assumed, parts left out, and the command that
-/// shows the result.
-fn summary(imported: &Imported, out: Option<Option<&Path>>) -> String {
-    let mut text = roles(imported);
-    for (title, lines) in [
-        ("Values read and assumed", &imported.notes),
-        ("Left out", &imported.left_out),
-    ] {
-        text += &listed(title, lines);
-    }
-    match out {
-        Some(Some(out)) => {
-            let out = for_shell(&out.display().to_string());
-            text += &format!("To view it: hardpoint studio {out}\n");
-        }
-        Some(None) => {
-            text += "To view it: write it with --out STUDY.toml, then hardpoint studio STUDY.toml\n"
-        }
-        None => (),
-    }
-    text
-}
-
-/// A title with lines below it. Empty if there are no lines.
-pub(super) fn listed(title: &str, lines: &[String]) -> String {
-    if lines.is_empty() {
-        return String::new();
-    }
-    let lines: String = lines.iter().map(|line| format!("  {line}\n")).collect();
-    format!("{title}:\n{lines}")
-}
-
-/// Table of the hardpoints with their names and locations in the file.
-pub(super) fn roles(imported: &Imported) -> String {
-    let own = imported.hardpoints.iter().map(|h| (h.name.to_owned(), h));
-    let right = imported.right_half.iter();
-    let right = right.map(|h| (format!("right {}", h.name), h));
-    let all: Vec<(String, &Hardpoint)> = own.chain(right).collect();
-    let longest = all.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
-    let mut text = String::new();
-    for (name, hardpoint) in all {
-        text += &format!(
-            "  {name:longest$}  {:?}, {}\n",
-            hardpoint.called, hardpoint.place
-        );
-    }
-    text
 }
 
 /// Reads the user's map from hardpoints to names in the file.

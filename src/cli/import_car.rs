@@ -1,10 +1,13 @@
 //! `hardpoint import --car`: imports both axles of a file, and writes a study of the car that names them.
 
 use super::exit::{Exit, Stop};
-use super::import::{Answers, ImportArguments, Questions, listed, origin, roles};
+use super::import::{Answers, ImportArguments, Questions, origin};
+use super::import_summary::{facts, listed, roles, warnings};
 use super::save::save_all;
 use super::terminal::note;
-use crate::exchange::{CAR_FILES, ImportOptions, ImportedCar, PointTable, for_shell, import_car};
+use crate::exchange::{
+    CAR_FILES, ImportOptions, ImportedCar, for_shell, import_car, read_car_points,
+};
 use crate::model::{AxlePosition, Topology};
 use crate::study::CarStudy;
 use std::collections::BTreeMap;
@@ -17,7 +20,6 @@ fn of_axle<T: Copy>(values: &[T], end: usize) -> Option<T> {
 
 pub(super) fn run(
     arguments: &ImportArguments,
-    table: &PointTable,
     questions: &mut Questions<'_>,
     answers: &mut Answers,
 ) -> Result<Exit, Stop> {
@@ -32,12 +34,9 @@ pub(super) fn run(
             )));
         }
     }
-    if !table.has_two_axles() {
-        return Err(Stop::in_file(
-            &arguments.file,
-            "--car: the file does not have points of a front and a rear axle".to_owned(),
-        ));
-    }
+    let table = questions.settle(answers, |answers| {
+        read_car_points(&arguments.file, answers.sheet.as_deref())
+    })?;
     let origin = origin(&arguments.file);
     let none = BTreeMap::new();
     let car = questions.settle(answers, |answers| {
@@ -64,7 +63,7 @@ pub(super) fn run(
         };
         let front = options(0, AxlePosition::Front)?;
         let rear = options(1, AxlePosition::Rear)?;
-        import_car(table, [&front, &rear], &origin)
+        import_car(&table, [&front, &rear], &origin)
     })?;
     let files = CAR_FILES.iter().zip(&car.files);
     let files: Vec<(&str, &str)> = files.map(|(name, text)| (*name, text.as_str())).collect();
@@ -104,7 +103,8 @@ fn summary(file: &Path, directory: &Path, car: &ImportedCar) -> String {
         "rear drive is assumed, because files of points do not give the drive: drive_share_front = 0.0 in [car]"
             .to_owned(),
     );
-    text += &listed("Values read and assumed", &notes);
+    text = warnings(&notes) + &text;
+    text += &listed("Values read and assumed", &facts(&notes));
     text += &listed("Left out", &left_out);
     let paths = CAR_FILES.map(|file| directory.join(file));
     let [whole, front, rear] = paths

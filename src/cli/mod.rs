@@ -15,6 +15,7 @@ mod export;
 mod export_source;
 mod import;
 mod import_car;
+mod import_summary;
 mod instead;
 mod interrupt;
 mod kc;

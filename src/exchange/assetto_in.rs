@@ -135,6 +135,7 @@ pub(super) fn points_of(path: &Path, text: &str) -> Result<PointTable, String> {
     let axles = [("FRONT", AxlePosition::Front), ("REAR", AxlePosition::Rear)];
     let mut table = PointTable {
         unit: Some(super::unit::FileUnit::of(LengthUnit::Metre)),
+        has_fixed_unit: true,
         declared: Declared::whole(Axes::of(FrameConvention::Iso8855)),
         ..PointTable::default()
     };
@@ -197,8 +198,7 @@ impl File<'_> {
         }
         if is_live == [true, true] {
             return Err(
-                "[FRONT] and [REAR] have TYPE=AXLE, but [AXLE] has the links of one axle only: \
-                 remove [FRONT] or [REAR]"
+                "[FRONT] and [REAR] have TYPE=AXLE, but [AXLE] has the links of one axle only: remove [FRONT] or [REAR]"
                     .to_owned(),
             );
         }
@@ -341,6 +341,9 @@ impl File<'_> {
         Ok(match self.kind_of(name).as_str() {
             "DWB" => Kind::Topology("double_wishbone"),
             "STRUT" => Kind::Topology("macpherson"),
+            "AXLE" if self.entry(name, "TRACK").is_none() => Kind::Other(format!(
+                "[{name}] has no TRACK, so the positions of the wheels of this axle are not known: add TRACK in metres"
+            )),
             "AXLE" => self.live_axle(axle, table)?,
             "ML" => Kind::Other(format!(
                 "[{name}] TYPE=ML is a multilink of five rods in any order, which cannot be read \

@@ -50,7 +50,8 @@ pub fn import_car(
             open => open,
         };
         let mut left = of_side(Side::Left).map_err(fault)?;
-        let right = if left.topology.carries_both_wheels() {
+        // Without points of the right wheel, the right wheel is the mirror image.
+        let right = if left.topology.carries_both_wheels() || !table.has_right_wheel() {
             None
         } else {
             Some(of_side(Side::Right).map_err(fault)?)
@@ -66,14 +67,17 @@ pub fn import_car(
         texts.push(text);
         axles.push(left);
     }
-    let [front, rear] = <[Imported; 2]>::try_from(axles).expect("there are two axles");
+    let [mut front, rear] = <[Imported; 2]>::try_from(axles).expect("there are two axles");
     if front.unit != rear.unit || front.frame != rear.frame {
         return Err(Refusal::Wrong(
             "the axles have different units or axes: give --unit and --axes or --frame".to_owned(),
         ));
     }
     let mut missing = Vec::new();
-    let car = car(table, &front, &rear, origin, &mut missing);
+    let mut notes = Vec::new();
+    let lists = (&mut missing, &mut notes);
+    let car = car(table, &front, &rear, origin, lists);
+    front.notes.extend(notes);
     let [front_text, rear_text] = <[String; 2]>::try_from(texts).expect("there are two axles");
     Ok(ImportedCar {
         axles: [front, rear],
@@ -106,18 +110,78 @@ fn needs_of(axle: &Imported) -> Vec<&'static str> {
 
 /// Forward coordinate of an axle's wheel centre, in the study's unit.
 fn ahead(axle: &Imported) -> f64 {
-    let mut hardpoints = axle.hardpoints.iter();
-    let centre = hardpoints.find(|h| h.name == "wheel_centre");
-    centre.map_or(0.0, |h| Axes::of(axle.frame).to_iso(h.position)[0])
+    wheel_centre(axle)[0]
 }
 
-/// Text of the study of the car. Adds the keys that are not known to `missing`, by file.
+/// Wheel centre of an axle in the axes of ISO 8855. 0 if the axle has none.
+fn wheel_centre(axle: &Imported) -> [f64; 3] {
+    let mut hardpoints = axle.hardpoints.iter();
+    let centre = hardpoints.find(|h| h.name == "wheel_centre");
+    centre.map_or([0.0; 3], |h| Axes::of(axle.frame).to_iso(h.position))
+}
+
+/// True if the points of both axles have the same origin. Then their wheel centres are a wheelbase apart along x. With an origin of its
+/// own, each axle has its wheel centre near x = 0. `wheelbase` is the value of the file.
+fn have_one_origin(front: &Imported, rear: &Imported, wheelbase: Option<f64>) -> bool {
+    let apart = ahead(front) - ahead(rear);
+    match wheelbase {
+        // The wheelbase may be rounded, or be measured in another position of the wheels.
+        Some(wheelbase) => (apart - wheelbase).abs() <= 0.1 * wheelbase,
+        // Without a wheelbase in the file: every car is longer than half of its width.
+        None => apart > across(front).max(across(rear)),
+    }
+}
+
+/// Distance of an axle's wheel centre from the centre plane, in the study's unit.
+fn across(axle: &Imported) -> f64 {
+    wheel_centre(axle)[1].abs()
+}
+
+/// Line of the study of the car with the position of the rear axle: `rear_offset` or `wheelbase`.
+fn position(
+    table: &PointTable,
+    [front, rear]: [&Imported; 2],
+    (missing, notes): (&mut Vec<String>, &mut Vec<String>),
+) -> String {
+    let unit = front.unit.symbol();
+    let wheelbase = match (front.wheelbase, rear.wheelbase) {
+        (Some(front), Some(rear)) if front != rear => None,
+        (front, rear) => front.or(rear),
+    };
+    let offset = table.car.as_ref().and_then(|car| car.rear_offset);
+    let is_table = table.car.is_none();
+    match (offset, wheelbase) {
+        (Some([x, y, z]), _) => format!(
+            "rear_offset = [{x:?}, {y:?}, {z:?}]      # position of the rear study's origin in the front study\n"
+        ),
+        // If all points of this file share one origin, `rear_offset` is zero.
+        (None, _) if is_table && have_one_origin(front, rear, wheelbase) => {
+            "rear_offset = [0.0, 0.0, 0.0]      # both studies have the origin of the file\n"
+                .to_owned()
+        }
+        (None, Some(wheelbase)) if is_table => {
+            notes.push(format!(
+                "wheelbase: {wheelbase:?} {unit}, from the file, because the points of the rear axle have their own origin. Assumed: both \
+                 origins are at the same height"
+            ));
+            format!(
+                "wheelbase = {wheelbase:?}                # between the wheel centres; both origins at the same height\n"
+            )
+        }
+        _ => {
+            missing.push(format!("{}: wheelbase or rear_offset", CAR_FILES[0]));
+            format!("# wheelbase = ...              # {unit}; or rear_offset = [x, y, z]\n")
+        }
+    }
+}
+
+/// Text of the study of the car. Adds the keys that are not known to `missing`, by file, and assumptions to `notes`.
 fn car(
     table: &PointTable,
     front: &Imported,
     rear: &Imported,
     origin: &str,
-    missing: &mut Vec<String>,
+    (missing, notes): (&mut Vec<String>, &mut Vec<String>),
 ) -> String {
     for (axle, file) in [(front, CAR_FILES[1]), (rear, CAR_FILES[2])] {
         let needs = needs_of(axle);
@@ -126,35 +190,13 @@ fn car(
         }
     }
     let figures = table.car.clone().unwrap_or_default();
-    let unit = front.unit;
     let mut text = format!(
         "# A car of two axles, from {}\n\n[car]\nfront = \"{}\"\nrear = \"{}\"\n",
         one_line(origin),
         CAR_FILES[1],
         CAR_FILES[2]
     );
-    match (figures.rear_offset, table.car.is_some()) {
-        (Some([x, y, z]), _) => {
-            let _ = writeln!(
-                text,
-                "rear_offset = [{x:?}, {y:?}, {z:?}]      # position of the rear study's origin \
-                 in the front study"
-            );
-        }
-        // If all points of this file share one origin, `rear_offset` is zero.
-        (None, false) if ahead(front) > ahead(rear) => {
-            text +=
-                "rear_offset = [0.0, 0.0, 0.0]      # both studies have the origin of the file\n"
-        }
-        _ => {
-            missing.push(format!("{}: wheelbase or rear_offset", CAR_FILES[0]));
-            let _ = writeln!(
-                text,
-                "# wheelbase = ...              # {}; or rear_offset = [x, y, z]",
-                unit.symbol()
-            );
-        }
-    }
+    text += &position(table, [front, rear], (&mut *missing, notes));
     match figures.mass {
         Some(mass) => {
             let [x, y, z] = mass.cg;

@@ -172,6 +172,7 @@ pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
     };
     let mut table = PointTable {
         unit: Some(FileUnit::of(LengthUnit::Metre)),
+        has_fixed_unit: true,
         declared: Declared::whole(Axes::of(FrameConvention::Iso8855)),
         ..PointTable::default()
     };

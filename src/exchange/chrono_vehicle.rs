@@ -66,6 +66,7 @@ pub(super) fn read(path: &Path, root: &Node) -> Result<Option<PointTable>, Strin
     }
     let mut table = PointTable {
         unit: Some(FileUnit::of(LengthUnit::Metre)),
+        has_fixed_unit: true,
         declared: Declared::whole(Axes::of(FrameConvention::Iso8855)),
         car: Some(car),
         ..PointTable::default()

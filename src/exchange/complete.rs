@@ -113,7 +113,7 @@ fn drop_from_rocker(
 }
 
 /// Names of points that the import does not use, each name once. `meanings` has the hardpoint of each point of the table. A contact
-/// point counts as used, because it gives the radius. Rows without numbers and without a meaning are not points.
+/// point counts as used, because it gives the radius. Rows without a digit and without a meaning are not points.
 pub(super) fn unused(
     table: &PointTable,
     meanings: &[Option<&'static str>],

@@ -1,39 +1,41 @@
-//! Numbers in a text table: decimal points or commas, and inch marks.
+//! Numbers in a text table: decimal points or commas, and units after numbers.
 
 use super::cell::{Cell, Sheet};
 use super::header::{Columns, text};
+use super::unit::FileUnit;
+use crate::model::LengthUnit;
+use crate::report::unit_in_words;
 
 /// Largest absolute value of a number in a file.
 pub(super) const LARGEST: f64 = 1e12;
 
 /// Number notation of a table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Decimals {
     /// True if the decimal sign is a comma.
     comma: bool,
-    /// True if all coordinates have an inch mark.
-    pub(super) inches: bool,
+    /// Unit that all coordinates have in their own cells.
+    pub(super) unit: Option<FileUnit>,
 }
 
 impl Decimals {
     /// Finds the number notation of a table from its coordinates. If all coordinates are whole numbers, other cells of the sheet
-    /// decide.
+    /// decide. `headers` are the rows and the columns of all headers, from top to bottom; there is at least one.
     ///
     /// # Errors
-    /// 1,250 may mean 1250 or 1.25, commas and points are mixed, or only some coordinates have inch marks.
-    pub(super) fn of(sheet: &Sheet, columns: &Columns) -> Result<Self, String> {
-        let places = || columns.triples.iter().flat_map(|triple| triple.columns);
+    /// 1,250 may mean 1250 or 1.25, commas and points are mixed, or only some coordinates have a unit.
+    pub(super) fn of(sheet: &Sheet, headers: &[(u32, Columns)]) -> Result<Self, String> {
         let texts = || {
             sheet.cells.iter().filter_map(|((row, column), cell)| {
-                let text = digits(cell).filter(|_| places().any(|known| known == *column))?;
+                let text = digits(cell).filter(|_| is_coordinate(headers, *row, *column))?;
                 Some((*row, *column, text))
             })
         };
-        let inches = inches(sheet, columns)?;
+        let unit = unit_of_cells(sheet, headers)?;
         let Some((row, column, first)) = texts().find(|(_, _, text)| text.contains(',')) else {
             let has_point = texts().any(|(_, _, text)| text.contains('.'));
             let comma = !has_point && has_decimal_comma(sheet);
-            return Ok(Decimals { comma, inches });
+            return Ok(Decimals { comma, unit });
         };
         let place = sheet.place(row, column);
         if let Some((row, column, other)) = texts().find(|(_, _, text)| text.contains('.')) {
@@ -47,8 +49,8 @@ impl Decimals {
             .filter_map(|(_, _, text)| could_be_thousands(text))
             .all(|could| could);
         let some_without = texts().any(|(_, _, text)| !text.contains(',') && text != "0");
-        let numbers = sheet.cells.iter().any(|((_, column), cell)| {
-            matches!(cell, Cell::Number(_)) && places().any(|known| known == *column)
+        let numbers = sheet.cells.iter().any(|((row, column), cell)| {
+            matches!(cell, Cell::Number(_)) && is_coordinate(headers, *row, *column)
         });
         if all && (some_without || numbers) {
             return Err(format!(
@@ -56,13 +58,10 @@ impl Decimals {
                  thousands; write it with a point, or without the comma"
             ));
         }
-        Ok(Decimals {
-            comma: true,
-            inches,
-        })
+        Ok(Decimals { comma: true, unit })
     }
 
-    /// Number of a cell.
+    /// Number of a cell, without the unit after it.
     ///
     /// # Errors
     /// The cell contains no number in this notation.
@@ -75,9 +74,21 @@ impl Decimals {
     }
 }
 
-/// Text of a cell that consists only of digits, signs and the letter of an exponent, without an inch mark.
+/// Columns of the header that applies to a row: the last header above it. The first header also applies to the rows above it.
+fn columns_at(headers: &[(u32, Columns)], row: u32) -> &Columns {
+    let above = headers.partition_point(|(header, _)| *header < row);
+    &headers[above.saturating_sub(1)].1
+}
+
+/// True if a cell is in a column of coordinates.
+fn is_coordinate(headers: &[(u32, Columns)], row: u32, column: u32) -> bool {
+    let mut triples = columns_at(headers, row).triples.iter();
+    triples.any(|triple| triple.columns.contains(&column))
+}
+
+/// Text of a cell that consists only of digits, signs and the letter of an exponent, without a unit.
 fn digits(cell: &Cell) -> Option<&str> {
-    let text = without_mark(text(cell)?);
+    let (text, _) = split_unit(text(cell)?);
     let is_number = text
         .chars()
         .all(|c| c.is_ascii_digit() || "+-.,eE\u{2212}".contains(c));
@@ -99,72 +110,92 @@ fn has_decimal_comma(sheet: &Sheet) -> bool {
     !has_point && texts.any(|text| could_be_thousands(text) == Some(false))
 }
 
-/// True if all coordinates have an inch mark. Zeros and single values of the wheel need no mark.
+/// Unit that all coordinates have in their own cells, as in `4.7"` or `205 mm`. `None` if no coordinate has one. Zeros and single
+/// values of the wheel need no unit.
 ///
 /// # Errors
-/// Only some coordinates have an inch mark.
-fn inches(sheet: &Sheet, columns: &Columns) -> Result<bool, String> {
-    let is_coordinate = |column: &u32| {
-        let mut triples = columns.triples.iter();
-        triples.any(|triple| triple.columns.contains(column))
+/// Only some coordinates have a unit, or their units differ.
+fn unit_of_cells(sheet: &Sheet, headers: &[(u32, Columns)]) -> Result<Option<FileUnit>, String> {
+    let is_number = |cell: &Cell| match cell {
+        Cell::Number(_) => true,
+        Cell::Text(text) => plain_number(text, true).is_ok(),
+        Cell::Unusable(_) => false,
     };
-    let (mut marked, mut plain) = (None, None);
+    // A row with one number, such as an angle, is a value of the wheel.
+    let is_point = |row: u32| {
+        let mut triples = columns_at(headers, row).triples.iter();
+        triples.any(|triple| {
+            let cells = triple.columns.into_iter();
+            let cells = cells.filter_map(|column| sheet.cell(row, column));
+            cells.filter(|cell| is_number(cell)).count() > 1
+        })
+    };
+    let is_zero = |cell: &Cell| matches!(cell, Cell::Number(0.0)) || text(cell) == Some("0");
+    let mut first: Option<(u32, u32, Option<FileUnit>)> = None;
     for ((row, column), cell) in &sheet.cells {
-        let is_number = match cell {
-            Cell::Number(_) => true,
-            Cell::Text(text) => plain_number(text, true).is_ok(),
-            Cell::Unusable(_) => false,
-        };
-        // Zero needs no inch mark, because it is the same in every unit.
-        let is_zero = matches!(cell, Cell::Number(0.0)) || text(cell) == Some("0");
-        if !is_coordinate(column) || !is_number || is_zero {
+        let is_read = is_coordinate(headers, *row, *column) && is_number(cell) && is_point(*row);
+        if !is_read || is_zero(cell) {
             continue;
         }
-        let has_mark = text(cell).is_some_and(|text| without_mark(text) != text.trim());
-        let seen = if has_mark { &mut marked } else { &mut plain };
-        *seen = seen.or(Some((*row, *column)));
+        let unit = unit_in(cell);
+        let (other_row, other_column, other) = *first.get_or_insert((*row, *column, unit));
+        if unit != other {
+            let state = |unit: Option<FileUnit>| match unit {
+                Some(unit) => format!("is marked as {}", unit_in_words(unit.symbol)),
+                None => "has no unit".to_owned(),
+            };
+            return Err(format!(
+                "{} {}, {} {}: give all coordinates the same unit, or remove the units from the cells",
+                sheet.place(other_row, other_column),
+                state(other),
+                sheet.place(*row, *column),
+                state(unit)
+            ));
+        }
     }
-    // A single number in the first column, such as an angle, has no inch mark.
-    let is_figure = |row: u32| {
-        let triple = &columns.triples[0];
-        sheet.cell(row, triple.columns[1]).is_none()
-    };
-    match (marked, plain) {
-        (Some((row, column)), Some((other, other_column))) if !is_figure(other) => Err(format!(
-            "{} is marked as inches and {} is not: mark all coordinates or none",
-            sheet.place(row, column),
-            sheet.place(other, other_column)
-        )),
-        (marked, _) => Ok(marked.is_some()),
-    }
+    Ok(first.and_then(|(.., unit)| unit))
 }
 
-/// Removes blanks and a trailing inch mark from a number.
-fn without_mark(text: &str) -> &str {
+/// Unit of length after the number of a cell.
+pub(super) fn unit_in(cell: &Cell) -> Option<FileUnit> {
+    split_unit(text(cell)?).1
+}
+
+/// Splits a text into a number and the unit of length after it: `205 mm`, `4.7"`. A text without such a unit stays whole.
+fn split_unit(text: &str) -> (&str, Option<FileUnit>) {
     let text = text.trim();
-    let bare = text.strip_suffix(['"', '\u{2033}', '\u{201d}']);
-    bare.or_else(|| text.strip_suffix("''"))
-        .map_or(text, str::trim_end)
+    let marked = text.strip_suffix(['"', '\u{2033}', '\u{201d}']);
+    if let Some(number) = marked.or_else(|| text.strip_suffix("''")) {
+        return (number.trim_end(), Some(FileUnit::of(LengthUnit::Inch)));
+    }
+    let number = text.trim_end_matches(char::is_alphabetic);
+    match FileUnit::named(&text[number.len()..]) {
+        Some(unit) if bare_number(number, true).is_some() => (number.trim_end(), Some(unit)),
+        _ => (text, None),
+    }
 }
 
-/// Parses a number with a decimal point, or if `comma` is true with a decimal comma or point. An inch mark is ignored.
+/// Parses a number with a decimal point, or if `comma` is true with a decimal comma or point. A unit of length after it is ignored.
 ///
 /// # Errors
 /// The text is not a number, or its absolute value is above [`LARGEST`].
 pub(super) fn plain_number(text: &str, comma: bool) -> Result<f64, String> {
-    let plain = without_mark(text).replace('\u{2212}', "-");
+    let number = bare_number(split_unit(text).0, comma);
+    number.ok_or_else(|| format!("expected a number, found {text:?}"))
+}
+
+/// Parses a number without a unit. `None` if the text is not a number, or if its absolute value is above [`LARGEST`].
+fn bare_number(text: &str, comma: bool) -> Option<f64> {
+    let plain = text.trim().replace('\u{2212}', "-");
     let plain = if comma {
         plain.replacen(',', ".", 1)
     } else {
         plain
     };
     // The standard library would also parse "nan" and "inf", so a digit is required.
-    let is_number = plain.contains(|c: char| c.is_ascii_digit());
-    let number = plain
-        .parse::<f64>()
-        .ok()
-        .filter(|n| is_number && n.abs() <= LARGEST);
-    number.ok_or_else(|| format!("expected a number, found {text:?}"))
+    let has_digit = plain.contains(|c: char| c.is_ascii_digit());
+    let number = plain.parse::<f64>().ok();
+    number.filter(|number| has_digit && number.abs() <= LARGEST)
 }
 
 #[cfg(test)]
@@ -185,7 +216,8 @@ mod tests {
             let sheet = crate::exchange::delimited::read(&text).unwrap();
             let row = sheet.rows()[sheet.rows().len() - 3];
             let header = crate::exchange::header::header(&sheet, row, None).unwrap();
-            let found = Decimals::of(&sheet, &header.unwrap().columns).unwrap();
+            let headers = [(row, header.unwrap().columns)];
+            let found = Decimals::of(&sheet, &headers).unwrap();
             assert_eq!(found.comma, comma, "{values}");
         }
     }
@@ -198,6 +230,19 @@ mod tests {
             assert!(plain_number(text, false).is_err(), "{text}");
         }
         assert_eq!(plain_number("\u{2212}1,5", true), Ok(-1.5));
-        assert_eq!(plain_number("2.5\"", false), Ok(2.5));
+        let decimals = Decimals {
+            comma: false,
+            unit: None,
+        };
+        for text in ["2.5\"", "2.5 in", "2.5mm", " 2.5 cm ", "2.5 ''", "25e-1 ft"] {
+            let cell = Cell::Text(text.to_owned());
+            assert_eq!(decimals.number(&cell), Ok(2.5), "{text}");
+            assert!(unit_in(&cell).is_some(), "{text}");
+        }
+        for text in ["2.5 s", "mm", "2.5 mm 3", "R 2.5 mm"] {
+            let cell = Cell::Text(text.to_owned());
+            assert!(decimals.number(&cell).is_err(), "{text}");
+            assert_eq!(unit_in(&cell), None, "{text}");
+        }
     }
 }

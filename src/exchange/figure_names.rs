@@ -143,6 +143,8 @@ mod tests {
     fn figures_are_told_from_words() {
         for (name, kind) in [
             ("Tyre contact patch", FigureKind::ContactPoint),
+            ("CP_LH", FigureKind::ContactPoint),
+            ("TCP FL", FigureKind::ContactPoint),
             ("static_camber [deg]", FigureKind::StaticCamber),
             ("wheel_radius_in", FigureKind::WheelRadius),
             ("Loaded radius", FigureKind::WheelRadius),

@@ -34,6 +34,8 @@ pub(super) struct Header {
     pub columns: Columns,
     pub unit: Option<FileUnit>,
     pub declared: Declared,
+    /// Note about signs that are not used.
+    pub note: Option<String>,
 }
 
 /// Meaning of one coordinate column, from its own header.
@@ -43,6 +45,8 @@ struct Coordinates {
     marks: Marks,
     unit: Option<FileUnit>,
     direction: Coordinate,
+    /// True if the header has a minus or the word "negative" that is not used as a sign.
+    has_unused_sign: bool,
 }
 
 /// Text of a cell. `None` for a number and for a cell without a usable value.
@@ -125,7 +129,22 @@ pub(super) fn header(
         columns,
         unit,
         declared,
+        note: unused_signs(sheet, row, &found),
     }))
+}
+
+/// Note about the signs in the headers of coordinates that are not used. `None` if there are no such signs.
+fn unused_signs(sheet: &Sheet, row: u32, found: &[(u32, Coordinates)]) -> Option<String> {
+    let signed = found.iter().filter(|(_, header)| header.has_unused_sign);
+    let texts = signed.filter_map(|(column, _)| text(sheet.cell(row, *column)?));
+    let texts: Vec<String> = texts.map(|text| format!("{text:?}")).collect();
+    (!texts.is_empty()).then(|| {
+        format!(
+            "{}: the minus in {} is not used, because it may be a sign or a dash. Please check the axes, or give them with --axes",
+            sheet.row_place(row),
+            texts.join(", ")
+        )
+    })
 }
 
 /// Wheel and axle that all three headers name. A side in only one of the headers is the direction of its coordinate,
@@ -285,6 +304,13 @@ fn coordinate_header(text: &str) -> Option<Coordinates> {
         "-\u{2212}".contains(chars[k]) && !(beside(k.checked_sub(1)) && beside(Some(k + 1)))
     };
     let has_minus = (0..chars.len()).any(is_minus) && !text.contains('+');
+    // In "x - mm" the minus has a blank on both sides, so it is a dash. In "-x" and "(-forward)" it may be a sign.
+    let is_sign = |k: usize| is_minus(k) && chars.get(k + 1).is_some_and(|c| c.is_alphanumeric());
+    let has_sign = (0..chars.len()).any(is_sign) && !text.contains('+');
+    let has_unused_sign = match direction {
+        Coordinate::Grows(_) => has_minus,
+        _ => has_sign || is_flipped,
+    };
     let direction = match direction {
         // A minus in the header of a coordinate may be a sign or a dash, so only the axis is used.
         Coordinate::Grows(way) if has_minus => Coordinate::Along(way.axis()),
@@ -296,6 +322,7 @@ fn coordinate_header(text: &str) -> Option<Coordinates> {
         marks,
         unit,
         direction,
+        has_unused_sign,
     })
 }
 

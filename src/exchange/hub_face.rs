@@ -16,11 +16,14 @@ const RIM_DIAMETER: &str = "tire rim_diameter";
 const SECTION_WIDTH: &str = "tire section_width";
 const ASPECT_RATIO: &str = "tire aspect_ratio";
 
+/// Largest aspect ratio that is read. Tyres have at most about 1.
+const MOST_ASPECT_RATIO: f64 = 2.0;
+
 /// Moves each hub face to the wheel centre, and adds the tyre's nominal radius. Does nothing if the table has no wheel offset. A
 /// table without a unit is read in millimetres.
 ///
 /// # Errors
-/// Both points of the axis coincide.
+/// Both points of the axis coincide, or the aspect ratio of the tyre is not a fraction.
 pub(super) fn to_wheel_centres(table: &mut PointTable) -> Result<(), String> {
     let ends_with = |name: &str, end: &str| name == end || name.ends_with(&format!(" {end}"));
     let number = |end: &str| {
@@ -74,6 +77,12 @@ pub(super) fn to_wheel_centres(table: &mut PointTable) -> Result<(), String> {
     if let (Some(rim), Some(width), Some(ratio)) = tyre
         && !has_radius
     {
+        // The ratio 55 instead of 0.55 would give a radius of 11 m.
+        if !(0.0..=MOST_ASPECT_RATIO).contains(&ratio) {
+            return Err(format!(
+                "{ASPECT_RATIO} is {ratio}; expected a fraction, as in 0.55 for a tyre 205/55 R16"
+            ));
+        }
         let radius = (0.5 * 25.4 * rim + ratio * width) * millimetre;
         table.figures.push(Figure {
             name: "wheel radius".to_owned(),
@@ -130,8 +139,12 @@ mod tests {
                 unit: Some(FileUnit::of(unit)),
                 ..PointTable::default()
             };
-            to_wheel_centres(&mut table).unwrap();
             let length = |mm: f64| unit.convert(mm, LengthUnit::Millimetre);
+            let mut in_percent = table.clone();
+            in_percent.figures[3].value = 55.0;
+            let refused = to_wheel_centres(&mut in_percent).unwrap_err();
+            assert!(refused.contains("aspect_ratio is 55"), "{refused}");
+            to_wheel_centres(&mut table).unwrap();
             let radius = table.figures.iter().find(|f| f.name == "wheel radius");
             let radius = radius.unwrap().value;
             assert!(

@@ -268,7 +268,7 @@ pub(super) fn for_axle(
     table: &PointTable,
     options: &ImportOptions<'_>,
 ) -> Result<Imported, Refusal> {
-    let converted = unit::converted(table, options);
+    let converted = unit::converted(table, options)?;
     let (table, options) = match &converted {
         Some((table, options)) => (table, options),
         None => (table, options),
@@ -306,7 +306,12 @@ pub(super) fn for_axle(
         let (topology, axes) = (options.topology, placed.axes);
         right_half::own(topology, &named, corner, axes, &hardpoints, &mut left_out)?
     } else {
-        left_out.extend(right_half::differs(&named, corner, placed.axes, &as_read));
+        left_out.extend(right_half::differs(
+            &named,
+            corner,
+            (placed.axes, unit),
+            &as_read,
+        ));
         Vec::new()
     };
     let frame = to_study_frame(placed, [&mut hardpoints, &mut right_half], &mut notes);
@@ -327,7 +332,7 @@ pub(super) fn for_axle(
         wheelbase: figures.wheelbase,
         track: figures.track,
         axle: corner.axle,
-        figures: axle_figures(table, corner.axle),
+        figures: table.figures_of(corner.axle),
         bushings: Vec::new(),
         seats: Vec::new(),
         notes,
@@ -391,15 +396,6 @@ fn refuse_fifth_link(
          too many for rigid links. Remove the rows of the right upper link, or those of {linkage}. For four elastic links and a \
          Panhard rod, start with `hardpoint new solid_axle --with five_links` and enter the points there"
     )))
-}
-
-/// Spring and unsprung mass of one axle, for the study of an axle or of a car.
-fn axle_figures(table: &PointTable, axle: Option<AxlePosition>) -> AxleFigures {
-    match (&table.car, axle) {
-        (Some(car), Some(AxlePosition::Front)) => car.axles[0],
-        (Some(car), Some(AxlePosition::Rear)) => car.axles[1],
-        _ => table.axle,
-    }
 }
 
 /// Role of each point in the file. A name of `--map` replaces the usual names of its hardpoint. Refuses a wrong `--map`.

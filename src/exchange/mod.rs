@@ -87,7 +87,9 @@ pub use rounding::{
     Broken, Grid, Loss, Rounded, moved_coordinates, ranges_of_coordinates, rounded,
     tuned_coordinates,
 };
-pub use source::{STANDARD_INPUT, bytes_of, read as read_points, read_map};
+pub use source::{
+    STANDARD_INPUT, bytes_of, read as read_points, read_car as read_car_points, read_map,
+};
 pub use subsystem::{Written, into_subsystem, subsystem};
 pub use suspensions_ini::{suspensions_ini, suspensions_ini_of_car};
 pub use table::PointTable;

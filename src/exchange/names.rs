@@ -76,6 +76,7 @@ const SPELT: &[(&str, &str)] = &[
     ("pitman", "pitman"),
     ("rack", "rack"),
     ("contact", "contact"),
+    ("cp tcp", "contact patch"),
     ("patch", "patch"),
     ("tyre tire", "tyre"),
     ("camber", "camber"),

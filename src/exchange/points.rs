@@ -14,15 +14,17 @@ use super::header::{self, Columns, Triple, header, text};
 use super::names::{KNOWN_MARKS, cut, marks_of_entry, marks_of_title, side_of};
 use super::table::{Figure, Marks, NamedPoint, PointTable};
 use super::unit::{FileUnit, KNOWN_UNITS};
-use crate::model::{FrameConvention, LengthUnit};
+use crate::model::FrameConvention;
+use crate::report::unit_in_words;
 use unit_line::{unit_above, unit_below, unit_row, unknown_above, without_brackets};
+use values::has_digit;
 
 /// Reads the points of a table. `None` if it has no points.
 pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
     let rows = sheet.rows();
     let mut table = PointTable::default();
-    let mut columns: Option<Columns> = None;
-    let mut is_header = vec![false; rows.len()];
+    // Each header applies to the rows below it.
+    let mut headers: Vec<(u32, Columns)> = Vec::new();
     for (place, row) in rows.iter().enumerate() {
         let above = place.checked_sub(1).map(|place| rows[place]);
         if let Some(found) = header(sheet, *row, above)? {
@@ -35,16 +37,16 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
             table.unit = table.unit.or(found.unit);
             table.declared = table.declared.and(found.declared, &sheet.row_place(*row))?;
             names_beside::refuse(sheet, *row, &found.columns)?;
-            is_header[place] = true;
-            columns = Some(found.columns);
+            table.notes.extend(found.note);
+            headers.push((*row, found.columns));
         }
     }
-    let has_header = columns.is_some();
+    let has_header = !headers.is_empty();
     if !has_header {
-        columns = header::without_header(sheet, &rows);
-        if columns.is_some() {
+        if let Some(columns) = header::without_header(sheet, &rows) {
             let note = "no header names the columns: they are read as name, x, y, z".to_owned();
             table.notes.push(note);
+            headers.push((0, columns));
         }
         let unknown = |row: &u32| {
             let words = header::unknown_beside_axes(sheet, *row)?;
@@ -57,36 +59,32 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
             ));
         }
     }
-    let Some(first) = columns else {
+    let Some((_, first)) = headers.first() else {
         return Ok(None);
     };
-    let decimals = Decimals::of(sheet, &first)?;
-    let inch = FileUnit::of(LengthUnit::Inch);
-    if decimals.inches && table.unit.replace(inch).is_some_and(|unit| unit != inch) {
-        return Err("coordinates have inch marks, but the file states another unit".to_owned());
-    }
-    // Each header applies to the rows below it.
+    let decimals = Decimals::of(sheet, &headers)?;
+    table.unit = agreed(table.unit, decimals.unit)?;
     let mut reader = Rows {
         sheet,
         decimals,
-        columns: (!has_header).then_some(first),
+        columns: (!has_header).then(|| first.clone()),
         last_title: None,
         section: Marks::default(),
         nameless: Vec::new(),
         table,
     };
-    for (place, row) in rows.iter().enumerate() {
-        if is_header[place] {
-            reader.last_title = sheet.row(*row).map(|(column, _)| column).max();
-            let above = place.checked_sub(1).map(|place| rows[place]);
-            reader.columns = header(sheet, *row, above)?.map(|found| found.columns);
-            // If a table has several sets of coordinates, a title above belongs to the columns of one set, not to the
-            // rows below.
-            if reader.columns.as_ref().is_some_and(|c| c.triples.len() > 1) {
-                reader.section = Marks::default();
-            }
-        } else {
+    let mut next = headers.iter().filter(|_| has_header).peekable();
+    for row in &rows {
+        let Some((_, columns)) = next.next_if(|(header, _)| header == row) else {
             reader.row(*row)?;
+            continue;
+        };
+        reader.last_title = sheet.row(*row).map(|(column, _)| column).max();
+        reader.columns = Some(columns.clone());
+        // If a table has several sets of coordinates, a title above belongs to the columns of one set, not to the
+        // rows below.
+        if columns.triples.len() > 1 {
+            reader.section = Marks::default();
         }
     }
     reader.list_nameless();
@@ -95,6 +93,18 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
         return Ok(None);
     }
     Ok(Some(table))
+}
+
+/// Unit of the header and of the cells of the coordinates. Refuses two different units.
+fn agreed(header: Option<FileUnit>, cells: Option<FileUnit>) -> Result<Option<FileUnit>, String> {
+    match (header, cells) {
+        (Some(stated), Some(own)) if stated != own => Err(format!(
+            "the coordinates are marked as {}, but the header states {}",
+            unit_in_words(own.symbol),
+            unit_in_words(stated.symbol)
+        )),
+        _ => Ok(header.or(cells)),
+    }
 }
 
 /// Reader of the rows in their order.
@@ -242,8 +252,6 @@ impl Rows<'_> {
         (by_words, both): (Marks, bool),
     ) -> Result<(), String> {
         let sheet = self.sheet;
-        let decimals = self.decimals;
-        let is_number = |cell: &Cell| decimals.number(cell).is_ok();
         let unit = columns.unit.and_then(|column| sheet.cell(row, column));
         if let Some(word) = unit.and_then(text) {
             self.unit(row, word)?;
@@ -268,7 +276,7 @@ impl Rows<'_> {
                 read_as: name.to_owned(),
                 marks: found,
                 mirrored: both,
-                has_number: cells.iter().flatten().any(|cell| is_number(cell)),
+                has_number: cells.iter().copied().flatten().any(has_digit),
                 position: self.position(row, triple, cells),
                 body: body.and_then(text).map(str::to_owned),
                 place: sheet.row_place(row),

@@ -4,7 +4,7 @@ use super::Hardpoint;
 use super::axes::Axes;
 use super::corner::{self, Corner, Named, Picked};
 use super::refusal::Refusal;
-use crate::model::{Side, Topology};
+use crate::model::{LengthUnit, Side, Topology};
 use crate::report::brief;
 
 /// Returns the hardpoints that the file gives for the right half, without exact mirror images of the left half. `left` is the left
@@ -58,11 +58,11 @@ pub(super) fn own(
 }
 
 /// Describes the points of the other wheel that differ from the mirror images of the imported wheel's points. `None` if the file has
-/// no other wheel, or mirror images within rounding errors. `picked` are the points as written in the file.
+/// no other wheel, or mirror images within rounding errors. `picked` are the points as written in the file, and `unit` is their unit.
 pub(super) fn differs(
     named: &[Named<'_>],
     corner: Corner,
-    axes: Axes,
+    (axes, unit): (Axes, LengthUnit),
     picked: &[Picked],
 ) -> Option<String> {
     let (across, _) = axes.across();
@@ -92,10 +92,11 @@ pub(super) fn differs(
     }
     let omitted = omitted?;
     Some(format!(
-        "points of the {0} wheel that are up to {2} away from the mirror images of the imported wheel: {1}. --side {0} imports that wheel",
+        "points of the {0} wheel that are up to {2} {3} away from the mirror images of the imported wheel: {1}. --side {0} imports that wheel",
         omitted.name(),
         names.join(", "),
-        brief(most)
+        brief(most),
+        unit.symbol()
     ))
 }
 

@@ -21,7 +21,6 @@ pub(super) fn of_workbook(
 ) -> Result<PointTable, Refusal> {
     let book = workbook::Workbook::open(bytes)?;
     let names: Vec<String> = book.names().map(str::to_owned).collect();
-    let read = |number: usize| book.sheet(number).and_then(|sheet| points::read(&sheet));
     if let Some(wanted) = wanted {
         let Some(number) = names.iter().position(|name| name == wanted) else {
             return Err(Refusal::Wrong(format!(
@@ -29,14 +28,14 @@ pub(super) fn of_workbook(
                 quoted(names.iter().map(String::as_str))
             )));
         };
-        let table = read(number).map_err(|reason| format!("sheet {wanted:?}: {reason}"))?;
+        let table = read(&book, number).map_err(|reason| format!("sheet {wanted:?}: {reason}"))?;
         let table = table.ok_or_else(|| format!("sheet {wanted:?}: {NO_POINTS}"))?;
         return Ok(table);
     }
     let mut found: Vec<(&str, PointTable)> = Vec::new();
     let mut unreadable: Vec<String> = Vec::new();
     for (number, name) in names.iter().enumerate() {
-        match read(number) {
+        match read(&book, number) {
             Ok(Some(table)) => found.push((name, table)),
             Ok(None) => (),
             Err(reason) => unreadable.push(format!("sheet {name:?}: {reason}")),
@@ -87,6 +86,59 @@ pub(super) fn of_workbook(
     }
     table.left_out.extend(unreadable);
     Ok(table)
+}
+
+/// Points of a sheet. `None` if it has none.
+fn read(book: &workbook::Workbook, number: usize) -> Result<Option<PointTable>, String> {
+    let sheet = book.sheet(number)?;
+    points::read(&sheet)
+}
+
+/// Points of both axles of a workbook that has one sheet with points for each axle, according to the names of the sheets. `None` for
+/// other workbooks.
+///
+/// # Errors
+/// One of the two sheets cannot be read, or the sheets state different units or axes.
+pub(super) fn of_car(bytes: Vec<u8>) -> Result<Option<PointTable>, Refusal> {
+    let book = workbook::Workbook::open(bytes)?;
+    let names: Vec<String> = book.names().map(str::to_owned).collect();
+    let mut car = PointTable::default();
+    let mut of_axles = Vec::new();
+    for axle in [AxlePosition::Front, AxlePosition::Rear] {
+        let (mut own, mut unreadable) = (Vec::new(), Vec::new());
+        let numbers = (0..names.len()).filter(|number| axle_of(&names[*number]) == Some(axle));
+        for number in numbers {
+            let place = format!("sheet {:?}", names[number]);
+            match read(&book, number) {
+                Ok(None) => (),
+                Ok(Some(table)) => own.push((names[number].as_str(), place, table)),
+                Err(reason) => unreadable.push(format!("{place}: {reason}")),
+            }
+        }
+        if let (true, Some(reason)) = (own.is_empty(), unreadable.first()) {
+            return Err(Refusal::Wrong(reason.clone()));
+        }
+        car.left_out.extend(unreadable);
+        let [(name, place, table)] = &mut own[..] else {
+            return Ok(None);
+        };
+        if table.axles().iter().any(|own| *own != axle) {
+            return Ok(None);
+        }
+        car.add_axle(std::mem::take(table), axle, place)?;
+        of_axles.push(*name);
+    }
+    let others = names.iter().map(String::as_str);
+    let others: Vec<&str> = others.filter(|name| !of_axles.contains(name)).collect();
+    let not_read = match others.as_slice() {
+        [] => String::new(),
+        others => format!("; not read: {}", quoted(others.iter().copied())),
+    };
+    car.notes.push(format!(
+        "sheets {}: one for each axle{not_read}",
+        quoted(of_axles.into_iter())
+    ));
+    Ok(Some(car))
 }
 
 fn quoted<'n>(names: impl Iterator<Item = &'n str>) -> String {

@@ -27,12 +27,53 @@ pub fn read(
     sheet: Option<&str>,
     axle: Option<AxlePosition>,
 ) -> Result<PointTable, Refusal> {
-    let bytes = if path == Path::new(STANDARD_INPUT) {
-        read_input_bytes(MOST_BYTES)?
-    } else {
-        bytes_of(path)?
+    of_bytes(path, all_bytes(path)?, sheet, axle)
+}
+
+/// Points of both axles of a car. If `sheet` is `None` and a workbook has one sheet for each axle, the result has the points of both
+/// sheets.
+///
+/// # Errors
+/// The file has no readable points, it has points of one axle only, or the sheets of both axles contradict each other.
+pub fn read_car(path: &Path, sheet: Option<&str>) -> Result<PointTable, Refusal> {
+    let bytes = all_bytes(path)?;
+    let by_axle = match sheet {
+        None if is_workbook(&bytes) => sheets::of_car(bytes.clone())?,
+        _ => None,
     };
-    let is_workbook = bytes.starts_with(b"PK\x03\x04");
+    let table = match by_axle {
+        Some(table) => table,
+        None => of_bytes(path, bytes, sheet, None)?,
+    };
+    if table.has_two_axles() {
+        Ok(table)
+    } else {
+        Err(Refusal::Wrong(
+            "--car: the file does not have points of a front and a rear axle".to_owned(),
+        ))
+    }
+}
+
+/// Bytes of a file, or of standard input for the path `-`.
+fn all_bytes(path: &Path) -> Result<Vec<u8>, String> {
+    if path == Path::new(STANDARD_INPUT) {
+        read_input_bytes(MOST_BYTES)
+    } else {
+        bytes_of(path)
+    }
+}
+
+fn is_workbook(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"PK\x03\x04")
+}
+
+fn of_bytes(
+    path: &Path,
+    bytes: Vec<u8>,
+    sheet: Option<&str>,
+    axle: Option<AxlePosition>,
+) -> Result<PointTable, Refusal> {
+    let is_workbook = is_workbook(&bytes);
     if !is_workbook && let Some(sheet) = sheet {
         return Err(Refusal::Wrong(format!(
             "the file is not a workbook, so it has no sheet {sheet:?}"

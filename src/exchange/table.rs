@@ -3,6 +3,7 @@
 use super::adams_bushings::AdamsBushing;
 use super::angle_unit::AngleUnit;
 use super::axes::Declared;
+use super::figure_names::figure;
 use super::refusal::{Question, Refusal};
 use super::roles;
 use super::unit::FileUnit;
@@ -41,7 +42,7 @@ pub(super) struct NamedPoint {
     pub marks: Marks,
     /// True if the point applies to the left wheel and, mirrored, to the right wheel.
     pub mirrored: bool,
-    /// True if at least one coordinate is a number. A row of texts is not a point.
+    /// True if at least one coordinate has a digit. A row of texts without digits is not a point.
     pub has_number: bool,
     /// Coordinates, or the reason why they cannot be read.
     pub position: Result<[f64; 3], String>,
@@ -128,6 +129,8 @@ pub struct PointTable {
     pub(super) figures: Vec<Figure>,
     /// Unit of length, if the file states it.
     pub(super) unit: Option<FileUnit>,
+    /// True if the format prescribes the unit, so that `--unit` cannot replace it.
+    pub(super) has_fixed_unit: bool,
     /// Unit of angles without their own unit, if the file states it.
     pub(super) angle_unit: Option<AngleUnit>,
     /// Statement of a unit that is not known, with its location in the file.
@@ -181,9 +184,70 @@ impl PointTable {
         }
     }
 
+    /// Adds the sheet of an axle to the table of a car. `place` names the sheet.
+    ///
+    /// # Errors
+    /// The sheet states another unit or other axes than the sheet before it.
+    pub(super) fn add_axle(
+        &mut self,
+        sheet: PointTable,
+        axle: AxlePosition,
+        place: &str,
+    ) -> Result<(), String> {
+        let units = self.unit.zip(sheet.unit);
+        let angle_units = self.angle_unit.zip(sheet.angle_unit);
+        if units.is_some_and(|(a, b)| a != b) || angle_units.is_some_and(|(a, b)| a != b) {
+            return Err(format!(
+                "{place}: its units differ from those of the other axle"
+            ));
+        }
+        self.unit = self.unit.or(sheet.unit);
+        self.angle_unit = self.angle_unit.or(sheet.angle_unit);
+        self.unknown_unit = self.unknown_unit.take().or(sheet.unknown_unit);
+        self.declared = self.declared.and(sheet.declared, place)?;
+        self.points
+            .extend(sheet.points.into_iter().map(|mut point| {
+                point.marks.axle = Some(axle);
+                point
+            }));
+        self.figures
+            .extend(sheet.figures.into_iter().map(|mut figure| {
+                figure.marks.axle = Some(axle);
+                figure
+            }));
+        self.notes.extend(sheet.notes);
+        self.left_out.extend(sheet.left_out);
+        Ok(())
+    }
+
     /// True if the file has points of both axles.
     pub fn has_two_axles(&self) -> bool {
         self.axles().len() == 2
+    }
+
+    /// Spring and unsprung mass of one axle, for the study of an axle or of a car.
+    pub(super) fn figures_of(&self, axle: Option<AxlePosition>) -> AxleFigures {
+        match (&self.car, axle) {
+            (Some(car), Some(AxlePosition::Front)) => car.axles[0],
+            (Some(car), Some(AxlePosition::Rear)) => car.axles[1],
+            _ => self.axle,
+        }
+    }
+
+    /// True if the file has points or values that it assigns to a right wheel.
+    pub(super) fn has_right_wheel(&self) -> bool {
+        let letters = roles::Letters::of_points(&self.points);
+        let of_points = self.points.iter().map(|point| {
+            let named = roles::marks(&point.read_as, letters);
+            point.marks.or(named).side
+        });
+        let of_figures = self.figures.iter().map(|row| {
+            let named = figure(&row.read_as).and_then(|(_, marks, _)| marks.side);
+            row.marks.side.or(named)
+        });
+        of_points
+            .chain(of_figures)
+            .any(|side| side == Some(Side::Right))
     }
 
     /// Axles that the kinds of suspension and the points state.

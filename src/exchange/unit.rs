@@ -96,12 +96,26 @@ pub fn unit_of(word: &str) -> Option<LengthUnit> {
 }
 
 /// Copy of a table whose coordinates and lengths are in a unit of studies. `None` if the file already has such a unit.
+///
+/// # Errors
+/// `--unit` contradicts the unit that the format prescribes. Rates, masses and offsets of such a file depend on its unit.
 pub(super) fn converted<'o>(
     table: &PointTable,
     options: &ImportOptions<'o>,
-) -> Option<(PointTable, ImportOptions<'o>)> {
+) -> Result<Option<(PointTable, ImportOptions<'o>)>, String> {
+    if let (Some(given), Some(fixed)) = (options.unit, table.unit)
+        && table.has_fixed_unit
+        && given != fixed
+    {
+        return Err(format!(
+            "--unit {}: files of this format are always in {}; leave out --unit (`hardpoint convert` changes the unit of the study)",
+            given.symbol, fixed.symbol
+        ));
+    }
     let given = options.unit.or(table.unit);
-    let stated = given.filter(|unit| unit.factor != 1.0)?;
+    let Some(stated) = given.filter(|unit| unit.factor != 1.0) else {
+        return Ok(None);
+    };
     let mut converted = table.clone();
     for point in &mut converted.points {
         if let Ok(position) = &mut point.position {
@@ -132,7 +146,7 @@ pub(super) fn converted<'o>(
         radius: options.radius.map(|length| stated.to_study(length)),
         ..*options
     };
-    Some((converted, options))
+    Ok(Some((converted, options)))
 }
 
 /// Note that `--unit` replaces another unit of the file.

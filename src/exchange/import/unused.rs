@@ -76,20 +76,28 @@ impl Unused<'_> {
                 topology.name.replace('_', " ")
             ));
         }
-        if self.numbers.is_empty() {
-            return;
-        }
-        const SHOWN: usize = 12;
-        let shown = &self.numbers[..self.numbers.len().min(SHOWN)];
-        let more = match self.numbers.len() - shown.len() {
-            0 => String::new(),
-            more => format!(" and {more} more"),
-        };
-        left_out.push(format!(
-            "{}{more}: these names of numbers are not known, or a study has no keys for them",
-            shown.join(", ")
+        let of_texts = table.points.iter().zip(&meanings);
+        let of_texts = of_texts.filter(|(point, meaning)| !point.has_number && meaning.is_none());
+        let of_texts: Vec<&str> = of_texts.map(|(point, _)| point.name.as_str()).collect();
+        left_out.extend(shortened(
+            &of_texts,
+            "these rows have texts instead of coordinates",
         ));
+        let numbers: Vec<&str> = self.numbers.iter().map(String::as_str).collect();
+        let reason = "these names of numbers are not known, or a study has no keys for them";
+        left_out.extend(shortened(&numbers, reason));
     }
+}
+
+/// Lists the first names with a reason, and the number of further names. `None` without names.
+fn shortened(names: &[&str], reason: &str) -> Option<String> {
+    const SHOWN: usize = 12;
+    let shown = &names[..names.len().min(SHOWN)];
+    let more = match names.len() - shown.len() {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    (!names.is_empty()).then(|| format!("{}{more}: {reason}", shown.join(", ")))
 }
 
 /// Name of the hardpoint for each role.

@@ -1,6 +1,6 @@
 use super::*;
 use crate::exchange::delimited;
-use crate::model::Side;
+use crate::model::{LengthUnit, Side};
 
 fn table(text: &str) -> PointTable {
     read(&delimited::read(text).unwrap()).unwrap().unwrap()
@@ -99,14 +99,82 @@ fn decimal_commas_are_read_where_they_are_certain() {
 
 #[test]
 fn what_is_no_number_is_named_with_its_place() {
-    let read = table("name,x,y,z\na,1,2,3\nb,1,,3\nc,1,inf,3\nd,1,2 mm,3\n");
+    let read = table("name,x,y,z\na,1,2,3\nb,1,,3\nc,1,inf,3\nd,1,2 s,3\n");
     let fault = |n: usize| read.points[n].position.clone().unwrap_err();
     assert_eq!(fault(1), "line 3, column 3: the cell is empty");
     assert_eq!(
         fault(2),
         "line 4, column 3: expected a number, found \"inf\""
     );
-    assert!(fault(3).contains("found \"2 mm\""));
+    assert!(fault(3).contains("found \"2 s\""));
+}
+
+/// Coordinates may have their unit in the same cell. It must be the same for all coordinates and the same as in the header.
+#[test]
+fn units_after_coordinates_are_read() {
+    let read = table("name,x,y,z\na,20 cm,-3.5cm,0\nb,1 cm,2 cm,3 cm\nradius of wheel,310 mm,,\n");
+    assert_eq!(read.unit, FileUnit::named("cm"));
+    assert_eq!(position(&read, 0), [20.0, -3.5, 0.0]);
+    let radius = &read.figures[0];
+    assert_eq!(
+        (radius.value, &radius.read_as[..]),
+        (310.0, "radius of wheel [mm]")
+    );
+    let commas = table("name;x;y;z\na;20,5 mm;3,25 mm;1 mm\n");
+    assert_eq!(position(&commas, 0), [20.5, 3.25, 1.0]);
+    for (text, phrase) in [
+        (
+            "name,x,y,z\na,1 mm,2 mm,3\n",
+            "line 2, column 4 has no unit",
+        ),
+        ("name,x,y,z\na,1 mm,2 mm,3 in\n", "is marked as inches"),
+        (
+            "name,x,y,z\na,1,2,3\nradius,3,,\nb,1 m,2,3\n",
+            "is marked as m",
+        ),
+        (
+            "name,x [in],y,z\na,1 mm,2 mm,3 mm\n",
+            "the header states inches",
+        ),
+    ] {
+        assert!(refusal(text).contains(phrase), "{}", refusal(text));
+    }
+}
+
+/// Each header applies to the numbers below it, so all of them decide on the decimal sign.
+#[test]
+fn decimal_signs_of_all_blocks_are_compared() {
+    let head = "name;x;y;z;;;;\n";
+    let below = ";;;;name;x;y;z\n;;;;b;4.5;5;6\n";
+    let refused = refusal(&format!("{head}a;1,5;2;3;;;;\n{below}"));
+    assert!(refused.contains("commas and points are mixed"), "{refused}");
+    let read = table(&format!("{head}a;1.5;2;3;;;;\n{below}"));
+    assert_eq!(position(&read, 0), [1.5, 2.0, 3.0]);
+    assert_eq!(position(&read, 1), [4.5, 5.0, 6.0]);
+}
+
+/// A minus in a header may be a sign or a dash. A note says that it is not used.
+#[test]
+fn unused_signs_of_headers_are_reported() {
+    let notes = |head: &str| table(&format!("{head}\na,1,2,3\n")).notes.join("\n");
+    for head in [
+        "name,-x,y,z",
+        "name,x (-forward),y (left),z (up)",
+        "name,x - forward,y left,z up",
+        "name,x,y (right -),z",
+        "name,negative x,y,z",
+    ] {
+        assert!(notes(head).contains("line 1: the minus in"), "{head}");
+    }
+    for head in [
+        "name,x - mm,y - mm,z - mm",
+        "name,x,y (right +),z",
+        "name,x-value,y,z",
+    ] {
+        assert_eq!(notes(head), "", "{head}");
+    }
+    let note = notes("name,negative x,y,z");
+    assert!(note.contains("\"negative x\""), "{note}");
 }
 
 #[test]
@@ -196,7 +264,7 @@ fn rows_without_a_name_are_listed() {
 /// A value of the wheel above the header that cannot be read is listed.
 #[test]
 fn unreadable_values_above_the_header_are_listed() {
-    let read = table("Loaded radius,310 mm\nTrack\nname,x,y,z\na,1,2,3\n");
+    let read = table("Loaded radius,about 310\nTrack\nname,x,y,z\na,1,2,3\n");
     let line = "Loaded radius (line 1): expected one number in a cell of its own";
     assert_eq!(
         (read.figures.len(), read.left_out),

@@ -1,5 +1,6 @@
 //! Values of the wheel among the rows of a table, for example its radius or its camber.
 
+use super::super::decimals::unit_in;
 use super::unit_line::without_brackets;
 use super::{Cell, Columns, Figure, FigureKind, Marks, Rows, figure, is_unit, plain_number, text};
 
@@ -24,9 +25,10 @@ impl Rows<'_> {
         let texts = rest.into_iter().filter_map(text);
         let place = sheet.row_place(row);
         let (units, words): (Vec<&str>, Vec<&str>) = texts.partition(|text| is_unit(text));
+        let own = unit_in(cell).map(|unit| unit.symbol);
         self.table.figures.push(Figure {
             name: name.clone(),
-            read_as: with_units(name, units),
+            read_as: with_units(name, own.into_iter().chain(units)),
             value,
             marks: self.of_section(name),
             remark: words.join(" "),
@@ -35,7 +37,7 @@ impl Rows<'_> {
         true
     }
 
-    /// Lists a value of the wheel whose row has a digit but not exactly one number, such as `Loaded radius, 310 mm`.
+    /// Lists a value of the wheel whose row has a digit but not exactly one number, such as `Loaded radius, about 310`.
     pub(super) fn value_missing(&mut self, row: u32) {
         let mut cells = self.sheet.row(row).map(|(_, cell)| cell);
         let name = cells.next().and_then(text);
@@ -43,11 +45,6 @@ impl Rows<'_> {
             |name: &&str| figure(name).is_some_and(|(kind, ..)| kind != FigureKind::ContactPoint);
         let Some(name) = name.filter(is_value) else {
             return;
-        };
-        let has_digit = |cell: &Cell| match cell {
-            Cell::Number(_) => true,
-            Cell::Text(text) => text.contains(|c: char| c.is_ascii_digit()),
-            Cell::Unusable(_) => false,
         };
         if cells.any(has_digit) {
             let place = self.sheet.row_place(row);
@@ -99,7 +96,8 @@ impl Rows<'_> {
             let own = beside.iter().copied().filter(|text| is_unit(text));
             let after = remark.iter().copied();
             let after = after.filter(|text| is_unit(text) && without_brackets(text) != "in");
-            let read_as = with_units(name, own.chain(after));
+            let in_cell = unit_in(cell).map(|unit| unit.symbol).into_iter();
+            let read_as = with_units(name, in_cell.chain(own).chain(after));
             let words = beside.iter().copied().filter(|text| !is_unit(text));
             let remark: Vec<&str> = words.chain(remark.iter().copied()).collect();
             let of_columns = if is_alone {
@@ -118,6 +116,15 @@ impl Rows<'_> {
             });
         }
         Ok(())
+    }
+}
+
+/// True if a cell is a number or a text with a digit, such as "about 205".
+pub(super) fn has_digit(cell: &Cell) -> bool {
+    match cell {
+        Cell::Number(_) => true,
+        Cell::Text(text) => text.contains(|c: char| c.is_ascii_digit()),
+        Cell::Unusable(_) => false,
     }
 }
 

@@ -3,6 +3,7 @@
 
 mod axes;
 mod cad;
+mod car_sheets;
 mod cars;
 mod commands;
 mod export_commands;
@@ -15,6 +16,7 @@ mod parsers;
 mod property_files;
 mod right_or_refused;
 mod round_trips;
+mod samples;
 mod schema;
 mod sheets;
 mod side_by_side;

@@ -678,7 +678,7 @@ fn another_right_wheel_is_named() {
         .find(|line| line.contains("right wheel"))
         .unwrap();
     assert!(
-        named.contains("up to 2.5 away") && named.contains(": upper_ball_joint."),
+        named.contains("up to 2.5 mm away") && named.contains(": upper_ball_joint."),
         "{named}"
     );
 }

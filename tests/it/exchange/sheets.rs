@@ -259,6 +259,11 @@ fn values_in_any_column_are_read_or_listed() {
     assert!(found.left_out.join("\n").contains("Ride frequency"));
     let above = read(&format!("Loaded radius;228;mm;;\n{base}")).unwrap();
     assert_eq!(above.wheel_radius, Some(228.0));
+    // All coordinates are whole numbers, so the value above the header shows the decimal comma.
+    let above = "Static camber;-1,5;;\nLoaded radius;22,8 cm;;\n";
+    let above = read(&format!("{above}{base}")).unwrap();
+    assert_eq!(above.static_camber, Some(-1.5));
+    assert_eq!(above.wheel_radius, Some(228.0));
 }
 
 /// The message about unclear axes names the point whose coordinate has the wrong sign.

@@ -1,10 +1,13 @@
 //! Tests of files whose values an import or export could lose or change without a message.
 
 use super::{Said, file, imported};
-use hardpoint::exchange::{ImportOptions, Imported, Outgoing, import, into_subsystem, read_points};
+use hardpoint::exchange::{
+    FileUnit, ImportOptions, Imported, Outgoing, import, into_subsystem, read_points,
+};
 use hardpoint::model::{AxlePosition, LengthUnit, Side, Topology};
 use hardpoint::study::Study;
 use std::collections::BTreeMap;
+use std::fs;
 use std::path::Path;
 
 const SUBSYSTEM: &str = "\
@@ -175,4 +178,166 @@ fn an_axle_beside_an_unknown_one_keeps_its_unit() {
         !notes.contains("assumed: the file states none") && !notes.contains("deduced"),
         "{notes}"
     );
+}
+
+/// The unit of a file of Assetto Corsa is fixed, because its rates, masses and offsets depend on it. `--unit` cannot replace it.
+#[test]
+fn a_fixed_unit_is_not_replaced() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = file(&directory, "suspensions.ini", AXLE.as_bytes());
+    let read = |unit: &str| {
+        let said = Said {
+            unit: FileUnit::named(unit),
+            ..Said::default()
+        };
+        imported(&path, "double_wishbone", &said)
+    };
+    assert_eq!(read("m").unwrap().unit, LengthUnit::Metre);
+    for unit in ["mm", "cm"] {
+        let refused = read(unit).unwrap_err();
+        assert!(
+            refused.contains(&format!(
+                "--unit {unit}: files of this format are always in m"
+            )),
+            "{refused}"
+        );
+    }
+}
+
+/// A live axle without TRACK has no wheel centres. The message names the key, and no other option.
+#[test]
+fn a_live_axle_needs_its_track() {
+    let directory = tempfile::tempdir().unwrap();
+    let text = "[REAR]\nTYPE=AXLE\n[AXLE]\nJ0_CAR=0.5,0.1,0.4\nJ0_AXLE=0.2,0.1,0.0\nJ1_CAR=-0.5,0.1,0.4\n\
+         J1_AXLE=-0.2,0.1,0.0\nJ2_CAR=0.4,-0.1,0.5\nJ2_AXLE=0.5,-0.12,0.0\nJ3_CAR=-0.4,-0.1,0.5\nJ3_AXLE=-0.5,-0.12,0.0\n";
+    let path = file(&directory, "suspensions.ini", text.as_bytes());
+    let refused = imported(&path, "solid_axle", &Said::default()).unwrap_err();
+    assert!(
+        refused.contains("[REAR] has no TRACK") && !refused.contains("--side"),
+        "{refused}"
+    );
+}
+
+const WHEEL: &str = "\
+name,x,y,z
+UCA front,135,265,330
+UCA rear,-165,270,318
+UBJ,-8,545,365
+LCA front,150,215,142
+LCA rear,-180,220,138
+LBJ,6,575,130
+tie rod inner,68,230,170
+Point 8,75,560,165
+wheel centre,0,620,255
+Notes,to be done,see drawing,later
+";
+
+/// A row of texts has no coordinates. The import lists it.
+#[test]
+fn rows_of_texts_are_listed() {
+    let directory = tempfile::tempdir().unwrap();
+    let text = WHEEL.replace("Point 8", "tie rod outer");
+    let path = file(&directory, "points.csv", text.as_bytes());
+    let read = imported(&path, "double_wishbone", &Said::default()).unwrap();
+    let wanted = "Notes: these rows have texts instead of coordinates";
+    assert!(
+        read.left_out.contains(&wanted.to_owned()),
+        "{:?}",
+        read.left_out
+    );
+}
+
+/// Axes of the user that contradict the points are used, with a warning in the first line.
+#[test]
+fn axes_that_the_points_contradict_are_a_warning() {
+    let directory = tempfile::tempdir().unwrap();
+    let text = WHEEL.replace("Point 8", "tie rod outer");
+    let path = file(&directory, "points.csv", text.as_bytes());
+    let call = |axes: &str| {
+        let base = [
+            "hardpoint",
+            "import",
+            path.to_str().unwrap(),
+            "--topology",
+            "double_wishbone",
+        ];
+        let base = base
+            .into_iter()
+            .chain(["--axes", axes, "--out"])
+            .map(str::to_owned);
+        let out = directory.path().join(format!("{axes}.toml"));
+        hardpoint::cli::run_captured(base.chain([out.to_str().unwrap().to_owned()]))
+    };
+    let (code, said) = call("rearward,right,up");
+    assert_eq!(code, 0, "{said}");
+    assert!(
+        said.starts_with("warning: please check: in the points x points forward"),
+        "{said}"
+    );
+    let (code, said) = call("forward,left,up");
+    assert_eq!(code, 0, "{said}");
+    assert!(!said.contains("warning"), "{said}");
+}
+
+/// The import of Python reads `--map`. Names in the call have priority. It refuses the three studies of a car.
+#[test]
+fn names_of_a_map_are_read_in_memory() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = file(&directory, "points.csv", WHEEL.as_bytes());
+    let map = file(&directory, "names.toml", b"tie_rod_outer = \"Point 8\"\n");
+    let base = [
+        "import",
+        path.to_str().unwrap(),
+        "--topology",
+        "double_wishbone",
+    ];
+    let call = |more: &[&str], names: &[(&str, &str)]| {
+        let arguments: Vec<String> = base.iter().chain(more).map(|&a| a.to_owned()).collect();
+        let names = names
+            .iter()
+            .map(|(a, b)| ((*a).to_owned(), (*b).to_owned()));
+        hardpoint::cli::import_study(&arguments, None, names.collect())
+    };
+    let map = ["--map", map.to_str().unwrap()];
+    let (study, _) = call(&map, &[]).unwrap();
+    assert!(
+        study.contains("tie_rod_outer") && study.contains("[75.0, 560.0, 165.0]"),
+        "{study}"
+    );
+    assert!(call(&[], &[]).is_err());
+    assert!(call(&map, &[("tie_rod_outer", "Point 9")]).is_err());
+    let refused = call(&["--car", "--out", "car"], &[]).unwrap_err();
+    assert!(
+        format!("{refused:?}").contains("--car writes three studies"),
+        "{refused:?}"
+    );
+}
+
+/// The name of a study in memory is no path. A directory with this name does not change the export.
+#[test]
+fn the_name_of_a_study_in_memory_is_no_path() {
+    let directory = tempfile::tempdir().unwrap();
+    let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+    let own = samples.join("double_wishbone_front.toml");
+    let study = Study::read(&own, &[]).unwrap();
+    let run = directory.path().join("run");
+    fs::create_dir(&run).unwrap();
+    fs::copy(&own, run.join("optimised.toml")).unwrap();
+    fs::copy(
+        samples.join("double_wishbone_solve.toml"),
+        run.join("study.toml"),
+    )
+    .unwrap();
+    let exported = |name: &str, out: &str| {
+        let out = directory.path().join(out);
+        let source = directory.path().join(name);
+        let paths = [&source, &out].map(|path| path.to_str().unwrap().to_owned());
+        let [source, target] = paths;
+        let arguments = [
+            "export", &source, "--to", "csv", "--round", "7", "--out", &target,
+        ];
+        hardpoint::cli::export_study(&study, &arguments.map(str::to_owned)).unwrap();
+        fs::read_to_string(out).unwrap()
+    };
+    assert_eq!(exported("run", "a.csv"), exported("absent.toml", "b.csv"));
 }

@@ -1,6 +1,7 @@
 //! Estimated scatter of one value, and its comparison with builds.
 
 use super::Spread;
+use super::monte_carlo::FEWEST;
 
 /// Largest second-order term for which the linear result is valid, as a share of the variance. Also the largest difference
 /// between the standard deviations of builds and of the linear result, as a share, beyond the sampling error.
@@ -61,17 +62,17 @@ impl Estimate {
     }
 
     /// Returns true if the linear result of a value that scatters is valid. The second-order term and the builds must confirm
-    /// it. `None` if the builds or the linear result have no standard deviation, or if the builds do not refute it but the
-    /// second-order term is unknown.
+    /// it. `None` with fewer than four builds, if the linear result has no standard deviation, or if the builds do not refute it
+    /// but the second-order term is unknown.
     pub fn holds(&self, spread: &Spread) -> Option<bool> {
-        // Without builds, the estimate cannot be confirmed.
-        if spread.count == 0 {
+        // So few builds have no standard error, so they cannot confirm the estimate.
+        if spread.count < FEWEST {
             return None;
         }
         // The second-order term may be small although higher orders or rejected builds matter. Only the builds show such
         // effects.
         let apart = (spread.sigma - self.sigma()).abs();
-        // One build has no standard deviation, and a missing nominal value has no linear result.
+        // A missing nominal value has no linear result.
         if apart.is_nan() {
             return None;
         }

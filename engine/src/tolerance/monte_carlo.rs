@@ -57,7 +57,7 @@ pub struct Spread {
     pub mean: f64,
     /// Standard deviation.
     pub sigma: f64,
-    /// Standard error of the standard deviation, from the fourth moment.
+    /// Standard error of the standard deviation, from the fourth moment. NaN with fewer than four builds.
     pub sigma_error: f64,
     /// Smallest and largest value.
     pub range: [f64; 2],
@@ -292,11 +292,8 @@ pub fn monte_carlo_in(
     Ok(total)
 }
 
-/// Mean, standard deviation, and standard error of the standard deviation from sums of powers.
-///
-/// The standard error is sqrt(var(s^2)) / (2 s). The unbiased estimate of var(s^2) comes from the second and the fourth
-/// k-statistic: var(s^2) = (2 n k2^2 + (n - 1) k4) / (n (n + 1)) (M. G. Kendall, A. Stuart, *The Advanced Theory of
-/// Statistics*, vol. 1, chapter 12). With fewer than 4 builds, k4 and the standard error have no value (NaN).
+/// Mean, standard deviation s, and standard error of s from sums of powers. The standard error is sqrt(var(s^2)) / (2 s). With
+/// fewer than [`FEWEST`] builds, it has no value (NaN).
 pub(super) fn moments([n, s1, s2, s3, s4]: [f64; 5]) -> [f64; 3] {
     if n == 0.0 {
         return [f64::NAN; 3];
@@ -304,13 +301,64 @@ pub(super) fn moments([n, s1, s2, s3, s4]: [f64; 5]) -> [f64; 3] {
     let mean = s1 / n;
     let m2 = (s2 / n - mean * mean).max(0.0);
     let m4 = s4 / n - mean * (4.0 * s3 / n - mean * (6.0 * s2 / n - 3.0 * mean * mean));
-    let k2 = m2 * n / (n - 1.0);
-    let sigma = k2.sqrt();
-    if n < 4.0 {
-        return [mean, sigma, f64::NAN];
+    let square = m2 * n / (n - 1.0);
+    let error = (variance_of_square(n, m2, m4).max(0.0) / (4.0 * square)).sqrt();
+    [mean, square.sqrt(), error]
+}
+
+/// Fewest builds with a standard error of the standard deviation.
+pub(super) const FEWEST: u64 = 4;
+
+/// Unbiased estimate of the variance of s^2 for `n` builds, from the second and the fourth central moment of the builds. NaN with
+/// fewer than [`FEWEST`] builds.
+///
+/// With the cumulants c2 and c4 of a build, var(s^2) = c4 / n + 2 c2^2 / (n - 1). The k-statistic k4 has the mean c4, and k2 = s^2
+/// has the mean square c2^2 (n + 1) / (n - 1) + c4 / n. So (2 n k2^2 + (n - 1) k4) / (n (n + 1)) has the mean var(s^2).
+fn variance_of_square(n: f64, m2: f64, m4: f64) -> f64 {
+    if n < FEWEST as f64 {
+        return f64::NAN;
     }
-    let k4 = n * n * ((n + 1.0) * m4 - 3.0 * (n - 1.0) * m2 * m2)
-        / ((n - 1.0) * (n - 2.0) * (n - 3.0));
-    let variance = (2.0 * n * k2 * k2 + (n - 1.0) * k4) / (n * (n + 1.0));
-    [mean, sigma, (variance.max(0.0) / (4.0 * k2)).sqrt()]
+    let k2 = m2 * n / (n - 1.0);
+    let k4 =
+        n * n * ((n + 1.0) * m4 - 3.0 * (n - 1.0) * m2 * m2) / ((n - 1.0) * (n - 2.0) * (n - 3.0));
+    (2.0 * n * k2 * k2 + (n - 1.0) * k4) / (n * (n + 1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The mean of the estimate over all samples of 4 and 5 builds from three values is the variance of s^2 over these samples.
+    #[test]
+    fn the_variance_of_a_square_is_unbiased() {
+        let values = [0.0, 1.0, 3.5];
+        for n in [4, 5] {
+            let samples = values.len().pow(n);
+            let (mut estimate, mut sum, mut squares) = (0.0, 0.0, 0.0);
+            for sample in 0..samples {
+                let builds = (0..n).map(|k| values[sample / values.len().pow(k) % values.len()]);
+                let count = f64::from(n);
+                let mean = builds.clone().sum::<f64>() / count;
+                let central = |power| builds.clone().map(|v| (v - mean).powi(power)).sum::<f64>();
+                let (m2, m4) = (central(2) / count, central(4) / count);
+                let square = central(2) / (count - 1.0);
+                estimate += variance_of_square(count, m2, m4) / samples as f64;
+                sum += square / samples as f64;
+                squares += square * square / samples as f64;
+            }
+            let variance = squares - sum * sum;
+            assert!(
+                (estimate - variance).abs() < 1e-12 * squares,
+                "{estimate} {variance}"
+            );
+        }
+    }
+
+    /// Fewer than four builds have a standard deviation, but no standard error.
+    #[test]
+    fn few_builds_have_no_standard_error() {
+        let [mean, sigma, error] = moments([2.0, 2.0, 4.0, 8.0, 16.0]);
+        assert_eq!((mean, sigma), (1.0, 2_f64.sqrt()));
+        assert!(error.is_nan());
+    }
 }

@@ -109,6 +109,8 @@ impl Scatter {
 #[derive(Debug, Default)]
 struct Found {
     designs: usize,
+    /// Number of values that both evaluators have.
+    compared: usize,
     /// Number of designs with an unreachable station.
     unreachable: usize,
     /// Number of designs that the lanes left to the solver for single designs.
@@ -168,6 +170,7 @@ fn compare(study: &Study, quantities: &[Quantity], by: f64, seed: u64, designs: 
                 for (station, (a, b)) in pairs.enumerate() {
                     assert_eq!(a.is_nan(), b.is_nan(), "{quantity:?} of design {design}");
                     if !a.is_nan() {
+                        found.compared += 1;
                         // A swing arm is infinite where the wheel does not turn. Only its inverse is smooth there. The
                         // height of the centre is a quotient h = v/w with the same rotation rate w: |dh| <= |1/w| (|dv| +
                         // |h dw|), where |1/w| is about the swing arm.
@@ -191,8 +194,9 @@ fn compare(study: &Study, quantities: &[Quantity], by: f64, seed: u64, designs: 
                                 continue;
                             }
                         }
-                        if deviation > found.worst {
-                            found.worst = deviation;
+                        let worst = larger(found.worst, deviation);
+                        if worst != found.worst {
+                            found.worst = worst;
                             found.of = Some((*quantity, b));
                         }
                     }
@@ -344,6 +348,8 @@ const BESIDE_FOLDS: f64 = 1e-9;
 
 fn check(all: Vec<(f64, Found)>) {
     for (by, found) in all {
+        // Every sound design has values in its design position.
+        assert!(found.compared > found.designs, "{by}: {found:?}");
         assert!(found.worst < BOUND, "{by}: {found:?}");
         assert!(found.worst_slope < BOUND, "{by}: {found:?}");
         assert!(found.ill * 10_000 < found.designs, "{by}: {found:?}");
@@ -422,13 +428,17 @@ fn designs_beside_a_fold_stay_on_their_own_side() {
             let mut evaluator = evaluator.expect("the sample can be solved");
             evaluator.evaluate(&designs, block);
         }
+        let mut compared = 0;
         for (k, quantity) in quantities.iter().enumerate() {
             for station in 0..stations.count() {
                 let [a, b] = [&found, &wanted].map(|block| block.value(0, k, station));
                 let agree = (a - b).abs() < BESIDE_FOLDS || (a.is_nan() && b.is_nan());
                 assert!(agree, "{quantity:?} at {station}: {a}, not {b}");
+                compared += usize::from(!a.is_nan());
             }
         }
+        // The design position has every quantity.
+        assert!(compared >= quantities.len(), "{compared}");
     }
 }
 
@@ -560,6 +570,10 @@ fn every_width_gives_the_same_bits() {
         let mut expected = None;
         for width in Width::available() {
             let found = bits(width, &designs);
+            let numbers = found
+                .iter()
+                .filter(|bits| f64::from_bits(**bits).is_finite());
+            assert!(numbers.count() > BLOCK, "{name}");
             // Solves one design alone, without other designs in the lanes.
             let alone = bits(width, &designs[3 * points..4 * points]);
             let size = alone.len();
@@ -635,6 +649,7 @@ fn the_evaluator_of_gradients_falls_back_one_by_one() {
         assert_eq!(alone.evaluate([designs, &[]], &mut wanted), 48);
         assert!(left < 48, "{name}: {left}");
         left_of_all += left;
+        let mut compared = 0;
         for design in 0..48 {
             assert_eq!(found.fault(design), wanted.fault(design));
             let of = |e: &Evaluated, station| e.is_solved(design, station);
@@ -648,6 +663,7 @@ fn the_evaluator_of_gradients_falls_back_one_by_one() {
             if !(0..stations.count()).all(|station| of(&found, station)) {
                 continue;
             }
+            compared += 1;
             for (k, quantity) in quantities.iter().enumerate() {
                 let size = suspension.size();
                 let scale = scale_of(*quantity, size, size);
@@ -667,6 +683,7 @@ fn the_evaluator_of_gradients_falls_back_one_by_one() {
                 }
             }
         }
+        assert!(compared > 0, "{name}");
     }
     assert!(left_of_all > 0);
 }
@@ -886,7 +903,7 @@ fn careful_gradients(
     let mut buffer = vec![none; design.len()];
     let mut found = vec![(0.0, Vec::new()); angles.len() * stations.count()];
     for (number, rack) in stations.racks.iter().enumerate() {
-        let _ = solver.for_each_pose(
+        let visited = solver.for_each_pose(
             stations.drive,
             &stations.station_order,
             *rack,
@@ -918,6 +935,7 @@ fn careful_gradients(
                 ControlFlow::Continue(())
             },
         );
+        visited.expect("lanes solved this design");
     }
     found
 }

@@ -1,6 +1,6 @@
 //! Tests of studies with rockers as a user runs them: limits, outputs and refusals.
 
-use crate::support::larger;
+use crate::support::{larger, one_line};
 use assert_cmd::Command;
 use hardpoint::curves::{Curves, Status, curves};
 use hardpoint::model::Rod;
@@ -439,6 +439,7 @@ fn a_rocker_is_tuned_to_a_rising_rate() {
         CurveTable::read(&fs::read(directory.path().join("run/curves.csv")).unwrap()).unwrap();
     let travel = table.column("travel_mm").unwrap();
     let ratio = table.column("motion_ratio").unwrap();
+    assert_eq!((travel.len(), ratio.len()), (31, 31));
     for (travel, ratio) in travel.iter().zip(ratio) {
         let wanted = 0.65 + 0.05 * travel.unwrap() / 30.0;
         assert!((ratio.unwrap() - wanted).abs() < 0.005, "{travel:?}");
@@ -578,7 +579,7 @@ fn mistakes_are_named() {
             "expected the line with {on}:\n{said}"
         );
         for phrase in phrases {
-            let phrase = phrase.split_whitespace().collect::<Vec<_>>().join(" ");
+            let phrase = one_line(phrase);
             assert!(said.contains(&phrase), "expected {phrase:?}:\n{said}");
         }
     }
@@ -737,7 +738,7 @@ fn with_points(points: &[(&str, [f64; 3])]) -> String {
     with_lines(&lines)
 }
 
-/// Returns the statuses of the stations of a motion, ordered by rack displacement. The output is the rocker angle.
+/// Returns the statuses of the stations of a motion, in the order of the stations. The output is the rocker angle.
 fn statuses(points: &[(&str, [f64; 3])], motion: &str) -> Vec<Status> {
     let text = with_points(points);
     let (before, after) = (

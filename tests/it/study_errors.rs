@@ -369,17 +369,7 @@ fn outputs_that_cannot_be_computed() {
         ("cg_height = 540.0", "", "anti_dive", "outputs.characteristics", &["cg_height in [vehicle]"]),
         ("position = \"front\"", "", "anti_dive", "outputs.characteristics", &["anti_dive needs position in [vehicle], \"front\" or \"rear\", which"]),
         ("brakes = \"outboard\"", "", "anti_dive", "outputs.characteristics", &["brakes in [vehicle], \"outboard\" or \"inboard\""]),
-        ("position = \"front\"", "position = \"rear\"", "anti_dive", "outputs.characteristics", &["anti_dive applies \
-                                                                                                   to \
-                                                                                                   a \
-                                                                                                   front \
-                                                                                                   axle \
-                                                                                                   in \
-                                                                                                   braking, \
-                                                                                                   but \
-                                                                                                   position \
-                                                                                                   is \
-                                                                                                   \"rear\"", "anti_lift"]),
+        ("position = \"front\"", "position = \"rear\"", "anti_dive", "outputs.characteristics", &["anti_dive applies to a front axle in braking, but position is \"rear\"", "anti_lift"]),
         ("brake_share_front = 0.68", "brake_share_front = 0.0", "anti_dive", "outputs.characteristics", &["has no brakes"]),
         ("position = \"front\"", "position = \"middle\"", "middle", "vehicle.position", &["\"front\" or \"rear\""]),
         ("[\"camber\", \"anti_dive\"]", "[\"camber\", \"camber\"]", "camber", "outputs.characteristics", &["\"camber\" is listed twice"]),

@@ -19,6 +19,16 @@ impl Random {
         (self.bits() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 
+    /// Random index below `n`.
+    pub fn below(&mut self, n: usize) -> usize {
+        (self.bits() % n as u64) as usize
+    }
+
+    /// True with the probability 1/`one_in`.
+    pub fn chance(&mut self, one_in: usize) -> bool {
+        self.below(one_in) == 0
+    }
+
     pub fn vector(&mut self, size: f64) -> Vector3<f64> {
         let mut part = || size * self.signed();
         Vector3::new(part(), part(), part())

@@ -1,7 +1,7 @@
 //! Tests of sweeps with known results, and of the counts of failed designs.
 
 use super::*;
-use crate::support::larger;
+use crate::support::{larger, one_line};
 
 /// The targets are values of one point of a grid. The sweep finds this point as the best design and as the only point
 /// of the Pareto front.
@@ -101,7 +101,9 @@ fn a_row_says_what_solve_and_optimise_say() {
     // The sweep is evaluated in SIMD lanes. There, the wheel centres agree with the travel to 1e-12 of the suspension
     // size.
     assert!((designs.numbers("misfit")[0] / misfit - 1.0).abs() < 1e-11);
-    for target in summary["targets"].as_array().unwrap() {
+    let targets = summary["targets"].as_array().unwrap();
+    assert_eq!(targets.len(), 3);
+    for target in targets {
         let name = target["output"].as_str().unwrap().trim_end_matches("_deg");
         let rms = target["before"]["rms"].as_f64().unwrap();
         assert!((designs.numbers(&format!("rms_{name}"))[0] / rms - 1.0).abs() < 1e-11);
@@ -280,8 +282,7 @@ fn constraints_that_a_sweep_does_not_check_are_named() {
         page,
         format!("{stdout}{stderr}"),
     ] {
-        let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(text.contains(words), "{text}");
+        assert!(one_line(&text).contains(words), "{text}");
     }
     let (stdout, stderr) = said(&bench.sweep("free", &[]).success());
     assert!(!format!("{stdout}{stderr}").contains("constraints of [optimise]"));
@@ -406,12 +407,9 @@ variables = [
             (height["r2"].as_f64().unwrap() - 1.0).abs() < 1e-10,
             "{method}: {height}"
         );
-        for (effect, (change, share)) in height["effects"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .zip([(6.0, 0.36), (8.0, 0.64)])
-        {
+        let effects = height["effects"].as_array().unwrap();
+        assert_eq!(effects.len(), 2);
+        for (effect, (change, share)) in effects.iter().zip([(6.0, 0.36), (8.0, 0.64)]) {
             let found = |key: &str| effect[key].as_f64().unwrap();
             assert!(
                 (found("change") - change).abs() < 1e-9,
@@ -560,8 +558,7 @@ fn only_solved_designs_are_ranked() {
         "{note}: {}",
         summary["notes"]
     );
-    let words: Vec<&str> = text.split_whitespace().collect();
-    assert!(words.join(" ").contains(&note), "{text}");
+    assert!(one_line(&text).contains(&note), "{text}");
 }
 
 /// A file of designs may contain numbers of designs. The results use row numbers, and a note states that the two

@@ -4,6 +4,7 @@
 mod answers;
 mod blocks;
 mod bytes;
+mod failures;
 mod mistakes;
 mod statistics;
 

@@ -1,7 +1,7 @@
 //! Tests of constrained minima of random designs, against other methods from the same starts.
 //!
 //! The other methods are the crate `slsqp` (D. Kraft's sequential quadratic programs, from NLopt) and a method of
-//! multipliers below. All methods use the same values with the same exact gradients.
+//! multipliers (`methods`). All methods use the same values with the same exact gradients.
 
 mod course;
 mod methods;

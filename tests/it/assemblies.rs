@@ -30,10 +30,11 @@ fn where_there_is_none_none_is_found() {
     }
 }
 
-/// The search finds all reference states on both sides of the folds (ends of travel where two assemblies merge). Each
-/// found assembly is certified, and no two of them are equal.
+/// The search finds the reference states on both sides of the folds (ends of travel where two assemblies merge), within
+/// rounding errors times the condition number. It leaves nothing undecided. The test uses every fourth state.
 #[test]
 fn every_state_of_the_reference_is_among_them() {
+    let mut compared = 0;
     for name in [
         "nominal",
         "travel-limit",
@@ -77,8 +78,10 @@ fn every_state_of_the_reference_is_among_them() {
             assert!(all.undecided.is_empty());
             // A periodic function without double roots has an even number of roots.
             assert_eq!(all.found.len() % 2, 0);
+            compared += 1;
         }
     }
+    assert_eq!(compared, 19);
 }
 
 /// The pose that the solver reaches from the design position is one of the found assemblies.

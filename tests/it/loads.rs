@@ -25,8 +25,9 @@ fn study(name: &str, overrides: &[String]) -> Study {
 fn run(study: &Study) -> (Curves, CurveTable) {
     let plan = Plan::of(study.one_wheel().unwrap());
     let found = curves(study.wheel(), &plan).unwrap();
-    let csv = curves_csv(&found);
-    (found, CurveTable::read(&csv).unwrap())
+    let table = CurveTable::read(&curves_csv(&found)).unwrap();
+    assert!(table.rows() > 0);
+    (found, table)
 }
 
 /// Sample study for a wheel of the given side in the given axes, with loads and all outputs of the force balance.
@@ -277,7 +278,8 @@ fn without_a_spring_the_wheel_is_held() {
     let study = Study::from_text("study.toml", &text, Path::new(".")).unwrap();
     let (found, table) = run(&study);
     assert!(found.are_complete());
-    // The vertical support at the wheel centre balances the load directly, so the links carry no force.
+    // The vertical support at the wheel centre balances the load directly, so the five links carry no force.
+    let mut forces = 0;
     for (name, values) in table.header.iter().zip(&table.columns) {
         let expected = match name.as_str() {
             "kerb_support_N" => -1000.0,
@@ -290,5 +292,7 @@ fn without_a_spring_the_wheel_is_held() {
                 "{name}: {value:?}"
             );
         }
+        forces += 1;
     }
+    assert_eq!(forces, 6);
 }

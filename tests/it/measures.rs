@@ -296,7 +296,7 @@ fn mistakes_are_named() {
             "characteristics = [\"spring_length\"]\nlengths = [\"spring\"]",
             "spring_length is requested twice",
         ),
-        ("lengths = [\"tie_rods\"]", "tie_rod"),
+        ("lengths = [\"tie_rods\"]", "did you mean \"tie_rod\"?"),
         (
             "clearances = [[\"tie_rod\"]]",
             "expected two members; found 1",

@@ -122,11 +122,14 @@ fn crates_include_no_file_of_others() {
 #[test]
 fn dependencies_within_the_workspace_have_this_version() {
     let version = format!("version = \"{}\"", env!("CARGO_PKG_VERSION"));
+    let mut dependencies = 0;
     for name in CRATES.into_iter().chain(["python"]) {
         let manifest = root().join(name).join("Cargo.toml");
         let text = fs::read_to_string(&manifest).unwrap();
         for line in text.lines().filter(|line| line.contains("path = \"")) {
             assert!(line.contains(&version), "{}: {line}", manifest.display());
+            dependencies += 1;
         }
     }
+    assert!(dependencies >= 5, "{dependencies}");
 }

@@ -54,6 +54,7 @@ fn check(name: &str) -> Errors {
     let mut solver = case.solver();
     let design_series = DesignSeries::<3>::new(&case.mechanism, &case.design);
     let size = solver.size();
+    let mut with_sensitivities = 0;
     for state in case.states() {
         assert_eq!(state["exists"], true);
         let (drive, value, rack, sign) = motion(state);
@@ -94,6 +95,7 @@ fn check(name: &str) -> Errors {
                     for (all, here) in errors.sensitivity.iter_mut().zip(found) {
                         all.note(here.0);
                     }
+                    with_sensitivities += 1;
                 }
                 by_rack(&case, state, solver, pose, &point, &mut errors);
                 ControlFlow::Continue(())
@@ -101,6 +103,7 @@ fn check(name: &str) -> Errors {
             .unwrap();
         assert_eq!(visited, 1);
     }
+    assert!(with_sensitivities > 0, "{name}");
     println!(
         "{name:28} value {:.1e}  rates {:.1e} {:.1e}  sensitivities {:.1e} {:.1e} {:.1e}  rack {:.1e} {:.1e}  omega, alpha {:.1e} {:.1e}",
         errors.value.0,

@@ -136,8 +136,11 @@ impl Case {
         }
     }
 
+    /// States of the case, at least one.
     pub fn states(&self) -> &[Value] {
-        self.json["states"].as_array().unwrap()
+        let states = self.json["states"].as_array().unwrap();
+        assert!(!states.is_empty(), "a case has states");
+        states
     }
 
     pub fn point(&self, reference_name: &str) -> PointId {

@@ -213,9 +213,7 @@ mod tests {
             let (from, first) = (x[variable], profile.squares(x[variable]).0);
             for bound in ends {
                 let last = profile.squares(bound).0;
-                if last <= first {
-                    continue;
-                }
+                assert!(last > first, "{variable} {bound}");
                 for share in [0.01, 0.3, 0.7, 0.99] {
                     let level = first + share * (last - first);
                     let (end, _) = profile.end(from, bound, level).unwrap();

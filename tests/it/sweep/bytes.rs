@@ -185,7 +185,9 @@ fn an_interrupted_sweep_leaves_whole_parts() {
     command.stdout(std::process::Stdio::piped());
     let process = command.spawn().unwrap();
     let first = bench.path("run/part-000000000.csv");
+    let begun = std::time::Instant::now();
     while !first.exists() {
+        assert!(begun.elapsed().as_secs() < 120, "no first part");
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
     let number = process.id().to_string();

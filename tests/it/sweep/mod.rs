@@ -4,6 +4,7 @@
 mod answers;
 mod blocks;
 mod bytes;
+mod failures;
 mod mistakes;
 mod statistics;
 
@@ -12,7 +13,7 @@ use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Strut with a sweep of two coordinates of its tie rod. The motion has only two travels, to save time.
+/// Strut with a sweep of a coordinate of its tie rod and one of its mount. The motion has only four travels, to save time.
 const STUDY: &str = r#"[suspension]
 topology = "macpherson"
 

@@ -31,9 +31,11 @@ fn random_designs(designs: usize) {
     println!("{errors:?}");
     assert_eq!(errors.disagreed, 0);
     assert!(10 * errors.solved > 9 * designs, "{errors:?}");
+    // In ten thousand designs, the largest errors of positions, first and second derivatives are 1.7e-15, 2.5e-14 and 9.1e-14.
+    // The largest error of sensitivities is 3.7e-12.
     assert!(errors.by_order[0].0 < 1e-13, "{errors:?}");
     for e in [errors.by_order[1], errors.by_order[2]] {
-        assert!(e.0 < 1e-10, "{errors:?}");
+        assert!(e.0 < 1e-12, "{errors:?}");
     }
     for e in errors.sensitivities {
         assert!(e.0 < 1e-10, "{errors:?}");

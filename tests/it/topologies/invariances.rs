@@ -142,13 +142,19 @@ fn turn_about_the_vertical() {
             let design = random.scattered(&suspension.design, scatter);
             let point = travel(reach * random.signed(), 0.0);
             let plain = characteristics(&suspension, &design, point, &read).unwrap();
-            let (sine, cosine) = (0.5 * random.signed()).sin_cos();
+            let angle = 0.5 * random.signed();
+            let (sine, cosine) = angle.sin_cos();
             let turned: Vec<_> = design
                 .iter()
                 .map(|p| Vector3::new(cosine * p.x - sine * p.y, sine * p.x + cosine * p.y, p.z))
                 .collect();
             let found = characteristics(&suspension, &turned, point, &read).unwrap();
             compare(name, &found, &plain, 1.0, &read);
+            // The rotation is to the left, and this is a left wheel. So its front edge moves outboard.
+            let [before, after] = [&design, &turned]
+                .map(|design| characteristics(&suspension, design, point, &[C::Toe]).unwrap());
+            let error = (after[0][0] - (before[0][0] - angle)).abs();
+            assert!(error < 1e-11, "{name}: {error:e}");
         }
     }
 }

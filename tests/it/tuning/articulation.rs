@@ -184,7 +184,7 @@ fn margins_of_a_drive_shaft_are_degrees() {
             let shaft = end("drive_shaft_outer") - end("drive_shaft_inner");
             let across = Vector3::new(0.0, 1.0, 0.0);
             let found = [angle(shaft, at.spin_axis()), angle(shaft, across)];
-            largest = std::array::from_fn(|k| largest[k].max(found[k]));
+            largest = std::array::from_fn(|k| larger(largest[k], found[k]));
             ControlFlow::Continue(())
         })
         .unwrap();

@@ -5,7 +5,7 @@ use super::minima::{Random, slsqp};
 use super::noise;
 use crate::support::larger;
 use hardpoint::curves::Curves;
-use hardpoint::optimise::{Control, Fit, Tuning, tune};
+use hardpoint::optimise::{Control, Fit, Termination, Tuning, tune};
 use hardpoint::study::{Optimise, Study};
 use nalgebra::DVector;
 use std::path::Path;
@@ -438,6 +438,8 @@ fn check(tally: &Tally, least_share: f64) {
     println!("{many} took more than 20 times the median");
     assert!(many * 100 <= tally.evaluations.len(), "{many}");
     assert!(most <= 50 * median, "{most} evaluations, median {median}");
+    // Of a thousand mixes, 642 could be satisfied.
+    assert!(4 * tally.feasible >= tally.evaluations.len());
     assert!(tally.converged as f64 >= least_share * tally.feasible as f64);
 }
 
@@ -463,9 +465,9 @@ fn rising_levels(seed: u64, problems: std::ops::Range<u64>, levels: usize) -> [u
     let (mut grown, mut silent, mut labelled, mut count) = (0, 0, 0, 0);
     for number in problems {
         let mix = Mix::new(seed, number, Kind::Kept);
-        let least = mix.tuned(0.0);
-        let least = least.starts.best_fit().unwrap().misfit();
-        let Ok(before) = &mix.tuned(0.0).before else {
+        let to_least = mix.tuned(0.0);
+        let least = to_least.starts.best_fit().unwrap().misfit();
+        let Ok(before) = &to_least.before else {
             continue;
         };
         let before = before.misfit;
@@ -476,7 +478,10 @@ fn rising_levels(seed: u64, problems: std::ops::Range<u64>, levels: usize) -> [u
             let tuning = mix.tuned(level);
             let fit = tuning.starts.best_fit().unwrap();
             let distance = mix.distance(fit);
-            let unsure = fit.ended().contains("not known");
+            let unsure = matches!(
+                fit.termination,
+                Termination::GoodEnoughNotKnownNearest | Termination::BestNotKnownNearest
+            );
             count += 1;
             labelled += usize::from(unsure);
             assert!(
@@ -518,16 +523,18 @@ fn rising_levels(seed: u64, problems: std::ops::Range<u64>, levels: usize) -> [u
 #[test]
 fn a_higher_level_is_no_farther() {
     let [count, grown, silent, labelled] = rising_levels(4, 0..8, 5);
+    assert!(count >= 20, "{count}");
     assert!(grown == 0 && silent == 0, "{grown} of {count}");
     assert!(labelled * 100 <= 3 * count, "{labelled} of {count}");
 }
 
-/// If `good_enough` rises in three hundred steps, the kept design comes nearer to the nominal design, in thirty
-/// problems of seed 4.
+/// If `good_enough` rises in ten steps, the kept design comes nearer to the nominal design, in thirty problems of seed 4. At most
+/// three of the three hundred designs are farther away than before, and the program warns of each of them.
 #[test]
 #[ignore = "takes minutes; .ci/long"]
 fn three_hundred_rising_levels_are_no_farther() {
     let [count, grown, silent, labelled] = rising_levels(4, 0..30, 10);
+    assert!(count >= 150, "{count}");
     assert!(grown <= 3 && silent == 0, "{grown} of {count}");
     assert!(labelled * 100 <= 3 * count, "{labelled} of {count}");
 }
@@ -572,7 +579,7 @@ fn against_slsqp(seed: u64, numbers: std::ops::Range<u64>) {
     assert!(compared > 0);
 }
 
-/// In forty cases of seed 5, no misfit of this program is above that of `slsqp`.
+/// In forty cases of seed 5, no misfit of this program is above that of `slsqp`, unless `slsqp` ends in another minimum.
 #[test]
 fn no_misfit_is_above_that_of_slsqp() {
     against_slsqp(5, 0..40);

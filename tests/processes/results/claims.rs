@@ -417,7 +417,7 @@ fn removed_pages_and_pictures_are_named() {
         let call = [&["solve", "study.toml", "--out", "run"][..], more].concat();
         let ended = bench.run(&call).success();
         let said = String::from_utf8(ended.get_output().stdout.clone()).unwrap();
-        said.split_whitespace().collect::<Vec<_>>().join(" ")
+        crate::support::one_line(&said)
     };
     let first = said(&["--report", "--plots", "run"]);
     assert!(

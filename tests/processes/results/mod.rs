@@ -13,7 +13,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-/// Study of a strut with two travels (to save time), with a sweep and a tuning.
+/// Study of a strut with three travels (to save time), with a sweep and a tuning.
 const STUDY: &str = r#"[suspension]
 topology = "macpherson"
 
@@ -103,7 +103,7 @@ impl Bench {
     }
 }
 
-/// All files below a directory, with their content.
+/// Names of all files of a directory without folders, with their content.
 fn contents(directory: &Path) -> Vec<(String, Vec<u8>)> {
     let mut all = Vec::new();
     for entry in fs::read_dir(directory).unwrap() {

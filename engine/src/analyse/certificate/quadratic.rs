@@ -348,7 +348,7 @@ mod tests {
                 .map(|p| p.map(Jet::constant))
                 .collect();
             let closure = Closure::<Jet<f64, 4>>::new(mechanism, &design);
-            let mut seen = [false; 7];
+            let mut seen = [false; 6];
             for trial in 0..20 {
                 let mut along = |value: f64, unit: f64| {
                     Jet([value + 0.3 * unit * random(), unit * random(), 0.0, 0.0])
@@ -380,7 +380,6 @@ mod tests {
                     assert!(third < 1e-12 * size, "{}: equation {row}", topology.name);
                     seen[row] = seen[row] || residual[1] != 0.0;
                 }
-                seen[6] = true;
             }
             assert!(seen.iter().all(|row| *row), "{}: {seen:?}", topology.name);
         }

@@ -14,7 +14,7 @@ const LEAST: f64 = 0.25;
 /// Largest accepted correction of a prediction in each direction, relative to the mechanism's size or in rad.
 const LARGEST_CORRECTION: f64 = 0.02;
 /// Largest rotation of the knuckle about each axis in one step, as the tangent of half the angle. Together with the limits of
-/// the determinants this keeps Newton's method on the solution branch. `tests/it/lanes.rs` compares every lane with the
+/// the determinants this keeps Newton's method on the solution branch. `tests/it/lanes` compares every lane with the
 /// continuation.
 const LONGEST: f64 = 0.1;
 

@@ -6,7 +6,7 @@ use super::topology::{
     SPINDLE, SPINDLE_INNER, SPRING, SPRING_ON_LOWER_ARM, SPRING_UPPER, STEERING_AXIS, WHEEL_CENTRE,
     required,
 };
-use super::{Arm, ArmId, Body, ClosedForm, Constraint, Mechanism, SteeringAxis, Topology};
+use super::{ArmId, Body, ClosedForm, Mechanism, SteeringAxis, Topology};
 
 const NO_UPPER_ARM: &str = "the upper arm would have no length";
 
@@ -71,18 +71,10 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
         "tie_rod_inner" => Body::Rack,
         _ => Body::Knuckle,
     });
-    let id = |name: &str| given.id(name);
-    let lower = Arm {
-        front: id("lower_arm_front"),
-        rear: id("lower_arm_rear"),
-        outer: id("lower_ball_joint"),
-    };
-    let upper = Arm {
-        front: id("upper_arm_front"),
-        rear: id("upper_arm_rear"),
-        outer: id("upper_ball_joint"),
-    };
-    let link = |inner, outer| Constraint::Link { inner, outer };
+    let lower = given.arm("lower_arm", "lower_ball_joint");
+    let upper = given.arm("upper_arm", "upper_ball_joint");
+    let mut constraints = [lower.links(), upper.links()].concat();
+    constraints.push(given.link("tie_rod_inner", "tie_rod_outer"));
     let bodies = [
         ("chassis", Body::Chassis),
         ("knuckle", Body::Knuckle),
@@ -90,13 +82,7 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
         ("upper_arm", Body::Arm(ArmId(1))),
     ];
     Mechanism {
-        constraints: vec![
-            link(lower.front, lower.outer),
-            link(lower.rear, lower.outer),
-            link(upper.front, upper.outer),
-            link(upper.rear, upper.outer),
-            link(id("tie_rod_inner"), id("tie_rod_outer")),
-        ],
+        constraints,
         arms: vec![lower, upper],
         origin: lower.outer,
         steering_axis: Some(SteeringAxis::Through {

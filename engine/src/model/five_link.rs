@@ -4,7 +4,7 @@ use super::rocker::{ANTI_ROLL_BAR, Carriers, ROCKER};
 use super::topology::{
     Given, NO_LINK, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER, WHEEL_CENTRE, optional, required,
 };
-use super::{Body, Constraint, Mechanism, SteeringAxis, Topology};
+use super::{Body, Mechanism, SteeringAxis, Topology};
 use crate::number::Each;
 
 const LINKS: [(&str, &str); 5] = [
@@ -65,10 +65,7 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
             _ => Body::Knuckle,
         },
     );
-    let constraints = LINKS.each(|(inner, outer)| Constraint::Link {
-        inner: given.id(inner),
-        outer: given.id(outer),
-    });
+    let constraints = LINKS.each(|(inner, outer)| given.link(inner, outer));
     let bodies = [("chassis", Body::Chassis), ("knuckle", Body::Knuckle)];
     Mechanism {
         constraints: constraints.to_vec(),

@@ -7,7 +7,7 @@ use super::topology::{
     SPINDLE_INNER, SPRING, SPRING_ON_LOWER_ARM, SPRING_UPPER, UPPER_LINK_INNER, UPPER_LINK_OUTER,
     WHEEL_CENTRE, required,
 };
-use super::{Arm, ArmId, Body, Constraint, Mechanism, Topology};
+use super::{ArmId, Body, Constraint, Mechanism, Topology};
 
 /// The H-arm suspension.
 pub(super) static H_ARM: Topology = Topology {
@@ -49,13 +49,8 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
         "lower_arm_front" | "lower_arm_rear" | "upper_link_inner" => Body::Chassis,
         _ => Body::Knuckle,
     });
-    let id = |name: &str| given.id(name);
-    let arm = Arm {
-        front: id("lower_arm_front"),
-        rear: id("lower_arm_rear"),
-        outer: id("lower_joint_front"),
-    };
-    let link = |inner, outer| Constraint::Link { inner, outer };
+    let arm = given.arm("lower_arm", "lower_joint_front");
+    let [front, rear] = arm.links();
     let bodies = [
         ("chassis", Body::Chassis),
         ("knuckle", Body::Knuckle),
@@ -63,13 +58,13 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
     ];
     Mechanism {
         constraints: vec![
-            link(arm.front, arm.outer),
-            link(arm.rear, arm.outer),
+            front,
+            rear,
             Constraint::ArmJoint {
                 arm: ArmId(0),
-                at: id("lower_joint_rear"),
+                at: given.id("lower_joint_rear"),
             },
-            link(id("upper_link_inner"), id("upper_link_outer")),
+            given.link("upper_link_inner", "upper_link_outer"),
         ],
         arms: vec![arm],
         origin: arm.outer,

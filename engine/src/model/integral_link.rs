@@ -7,7 +7,7 @@ use super::topology::{
     SPINDLE_INNER, SPRING, SPRING_ON_LOWER_ARM, SPRING_UPPER, UPPER_LINK_INNER, UPPER_LINK_OUTER,
     WHEEL_CENTRE, required,
 };
-use super::{Arm, ArmId, Body, Constraint, Mechanism, SteeringAxis, Topology};
+use super::{ArmId, Body, Mechanism, SteeringAxis, Topology};
 
 /// The integral-link suspension.
 pub(super) static INTEGRAL_LINK: Topology = Topology {
@@ -54,14 +54,8 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
         "integral_link_inner" => LOWER,
         _ => Body::Knuckle,
     });
-    let id = |name: &str| given.id(name);
-    let arm = Arm {
-        front: id("lower_arm_front"),
-        rear: id("lower_arm_rear"),
-        outer: id("lower_ball_joint"),
-    };
-    let link = |inner, outer| Constraint::Link { inner, outer };
-    let named = |name: &str| link(id(&format!("{name}_inner")), id(&format!("{name}_outer")));
+    let arm = given.arm("lower_arm", "lower_ball_joint");
+    let [front, rear] = arm.links();
     let bodies = [
         ("chassis", Body::Chassis),
         ("knuckle", Body::Knuckle),
@@ -69,11 +63,11 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
     ];
     Mechanism {
         constraints: vec![
-            link(arm.front, arm.outer),
-            link(arm.rear, arm.outer),
-            named("integral_link"),
-            named("upper_link"),
-            named("toe_link"),
+            front,
+            rear,
+            given.link("integral_link_inner", "integral_link_outer"),
+            given.link("upper_link_inner", "upper_link_outer"),
+            given.link("toe_link_inner", "toe_link_outer"),
         ],
         arms: vec![arm],
         origin: arm.outer,

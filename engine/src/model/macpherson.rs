@@ -5,7 +5,7 @@ use super::topology::{
     CANNOT_STEER, Given, LOWER_ARM_AXIS, LOWER_ARM_FRONT, LOWER_ARM_REAR, NO_LOWER_ARM, NO_TIE_ROD,
     SPINDLE, SPINDLE_INNER, STEERING_AXIS, WHEEL_CENTRE, optional, required,
 };
-use super::{Arm, ArmId, Body, ClosedForm, Constraint, Mechanism, Spring, SteeringAxis, Topology};
+use super::{ArmId, Body, ClosedForm, Constraint, Mechanism, Spring, SteeringAxis, Topology};
 
 /// The MacPherson strut.
 pub(super) static MACPHERSON: Topology = Topology {
@@ -54,12 +54,8 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
         },
     );
     let id = |name: &str| given.id(name);
-    let arm = Arm {
-        front: id("lower_arm_front"),
-        rear: id("lower_arm_rear"),
-        outer: id("lower_ball_joint"),
-    };
-    let link = |inner, outer| Constraint::Link { inner, outer };
+    let arm = given.arm("lower_arm", "lower_ball_joint");
+    let [front, rear] = arm.links();
     let bodies = [
         ("chassis", Body::Chassis),
         ("knuckle", Body::Knuckle),
@@ -68,14 +64,14 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
     ];
     Mechanism {
         constraints: vec![
-            link(arm.front, arm.outer),
-            link(arm.rear, arm.outer),
+            front,
+            rear,
             Constraint::StrutLine {
                 top: id("strut_top"),
                 lower: id("strut_lower"),
                 upper: given.find("strut_upper"),
             },
-            link(id("tie_rod_inner"), id("tie_rod_outer")),
+            given.link("tie_rod_inner", "tie_rod_outer"),
         ],
         arms: vec![arm],
         origin: arm.outer,

@@ -83,6 +83,14 @@ pub struct Arm {
     pub outer: PointId,
 }
 
+impl Arm {
+    /// The two rods with the same outer point that hold the knuckle as the arm does.
+    fn links(self) -> [Constraint; 2] {
+        let Arm { front, rear, outer } = self;
+        [front, rear].map(|inner| Constraint::Link { inner, outer })
+    }
+}
+
 /// A constraint on the knuckle. Together, the constraints of a mechanism remove five of its six degrees of freedom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Constraint {

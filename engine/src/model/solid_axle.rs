@@ -194,10 +194,7 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
     let (singles, pairs) = given.add_far_half(is_single, far_body);
     let steering = is_steered.then(|| steered_axle::add(&mut given, left_knuckle));
     let id = |name: &str| given.id(name);
-    let link = |chassis: &str, axle: &str| Constraint::Link {
-        inner: id(chassis),
-        outer: id(axle),
-    };
+    let link = |chassis: &str, axle: &str| given.link(chassis, axle);
     let mut constraints = vec![
         link("lower_link_chassis", "lower_link_axle"),
         link("right_lower_link_chassis", "right_lower_link_axle"),

@@ -2,8 +2,9 @@
 
 use super::rocker::{self, Carriers};
 use super::{
-    Body, Mechanism, Point, PointId, SpinAxis, Spring, double_wishbone, five_link, h_arm,
-    integral_link, macpherson, semi_trailing_arm, solid_axle, trailing_arm_two_links, twist_beam,
+    Arm, Body, Constraint, Mechanism, Point, PointId, SpinAxis, Spring, double_wishbone, five_link,
+    h_arm, integral_link, macpherson, semi_trailing_arm, solid_axle, trailing_arm_two_links,
+    twist_beam,
 };
 use crate::number::Vector3;
 
@@ -170,6 +171,23 @@ impl Given {
     /// Required point with this name.
     pub(super) fn id(&self, name: &str) -> PointId {
         self.find(name).expect("a required hardpoint is given")
+    }
+
+    /// Rod between two required points.
+    pub(super) fn link(&self, inner: &str, outer: &str) -> Constraint {
+        Constraint::Link {
+            inner: self.id(inner),
+            outer: self.id(outer),
+        }
+    }
+
+    /// Arm with the pivots `NAME_front` and `NAME_rear`, where NAME is `arm`, and with the joint `outer` to the knuckle.
+    pub(super) fn arm(&self, arm: &str, outer: &str) -> Arm {
+        Arm {
+            front: self.id(&format!("{arm}_front")),
+            rear: self.id(&format!("{arm}_rear")),
+            outer: self.id(outer),
+        }
     }
 
     /// Returns a mechanism with the parts that all topologies share: wheel, spring and rockers. Its bodies are `bodies`

@@ -48,18 +48,14 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
             _ => Body::Knuckle,
         },
     );
-    let link = |inner: &str, outer: &str| Constraint::Link {
-        inner: given.id(inner),
-        outer: given.id(outer),
-    };
     let bodies = [("chassis", Body::Chassis), ("arm", Body::Knuckle)];
     Mechanism {
         constraints: vec![
             Constraint::BallJoint {
                 at: given.id("arm_pivot"),
             },
-            link("upper_link_inner", "upper_link_outer"),
-            link("lower_link_inner", "lower_link_outer"),
+            given.link("upper_link_inner", "upper_link_outer"),
+            given.link("lower_link_inner", "lower_link_outer"),
         ],
         ..given.mechanism(topology, &bodies)
     }

@@ -45,6 +45,7 @@
 //! frame of the nominal arm. This frame has its origin at the outer joint. Its directions are along the axis, and from the
 //! axis to the joint (7).
 
+use super::link::{RodLength, push_hardpoints};
 use super::normals;
 use crate::mechanism::pose::Sink;
 use crate::mechanism::{Configuration, Twist, Wrench};
@@ -65,8 +66,8 @@ pub(crate) struct ArmEnd<T> {
 
 #[derive(Clone, Copy, Debug)]
 enum Kind<T> {
-    /// Numbers d0.d0/2 and 1/|d0|.
-    Link { half_squared_length: T, scale: T },
+    /// Number |d0|.
+    Link(RodLength<T>),
     /// Vector n.
     Joint(Vector3<T>),
 }
@@ -91,7 +92,13 @@ fn frame<T: Real>(arm: Arm, design: &[Vector3<T>]) -> [Vector3<T>; 2] {
 
 /// Dimensions a, b and c for a design.
 #[inline(always)]
-fn designed<T: Real>(arm: Arm, point: PointId, design: &[Vector3<T>]) -> [T; 3] {
+pub(super) fn designed<T: Real>(
+    mechanism: &Mechanism,
+    arm: ArmId,
+    point: PointId,
+    design: &[Vector3<T>],
+) -> [T; 3] {
+    let arm = mechanism.arms[arm.0];
     let [axis, radius] = frame(arm, design);
     let from_front = design[point.0] - design[arm.front.0];
     let inverse = axis.x.one() / radius.norm_squared();
@@ -102,14 +109,16 @@ fn designed<T: Real>(arm: Arm, point: PointId, design: &[Vector3<T>]) -> [T; 3] 
     ]
 }
 
-/// Dimensions a, b and c for a built arm (7). `point` is the position of the point in the nominal arm.
+/// Dimensions a, b and c for a built arm (7). `point` is the position of the point in the nominal arm: the position of a
+/// built link's end, and the nominal position of a joint.
 #[inline(always)]
-fn built<T: Real>(
+pub(super) fn built<T: Real>(
     mechanism: &Mechanism,
-    arm: Arm,
+    arm: ArmId,
     point: Vector3<T>,
     parts: PartDimensions<T>,
 ) -> [T; 3] {
+    let arm = mechanism.arms[arm.0];
     let [axis, radius] = frame(arm, parts.drawn);
     let from_joint = point - parts.drawn[arm.outer.0];
     let along = radius.normalised();
@@ -141,77 +150,40 @@ fn across<T: Real>(arm: Arm, at: PointId, points: &[Vector3<T>], number: usize) 
 }
 
 impl<T: Real> ArmEnd<T> {
-    /// Makes the link of a design.
+    /// Makes the equation of a link, whose inner end has the dimensions `place`.
     #[inline(always)]
     pub(crate) fn link(
-        mechanism: &Mechanism,
         arm: ArmId,
         [inner, outer]: [PointId; 2],
-        design: &[Vector3<T>],
+        place: [T; 3],
+        length: RodLength<T>,
     ) -> Self {
-        let squared = (design[outer.0] - design[inner.0]).norm_squared();
         ArmEnd {
             arm,
             inner,
             outer,
-            place: designed(mechanism.arms[arm.0], inner, design),
-            kind: Kind::of_squared_length(squared),
+            place,
+            kind: Kind::Link(length),
         }
     }
 
-    /// Makes the link of built parts.
-    #[inline(always)]
-    pub(crate) fn built_link(
-        mechanism: &Mechanism,
-        arm: ArmId,
-        [inner, outer]: [PointId; 2],
-        length: T,
-        parts: PartDimensions<T>,
-    ) -> Self {
-        let point = parts.body[inner.0];
-        ArmEnd {
-            arm,
-            inner,
-            outer,
-            place: built(mechanism, mechanism.arms[arm.0], point, parts),
-            kind: Kind::of_squared_length(length.squared()),
-        }
-    }
-
-    /// Makes one of the two equations of a joint, for a design.
+    /// Makes one of the two equations of a joint with the dimensions `place`. `points` are the points of the design, or the
+    /// nominal positions of built points.
     #[inline(always)]
     pub(crate) fn joint(
         mechanism: &Mechanism,
         arm: ArmId,
         at: PointId,
         number: usize,
-        design: &[Vector3<T>],
+        place: [T; 3],
+        points: &[Vector3<T>],
     ) -> Self {
         ArmEnd {
             arm,
             inner: at,
             outer: at,
-            place: designed(mechanism.arms[arm.0], at, design),
-            kind: Kind::Joint(across(mechanism.arms[arm.0], at, design, number)),
-        }
-    }
-
-    /// Makes one of the two equations of a joint, for built parts. In the frame of the arm, the joint has its nominal
-    /// position.
-    #[inline(always)]
-    pub(crate) fn built_joint(
-        mechanism: &Mechanism,
-        arm: ArmId,
-        at: PointId,
-        number: usize,
-        parts: PartDimensions<T>,
-    ) -> Self {
-        ArmEnd {
-            arm,
-            inner: at,
-            outer: at,
-            place: built(mechanism, mechanism.arms[arm.0], parts.drawn[at.0], parts),
-            kind: Kind::Joint(across(mechanism.arms[arm.0], at, parts.drawn, number)),
+            place,
+            kind: Kind::Joint(across(mechanism.arms[arm.0], at, points, number)),
         }
     }
 
@@ -245,7 +217,7 @@ impl<T: Real> ArmEnd<T> {
     #[inline(always)]
     fn push(&self, at: &Configuration<T>) -> Vector3<T> {
         match self.kind {
-            Kind::Link { scale, .. } => (at.carried(self.outer) - self.on_arm(at)) * scale,
+            Kind::Link(length) => (at.carried(self.outer) - self.on_arm(at)) * length.scale,
             Kind::Joint(normal) => normal,
         }
     }
@@ -277,10 +249,7 @@ impl<T: Real> ArmEnd<T> {
     pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
         let d = at.carried(self.outer) - self.on_arm(at);
         match self.kind {
-            Kind::Link {
-                half_squared_length,
-                scale,
-            } => (d.norm_squared().scaled(0.5) - half_squared_length) * scale,
+            Kind::Link(length) => length.residual(d),
             Kind::Joint(normal) => normal.dot(d),
         }
     }
@@ -294,10 +263,8 @@ impl<T: Real> ArmEnd<T> {
         at.push_arm_hardpoints(arm, self.inner, -push, sink);
         let [axis, _] = frame(arm, at.design);
         at.push_carried(arm.outer, self.passed(axis, push), sink);
-        if let Kind::Link { scale, .. } = self.kind {
-            let designed = (at.designed(self.outer) - at.designed(self.inner)) * (scale * weight);
-            sink.hardpoint(self.outer, -designed);
-            sink.hardpoint(self.inner, designed);
+        if let Kind::Link(length) = self.kind {
+            push_hardpoints([self.inner, self.outer], at, length.scale * weight, sink);
         }
     }
 
@@ -320,9 +287,9 @@ impl<T: Real> ArmEnd<T> {
         let (l_rate, k_rate) = (along.turn.cross(l), along.turn.cross(k));
         let push = self.push(at);
         let push_rate = match self.kind {
-            Kind::Link { scale, .. } => {
+            Kind::Link(length) => {
                 let end = self.moved(axis, along.shift + k_rate);
-                (along.shift + l_rate - end) * scale
+                (along.shift + l_rate - end) * length.scale
             }
             Kind::Joint(normal) => normal.zero(),
         };
@@ -334,16 +301,6 @@ impl<T: Real> ArmEnd<T> {
                 + k_rate.cross(passed)
                 + k.cross(passed_rate),
             rack: at.rack.zero(),
-        }
-    }
-}
-
-impl<T: Real> Kind<T> {
-    #[inline(always)]
-    fn of_squared_length(squared: T) -> Self {
-        Kind::Link {
-            half_squared_length: squared.scaled(0.5),
-            scale: squared.one() / squared.sqrt(),
         }
     }
 }

@@ -30,62 +30,85 @@ use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::{Body, PointId};
 use crate::number::{Real, Vector3, outlined};
 
-/// Equation of one rod.
+/// Fixed length of a rod: the constants of (1).
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Link<T> {
-    pub inner: PointId,
-    pub outer: PointId,
+pub(crate) struct RodLength<T> {
     /// Number d0.d0/2.
-    half_squared_length: T,
+    half_squared: T,
     /// Inverse length 1/|d0|.
-    scale: T,
+    pub(super) scale: T,
 }
 
-impl<T: Real> Link<T> {
+impl<T: Real> RodLength<T> {
+    /// Distance between two points of a design.
     #[inline(always)]
-    pub(crate) fn new(inner: PointId, outer: PointId, design: &[Vector3<T>]) -> Self {
-        let squared = (design[outer.0] - design[inner.0]).norm_squared();
-        Link::of_squared_length(inner, outer, squared)
+    pub(super) fn of_design(inner: PointId, outer: PointId, design: &[Vector3<T>]) -> Self {
+        RodLength::of_squared((design[outer.0] - design[inner.0]).norm_squared())
     }
 
-    /// Makes a rod with a given squared length, which does not follow from the positions of the joints.
+    /// Length with a given square, which does not follow from the positions of the ends.
     #[inline(always)]
-    pub(crate) fn of_squared_length(inner: PointId, outer: PointId, squared: T) -> Self {
-        Link {
-            inner,
-            outer,
-            half_squared_length: squared.scaled(0.5),
+    pub(super) fn of_squared(squared: T) -> Self {
+        RodLength {
+            half_squared: squared.scaled(0.5),
             scale: squared.one() / squared.sqrt(),
         }
     }
 
     /// Equation (1).
     #[inline(always)]
+    pub(super) fn residual(&self, d: Vector3<T>) -> T {
+        (d.norm_squared().scaled(0.5) - self.half_squared) * self.scale
+    }
+}
+
+/// Adds `weight` times the hardpoints' part -d0.(d outer0 - d inner0) of (2).
+#[inline(always)]
+pub(super) fn push_hardpoints<T: Real>(
+    [inner, outer]: [PointId; 2],
+    at: &Configuration<T>,
+    weight: T,
+    sink: &mut impl Sink<T>,
+) {
+    let designed = (at.designed(outer) - at.designed(inner)) * weight;
+    sink.hardpoint(outer, -designed);
+    sink.hardpoint(inner, designed);
+}
+
+/// Equation of one rod.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Link<T> {
+    pub inner: PointId,
+    pub outer: PointId,
+    pub length: RodLength<T>,
+}
+
+impl<T: Real> Link<T> {
+    /// Equation (1).
+    #[inline(always)]
     pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
-        let d = at.carried(self.outer) - at.grounded(self.inner);
-        (d.norm_squared().scaled(0.5) - self.half_squared_length) * self.scale
+        self.length
+            .residual(at.carried(self.outer) - at.grounded(self.inner))
     }
 
     /// Adds `weight` times (2).
     #[inline(always)]
     pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let (inner, outer) = (self.inner, self.outer);
-        let weight = weight * self.scale;
+        let weight = weight * self.length.scale;
         let now = (at.carried(outer) - at.grounded(inner)) * weight;
-        let designed = (at.designed(outer) - at.designed(inner)) * weight;
         at.push_carried(outer, now, sink);
         at.push_grounded(inner, -now, sink);
-        sink.hardpoint(outer, -designed);
-        sink.hardpoint(inner, designed);
+        push_hardpoints([inner, outer], at, weight, sink);
     }
 
     /// Equation (4).
     #[inline(always)]
     pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         let lever = at.pose.rotation.apply(at.designed_lever(self.outer));
-        let d = (at.pose.origin + lever - at.grounded(self.inner)) * self.scale;
+        let d = (at.pose.origin + lever - at.grounded(self.inner)) * self.length.scale;
         let lever_rate = along.turn.cross(lever);
-        let d_rate = (along.shift + lever_rate) * self.scale;
+        let d_rate = (along.shift + lever_rate) * self.length.scale;
         if let Body::Opposite(other) = at.mechanism.body(self.inner) {
             return self.opposite_rate(at, along, other, [lever, lever_rate, d, d_rate]);
         }
@@ -128,7 +151,7 @@ impl<T: Real> Link<T> {
         let across = |y: T| Vector3::new(zero, y, zero);
         let arm = at.carried(other) - at.pose.origin;
         let arm_rate = along.turn.cross(arm);
-        let d_rate = d_rate + across((along.shift.y + arm_rate.y) * self.scale);
+        let d_rate = d_rate + across((along.shift.y + arm_rate.y) * self.length.scale);
         let (push, push_rate) = (across(d.y), across(d_rate.y));
         Wrench {
             force: d_rate + push_rate,

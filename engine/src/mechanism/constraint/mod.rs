@@ -32,14 +32,15 @@ mod strut_line;
 pub use arm_angle::raises_its_joint;
 pub(crate) use arm_angle::{ArmAngle, axis_ends};
 pub(crate) use arm_end::{ArmEnd, PartDimensions};
+use arm_end::{built, designed};
 pub(crate) use axle_travel::{TravelRow, heights_at_rest};
-use link::Link;
+use link::{Link, RodLength};
 use revolute::Pinned;
 use rocker_end::RockerEnd;
 use strut_line::StrutLine;
 
 use super::pose::{Configuration, Sink, Twist, Wrench};
-use crate::model::{Body, Constraint, Mechanism};
+use crate::model::{Body, Constraint, Mechanism, PointId};
 use crate::number::Vector3;
 use crate::number::{Each, Real};
 
@@ -80,14 +81,14 @@ impl<T: Real> Row<T> {
         let origin = mechanism.origin;
         match constraint {
             Constraint::Link { inner, outer } => {
-                match [inner, outer].each(|id| mechanism.body(id)) {
-                    [Body::Arm(arm), _] => {
-                        Row::ArmEnd(ArmEnd::link(mechanism, arm, [inner, outer], design))
+                let length = RodLength::of_design(inner, outer, design);
+                let ends = [inner, outer];
+                match mechanism.body(inner) {
+                    Body::Arm(arm) => {
+                        let place = designed(mechanism, arm, inner, design);
+                        Row::ArmEnd(ArmEnd::link(arm, ends, place, length))
                     }
-                    [Body::Rocker(_), _] | [_, Body::Rocker(_)] => {
-                        Row::RockerEnd(RockerEnd::new(inner, outer, design))
-                    }
-                    _ => Row::Link(Link::new(inner, outer, design)),
+                    _ => Row::rod(mechanism, ends, length),
                 }
             }
             Constraint::StrutLine { top, lower, upper } => {
@@ -100,7 +101,8 @@ impl<T: Real> Row<T> {
             Constraint::Mount { at } => Row::Pinned(Pinned::point(at, design, origin)[2 * number]),
             Constraint::BallJoint { at } => Row::Pinned(Pinned::point(at, design, origin)[number]),
             Constraint::ArmJoint { arm, at } => {
-                Row::ArmEnd(ArmEnd::joint(mechanism, arm, at, number, design))
+                let place = designed(mechanism, arm, at, design);
+                Row::ArmEnd(ArmEnd::joint(mechanism, arm, at, number, place, design))
             }
             Constraint::AxleTravel { near, far, held } => {
                 let centres = [near, far];
@@ -121,16 +123,14 @@ impl<T: Real> Row<T> {
         let length = parts.lengths[constraint];
         match mechanism.constraints[constraint] {
             Constraint::Link { inner, outer } => {
-                match [inner, outer].each(|id| mechanism.body(id)) {
-                    [Body::Arm(arm), _] => {
-                        let ends = [inner, outer];
-                        Row::ArmEnd(ArmEnd::built_link(mechanism, arm, ends, length, parts))
+                let length = RodLength::of_squared(length.squared());
+                let ends = [inner, outer];
+                match mechanism.body(inner) {
+                    Body::Arm(arm) => {
+                        let place = built(mechanism, arm, parts.body[inner.0], parts);
+                        Row::ArmEnd(ArmEnd::link(arm, ends, place, length))
                     }
-                    [Body::Rocker(_), _] | [_, Body::Rocker(_)] => {
-                        let squared = length.squared();
-                        Row::RockerEnd(RockerEnd::of_squared_length(inner, outer, squared))
-                    }
-                    _ => Row::Link(Link::of_squared_length(inner, outer, length.squared())),
+                    _ => Row::rod(mechanism, ends, length),
                 }
             }
             Constraint::Revolute { first, second } => {
@@ -138,7 +138,15 @@ impl<T: Real> Row<T> {
                 Row::Pinned(all[number])
             }
             Constraint::ArmJoint { arm, at } => {
-                Row::ArmEnd(ArmEnd::built_joint(mechanism, arm, at, number, parts))
+                let place = built(mechanism, arm, parts.drawn[at.0], parts);
+                Row::ArmEnd(ArmEnd::joint(
+                    mechanism,
+                    arm,
+                    at,
+                    number,
+                    place,
+                    parts.drawn,
+                ))
             }
             // The travels of an assembled axle count from the nominal heights of the wheel centres.
             Constraint::AxleTravel { near, far, held } => {
@@ -147,6 +155,26 @@ impl<T: Real> Row<T> {
                 Row::AxleTravel(TravelRow::new(centres, held, zeros))
             }
             constraint => Row::of(mechanism, constraint, number, parts.knuckle),
+        }
+    }
+
+    /// Makes the equation of a rod without an end on an arm.
+    #[inline(always)]
+    fn rod(mechanism: &Mechanism, [inner, outer]: [PointId; 2], length: RodLength<T>) -> Row<T> {
+        match [inner, outer].each(|id| mechanism.body(id)) {
+            [Body::Rocker(_), _] | [_, Body::Rocker(_)] => {
+                let link = RockerEnd {
+                    inner,
+                    outer,
+                    length,
+                };
+                Row::RockerEnd(link)
+            }
+            _ => Row::Link(Link {
+                inner,
+                outer,
+                length,
+            }),
         }
     }
 

@@ -37,6 +37,7 @@
 //! The mount of a twist beam is a point of the body that moves sideways opposite to a point c of the knuckle. A force on this
 //! mount acts on c along y with the opposite sign.
 
+use super::link::{RodLength, push_hardpoints};
 use crate::mechanism::pose::Sink;
 use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::{Body, PointId, Rocker, RockerId};
@@ -47,10 +48,7 @@ use crate::number::{Real, Vector3, outlined};
 pub(crate) struct RockerEnd<T> {
     pub inner: PointId,
     pub outer: PointId,
-    /// Number d0.d0/2.
-    half_squared_length: T,
-    /// Inverse length 1/|d0|.
-    scale: T,
+    pub length: RodLength<T>,
 }
 
 /// A point or a vector with its rate.
@@ -93,41 +91,21 @@ impl<T: Real> Moving<T> {
 }
 
 impl<T: Real> RockerEnd<T> {
-    /// Makes the link of a design.
-    #[inline(always)]
-    pub(crate) fn new(inner: PointId, outer: PointId, design: &[Vector3<T>]) -> Self {
-        let squared = (design[outer.0] - design[inner.0]).norm_squared();
-        RockerEnd::of_squared_length(inner, outer, squared)
-    }
-
-    /// Makes a link with a given squared length, which does not follow from the positions of its ends.
-    #[inline(always)]
-    pub(crate) fn of_squared_length(inner: PointId, outer: PointId, squared: T) -> Self {
-        RockerEnd {
-            inner,
-            outer,
-            half_squared_length: squared.scaled(0.5),
-            scale: squared.one() / squared.sqrt(),
-        }
-    }
-
     /// Equation (1).
     #[inline(always)]
     pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
-        let d = at.point(self.outer) - at.point(self.inner);
-        (d.norm_squared().scaled(0.5) - self.half_squared_length) * self.scale
+        self.length
+            .residual(at.point(self.outer) - at.point(self.inner))
     }
 
     /// Adds `weight` times the differential of (1).
     #[inline(always)]
     pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
-        let weight = weight * self.scale;
+        let weight = weight * self.length.scale;
         let now = (at.point(self.outer) - at.point(self.inner)) * weight;
-        let designed = (at.designed(self.outer) - at.designed(self.inner)) * weight;
         at.push_point(self.outer, now, sink);
         at.push_point(self.inner, -now, sink);
-        sink.hardpoint(self.outer, -designed);
-        sink.hardpoint(self.inner, designed);
+        push_hardpoints([self.inner, self.outer], at, weight, sink);
     }
 
     /// Rates (4) of the row. A separate function, because it is large and rarely used.
@@ -157,7 +135,7 @@ impl<T: Real> RockerEnd<T> {
         let knuckle = KnuckleMotion { at, along };
         let (place, other_end) = (turned.point(x), knuckle.point(p));
         // G has the direction from p to x, whichever end is on the rocker.
-        let push = place.minus(other_end).times(self.scale);
+        let push = place.minus(other_end).times(self.length.scale);
         let mut wrench = turned.wrench_rate(place, push);
         knuckle.add(p, other_end, push, -at.rack.one(), &mut wrench);
         wrench

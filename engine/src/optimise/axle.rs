@@ -5,7 +5,7 @@
 //! move them as mirror images of the left hardpoints. In a scattered build, the two wheels always differ.
 
 use super::elastic_axle::elastic_axle_rows;
-use super::layout::{LimitedValue, TargetSample};
+use super::layout::{LimitedValue, StationGoals, TargetSample};
 use super::moved_wheel::WheelMoved;
 use super::{Infeasible, Linearisation};
 use crate::axle::{Axle, AxleSolver, Hold, Placement, Quantity};
@@ -21,8 +21,7 @@ use nalgebra::DVector;
 #[derive(Clone, Debug)]
 pub(super) struct AxleStation {
     pub placement: Placement,
-    pub samples: Vec<TargetSample>,
-    pub limits: Vec<LimitedValue>,
+    pub goals: StationGoals,
 }
 
 /// Residuals of the targets of an axle, assigned to the poses in which they are evaluated.
@@ -56,7 +55,8 @@ impl AxleLayout {
                     wanted: sample.wanted,
                     scale: 1.0 / target.tolerance,
                 };
-                layout.station(sample.placement).samples.push(target_sample);
+                let goals = layout.goals_at(sample.placement);
+                goals.samples.push(target_sample);
                 own[number] += 1;
                 *rows += 1;
             }
@@ -64,17 +64,16 @@ impl AxleLayout {
         layout
     }
 
-    fn station(&mut self, placement: Placement) -> &mut AxleStation {
+    fn goals_at(&mut self, placement: Placement) -> &mut StationGoals {
         let known = self.stations.iter().position(|s| s.placement == placement);
         let place = known.unwrap_or_else(|| {
             self.stations.push(AxleStation {
                 placement,
-                samples: Vec::new(),
-                limits: Vec::new(),
+                goals: StationGoals::default(),
             });
             self.stations.len() - 1
         });
-        &mut self.stations[place]
+        &mut self.stations[place].goals
     }
 
     /// Adds a limit of a quantity in a pose.
@@ -86,29 +85,13 @@ impl AxleLayout {
         placement: Placement,
     ) {
         let of = index_or_push(&mut self.quantities, quantity);
-        let limited = LimitedValue::new(part, of, limited);
-        self.station(placement).limits.push(limited);
+        self.goals_at(placement).limit(part, of, limited);
     }
 
-    /// Limits of values, for each station.
-    pub(super) fn limits(&self) -> impl Iterator<Item = &[LimitedValue]> {
-        self.stations.iter().map(|station| &station.limits[..])
-    }
-
-    /// Limits of values, for each station. They are mutable, so that the caller can number the rows of the limits.
-    pub(super) fn limits_mut(&mut self) -> impl Iterator<Item = &mut [LimitedValue]> {
-        self.stations
-            .iter_mut()
-            .map(|station| &mut station.limits[..])
-    }
-
-    /// Sets the weights of the rows. The weight of a target is its residual per deviation of one tolerance.
-    pub(super) fn weigh(&mut self, shares: &[f64]) {
-        for station in &mut self.stations {
-            for target_sample in &mut station.samples {
-                target_sample.scale *= shares[target_sample.target];
-            }
-        }
+    /// Goals of each station, with the rack displacement towards the kernel's +y.
+    pub(super) fn goals(&self) -> impl Iterator<Item = (&StationGoals, f64)> {
+        let stations = self.stations.iter();
+        stations.map(|station| (&station.goals, station.placement.rack()))
     }
 
     /// Highest order of derivatives with respect to travel and rack that the quantities need. It is one higher if the travels
@@ -263,8 +246,8 @@ impl<const N: usize> RowsBeside for Rows<'_, N> {
             slopes,
         } = self;
         let is_used = |station: &&AxleStation| {
-            into.is_some() && !station.samples.is_empty()
-                || rows.is_some() && !station.limits.is_empty()
+            into.is_some() && !station.goals.samples.is_empty()
+                || rows.is_some() && !station.goals.limits.is_empty()
         };
         let stations: Vec<&AxleStation> = layout.stations.iter().filter(is_used).collect();
         if stations.is_empty() {
@@ -297,7 +280,7 @@ impl<const N: usize> RowsBeside for Rows<'_, N> {
             };
             let mut at = StationRows {
                 layout,
-                station,
+                goals: &station.goals,
                 pulling: Vec::new(),
                 limited: Vec::new(),
             };
@@ -334,7 +317,7 @@ fn each_slope(moved: &Moved<'_>, by_wheel: [&[Vector3<f64>]; 2], mut take: impl 
 /// One station of an axle: its targets and limits, as far as their derivatives are needed.
 struct StationRows<'r> {
     layout: &'r AxleLayout,
-    station: &'r AxleStation,
+    goals: &'r StationGoals,
     /// Targets whose residuals have derivatives. A target with a band has none while the value is within the band.
     pulling: Vec<&'r TargetSample>,
     /// Limits with their values.
@@ -354,7 +337,7 @@ impl StationRows<'_> {
         let quantities = &self.layout.quantities;
         wanted.clear();
         if let Some((into, first)) = into {
-            for sample in &self.station.samples {
+            for sample in &self.goals.samples {
                 let quantity = quantities[sample.of];
                 let row = *first + sample.row;
                 if sample.write_residual(row, value(quantity)?, into) {
@@ -365,7 +348,7 @@ impl StationRows<'_> {
             }
         }
         if let Some(rows) = rows {
-            for own in &self.station.limits {
+            for own in &self.goals.limits {
                 let quantity = quantities[own.of];
                 let found = value(quantity)?;
                 own.check.write(&own.limited, found, &[], rows);

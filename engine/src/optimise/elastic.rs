@@ -6,7 +6,7 @@
 //! along a variable is the sum over the coordinates and rates that the variable moves.
 
 use super::axle::{Moved, RowsBeside};
-use super::layout::{LimitedValue, TargetSample};
+use super::layout::{StationGoals, TargetSample};
 use super::moves::PointRate;
 use super::{Infeasible, Linearisation};
 use crate::compliance::{AxleParameter, Compliance, KcRun, KcValue, Parameter};
@@ -23,9 +23,8 @@ struct ElasticStation {
     /// Rack displacement along the study's +y.
     rack: f64,
     values: Vec<KcValue>,
-    /// Samples of this station. The field `of` of a sample is an index into `values`.
-    samples: Vec<TargetSample>,
-    limits: Vec<LimitedValue>,
+    /// Goals of this station. The field `of` of a goal is an index into `values`.
+    goals: StationGoals,
 }
 
 /// Residuals of the targets of a wheel with elastic parts, assigned to the stations at which they are evaluated.
@@ -60,7 +59,7 @@ impl ElasticLayout {
                 for sample in target.wanted.samples(&target.stations_in(motion)) {
                     let station = layout.station(sample.drive, rack);
                     let of = index_or_push(&mut station.values, value);
-                    station.samples.push(TargetSample {
+                    station.goals.samples.push(TargetSample {
                         row: *rows,
                         target: number,
                         of,
@@ -83,8 +82,7 @@ impl ElasticLayout {
                 travel,
                 rack,
                 values: Vec::new(),
-                samples: Vec::new(),
-                limits: Vec::new(),
+                goals: StationGoals::default(),
             });
             self.stations.len() - 1
         });
@@ -114,44 +112,26 @@ impl ElasticLayout {
         for [travel, rack] in at {
             let station = self.station(travel, rack);
             let of = index_or_push(&mut station.values, value);
-            station.limits.push(LimitedValue::new(part, of, limited));
+            station.goals.limit(part, of, limited);
         }
-    }
-
-    /// Limits of values, for each station.
-    pub(super) fn limits(&self) -> impl Iterator<Item = &[LimitedValue]> {
-        self.stations.iter().map(|station| &station.limits[..])
-    }
-
-    /// Limits of values, for each station. They are mutable, so that the caller can number the rows of the limits.
-    pub(super) fn limits_mut(&mut self) -> impl Iterator<Item = &mut [LimitedValue]> {
-        self.stations
-            .iter_mut()
-            .map(|station| &mut station.limits[..])
     }
 
     /// Travel of a station. `None` if this part of a constraint has a limit at only one station.
     pub(super) fn place_of(&self, part: usize, station: usize) -> Option<f64> {
-        let own = self.limits().flatten().filter(|own| own.part == part);
-        (own.count() > 1).then(|| self.stations[station].travel)
+        let limits = self.stations.iter().flat_map(|own| &own.goals.limits);
+        (limits.filter(|own| own.part == part).count() > 1).then(|| self.stations[station].travel)
     }
 
-    /// Sets the weights of the rows. The weight of a target is its residual per deviation of one tolerance.
-    pub(super) fn weigh(&mut self, shares: &[f64]) {
-        for station in &mut self.stations {
-            for sample in &mut station.samples {
-                sample.scale *= shares[sample.target];
-            }
-        }
-    }
-
-    /// Target samples of all stations, each with the rack displacement along the kernel's +y.
-    pub(super) fn samples(&self) -> impl Iterator<Item = (&TargetSample, f64)> {
+    /// Goals of each station, with the rack displacement towards the kernel's +y.
+    pub(super) fn goals(&self) -> impl Iterator<Item = (&StationGoals, f64)> {
         let along = self.suspension.frame.sign(Axis::Y);
-        self.stations.iter().flat_map(move |station| {
-            let samples = station.samples.iter();
-            samples.map(move |sample| (sample, along * station.rack))
-        })
+        let stations = self.stations.iter();
+        stations.map(move |station| (&station.goals, along * station.rack))
+    }
+
+    /// Goals of each station.
+    pub(super) fn goals_mut(&mut self) -> impl Iterator<Item = &mut StationGoals> {
+        self.stations.iter_mut().map(|station| &mut station.goals)
     }
 }
 
@@ -216,15 +196,6 @@ fn along_variables(
     add_rates(moved, by_rate, slopes);
 }
 
-/// Indices of the values that these targets and limits of a station use, in rising order.
-pub(super) fn used_by(samples: &[TargetSample], limits: &[LimitedValue]) -> Vec<usize> {
-    let of_samples = samples.iter().map(|own| own.of);
-    let mut used: Vec<usize> = of_samples.chain(limits.iter().map(|own| own.of)).collect();
-    used.sort_unstable();
-    used.dedup();
-    used
-}
-
 /// Adds the contributions of moving points to the derivatives with respect to the variables. `by` returns the derivative of
 /// the value with respect to a coordinate.
 pub(super) fn add_points(ways: &[PointRate], by: impl Fn(Parameter) -> f64, slopes: &mut [f64]) {
@@ -278,9 +249,7 @@ impl RowsBeside for Rows<'_> {
             )
         })?;
         for station in &layout.stations {
-            let samples = into.as_ref().map_or(&[][..], |_| &station.samples[..]);
-            let limits = rows.as_ref().map_or(&[][..], |_| &station.limits[..]);
-            let used = used_by(samples, limits);
+            let used = station.goals.used(into.is_some(), rows.is_some());
             if used.is_empty() {
                 continue;
             }
@@ -288,25 +257,13 @@ impl RowsBeside for Rows<'_> {
             let at = [station.travel, station.rack];
             let values: Vec<KcValue> = used.iter().map(|of| station.values[*of]).collect();
             let found = run.gradients(at, &values, parameters, &mut |found| {
-                let of = used[found.number];
                 let Some(value) = found.value else {
                     missing = true;
                     return;
                 };
                 along_variables(moved, parameters, found.by, slopes);
-                if let Some((into, first)) = &mut into {
-                    for sample in samples.iter().filter(|sample| sample.of == of) {
-                        let row = *first + sample.row;
-                        if sample.write_residual(row, value, into) {
-                            into.write_slopes(row, slopes, sample.scale);
-                        }
-                    }
-                }
-                if let Some(rows) = &mut rows {
-                    for own in limits.iter().filter(|own| own.of == of) {
-                        own.check.write(&own.limited, value, slopes, rows);
-                    }
-                }
+                let value = (used[found.number], value);
+                station.goals.write(value, slopes, &mut into, &mut rows);
             });
             if found.is_err() || missing {
                 let what = if missing {

@@ -6,8 +6,7 @@
 //! wheel also has separate rates.
 
 use super::axle::{AxleLayout, Moved, RowsBeside};
-use super::elastic::{add_points, add_rates, used_by};
-use super::layout::TargetSample;
+use super::elastic::{add_points, add_rates};
 use super::{Infeasible, Linearisation};
 use crate::axle::{Axle, AxleRead, Placement};
 use crate::compliance::{AxleCompliance, AxleParameter, Parameter};
@@ -124,9 +123,7 @@ impl RowsBeside for Rows<'_> {
         let unit = axle.left.length_unit.symbol();
         for station in &layout.stations {
             let placement = &station.placement;
-            let samples = into.as_ref().map_or(&[][..], |_| &station.samples[..]);
-            let limits = rows.as_ref().map_or(&[][..], |_| &station.limits[..]);
-            let used = used_by(samples, limits);
+            let used = station.goals.used(into.is_some(), rows.is_some());
             if used.is_empty() {
                 continue;
             }
@@ -138,21 +135,8 @@ impl RowsBeside for Rows<'_> {
             let mut receive = |number: usize, value: f64, by: &[f64]| {
                 is_found[number] = true;
                 along_variables(moved, (sides, parameters), by, slopes);
-                if let Some((into, first)) = &mut into {
-                    let own = |sample: &&TargetSample| sample.of == used[number];
-                    for sample in samples.iter().filter(own) {
-                        let row = *first + sample.row;
-                        if sample.write_residual(row, value, into) {
-                            into.write_slopes(row, slopes, sample.scale);
-                        }
-                    }
-                }
-                let Some(rows) = &mut rows else {
-                    return;
-                };
-                for own in limits.iter().filter(|own| own.of == used[number]) {
-                    own.check.write(&own.limited, value, slopes, rows);
-                }
+                let value = (used[number], value);
+                station.goals.write(value, slopes, &mut into, &mut rows);
             };
             let found = if moved.variables.is_empty() {
                 // Without variables, a build is only evaluated, so it needs no derivatives.

@@ -3,13 +3,15 @@
 //! The drive value of a station is its travel, or its arm angle.
 
 mod draft;
+mod goals;
 mod margins;
 mod rows;
 
+pub(super) use goals::{LimitedValue, StationGoals};
 pub(super) use margins::whole;
 pub use margins::{Margin, VIOLATED};
+pub(super) use rows::Check;
 use rows::parts;
-pub(super) use rows::{Check, LimitedValue};
 
 use super::Linearisation;
 use super::axle::AxleLayout;
@@ -126,27 +128,19 @@ pub(super) enum Beside {
 }
 
 impl Beside {
-    /// Limits of values, for each station.
-    fn limits(&self) -> Vec<&[LimitedValue]> {
+    /// Goals of each station, with the rack displacement towards the kernel's +y.
+    fn goals(&self) -> Vec<(&StationGoals, f64)> {
         match self {
-            Beside::Axle(axle) => axle.limits().collect(),
-            Beside::Elastic(elastic) => elastic.limits().collect(),
+            Beside::Axle(axle) => axle.goals().collect(),
+            Beside::Elastic(elastic) => elastic.goals().collect(),
         }
     }
 
-    /// Limits of values, for each station. They are mutable, so that the caller can number the rows of the limits.
-    fn limits_mut(&mut self) -> Vec<&mut [LimitedValue]> {
+    /// Goals of each station. They are mutable, so that the caller can weigh the targets and number the rows of the limits.
+    fn goals_mut(&mut self) -> Vec<&mut StationGoals> {
         match self {
-            Beside::Axle(axle) => axle.limits_mut().collect(),
-            Beside::Elastic(elastic) => elastic.limits_mut().collect(),
-        }
-    }
-
-    /// Sets the weights of the rows. The weight of a target is its residual per deviation of one tolerance.
-    fn weigh(&mut self, shares: &[f64]) {
-        match self {
-            Beside::Axle(axle) => axle.weigh(shares),
-            Beside::Elastic(elastic) => elastic.weigh(shares),
+            Beside::Axle(axle) => axle.stations.iter_mut().map(|own| &mut own.goals).collect(),
+            Beside::Elastic(elastic) => elastic.goals_mut().collect(),
         }
     }
 }
@@ -268,8 +262,10 @@ impl TargetLayout {
         own: &[usize],
     ) -> Self {
         let shares = shares(optimise, rows, own);
-        if let Some(beside) = &mut beside {
-            beside.weigh(&shares);
+        for goals in beside.iter_mut().flat_map(Beside::goals_mut) {
+            for sample in &mut goals.samples {
+                sample.scale *= shares[sample.target];
+            }
         }
         // Collects the measures of the targets of one wheel, in the order of the targets.
         let mut measures = Vec::new();
@@ -284,11 +280,10 @@ impl TargetLayout {
             })
             .collect();
         let of_elastic = drafts.len();
-        let limits = beside.iter().flat_map(Beside::limits).enumerate();
-        let limits = limits.flat_map(|(station, limits)| {
-            limits
-                .iter()
-                .map(move |own| (own.part, of_elastic, station))
+        let goals = beside.iter().flat_map(Beside::goals).enumerate();
+        let limits = goals.flat_map(|(station, (goals, _))| {
+            let limits = goals.limits.iter();
+            limits.map(move |own| (own.part, of_elastic, station))
         });
         let checks = drafts.iter().enumerate().flat_map(|(leg, draft)| {
             let checks = draft.checks.iter();
@@ -298,9 +293,9 @@ impl TargetLayout {
         let legs = drafts.into_iter().enumerate();
         let legs = legs.map(|(leg, draft)| draft.into_leg(leg, &targets, &mut numbers));
         let legs: Vec<Leg> = legs.collect();
-        let limits = beside.iter_mut().flat_map(Beside::limits_mut);
-        for (station, limits) in limits.enumerate() {
-            for own in limits {
+        let goals = beside.iter_mut().flat_map(Beside::goals_mut);
+        for (station, goals) in goals.enumerate() {
+            for own in &mut goals.limits {
                 own.check = numbers.check(own.part, of_elastic, station);
             }
         }
@@ -365,28 +360,16 @@ impl TargetLayout {
                 })
             })
         });
-        let (axle, elastic) = match &self.beside {
-            Some(Beside::Axle(axle)) => (Some(axle), None),
-            Some(Beside::Elastic(elastic)) => (None, Some(elastic)),
-            None => (None, None),
-        };
-        let of_elastic = elastic.into_iter().flat_map(|elastic| elastic.samples());
-        let of_elastic = of_elastic.map(|(sample, rack)| TargetRow {
-            row: sample.row,
-            target: sample.target,
-            at: sample.wanted.drive,
-            rack,
-        });
-        let stations = axle.into_iter().flat_map(|axle| &axle.stations);
-        let of_axle = stations.flat_map(|station| {
-            station.samples.iter().map(|sample| TargetRow {
+        let beside = self.beside.iter().flat_map(Beside::goals);
+        let beside = beside.flat_map(|(goals, rack)| {
+            goals.samples.iter().map(move |sample| TargetRow {
                 row: sample.row,
                 target: sample.target,
                 at: sample.wanted.drive,
-                rack: station.placement.rack(),
+                rack,
             })
         });
-        legs.chain(of_axle).chain(of_elastic)
+        legs.chain(beside)
     }
 
     /// Residual of a target per deviation of one tolerance.

@@ -39,36 +39,6 @@ impl Check {
     }
 }
 
-/// Limits of one value at a station of an axle or of a wheel with elastic parts.
-#[derive(Clone, Debug)]
-pub(in crate::optimise) struct LimitedValue {
-    /// Index of the part of a constraint.
-    pub part: usize,
-    /// Index of the value among all values that are read.
-    pub of: usize,
-    /// Limits of the value.
-    pub limited: Limited,
-    /// Rows of the limits.
-    pub check: Check,
-}
-
-impl LimitedValue {
-    /// Makes a limit whose rows are not numbered yet.
-    pub(in crate::optimise) fn new(part: usize, of: usize, limited: &Limited) -> Self {
-        LimitedValue {
-            part,
-            of,
-            limited: limited.clone(),
-            check: Check {
-                part,
-                lower: None,
-                upper: None,
-                equal: None,
-            },
-        }
-    }
-}
-
 impl Extremes {
     /// Collects the rows that set an upper limit (`sign` 1) or a lower limit (`sign` -1) for the values of a part. `None` if
     /// no station has such a limit.

@@ -1,8 +1,8 @@
 //! Solution of axles in SIMD lanes.
 
 use super::axle::AxleStations;
-use super::block::{Block, SIDE_BY_SIDE};
-use super::evaluator::{Pairs, SolvesInLanes};
+use super::block::SIDE_BY_SIDE;
+use super::evaluator::{LaneWork, Pairs, SolvesInLanes};
 use super::lanes::{NotInLanes, gather};
 use crate::axle::{
     Axle, AxleState, Carriers, Hold, LaneWheel, Placement, Quantity, Setup, displace,
@@ -15,7 +15,6 @@ use crate::solve::{
     Acceptance, AxleTracker, GroundContact, LanePose, PairDrive, PairStations, StationOrder,
     VisitPair,
 };
-use crate::threads::Interrupt;
 
 /// Longest step of a steering gear, as a share of the axle's size ([`Suspension::size`]).
 const GEAR_STEP: f64 = 0.02;
@@ -266,29 +265,14 @@ impl<'a> AxleLanes<'a> {
 }
 
 impl SolvesInLanes for AxleLanes<'_> {
-    fn evaluate(
-        &mut self,
-        designs: Pairs<'_>,
-        interrupt: Interrupt<'_>,
-        block: &mut Block,
-        fallback: &mut Vec<usize>,
-    ) {
-        self.width.run(AxleBlockTask {
-            solver: self,
-            designs,
-            interrupt,
-            block,
-            fallback,
-        });
+    fn evaluate(&mut self, work: LaneWork<'_>) {
+        self.width.run(AxleBlockTask { solver: self, work });
     }
 }
 
 struct AxleBlockTask<'s, 'a> {
     solver: &'s AxleLanes<'a>,
-    designs: Pairs<'s>,
-    interrupt: Interrupt<'s>,
-    block: &'s mut Block,
-    fallback: &'s mut Vec<usize>,
+    work: LaneWork<'s>,
 }
 
 impl SimdTask for AxleBlockTask<'_, '_> {
@@ -296,13 +280,13 @@ impl SimdTask for AxleBlockTask<'_, '_> {
 
     #[inline(always)]
     fn run<B: SimdReal>(self, like: B) {
-        let AxleBlockTask {
-            solver,
+        let AxleBlockTask { solver, work } = self;
+        let LaneWork {
             designs: [designs, rights],
             interrupt,
             block,
             fallback,
-        } = self;
+        } = work;
         let AxleLanes { batch, readers, .. } = solver;
         let axle = &solver.stations.axle;
         let [left, right] = Side::ALL.each(|side| &axle.suspension(side).mechanism);
@@ -450,7 +434,7 @@ struct Reading<'r, 'a, B: SimdReal> {
     rack: B,
     /// SIMD lanes whose poses the pose tracker has accepted so far.
     accepted: B::Mask,
-    /// Destination of the values, in the order of [`Block::from`].
+    /// Destination of the values, in the order of [`Block::from`](super::Block::from).
     values: &'r mut [f64],
 }
 

@@ -5,13 +5,12 @@
 //! afterwards.
 
 use super::elastic::{ElasticDesigns, ElasticQuantities};
-use super::evaluator::{Pairs, SolvesInLanes};
+use super::evaluator::{LaneWork, SolvesInLanes};
 use super::{Block, Stations};
 use crate::compliance::{
     EquilibriaInLanes, Equilibrium, KcRun, KcTest, KcValue, LaneMemory, WheelLoads, WheelsInLanes,
 };
-use crate::number::{Each, SimdReal, SimdTask, Vector3, Width};
-use crate::threads::Interrupt;
+use crate::number::{Each, SimdReal, SimdTask, Width};
 
 /// Solver of as many elastic wheels at a time as the processor has lanes.
 pub(super) struct ElasticLanes<'a> {
@@ -31,20 +30,9 @@ impl<'a> ElasticLanes<'a> {
 }
 
 impl SolvesInLanes for ElasticLanes<'_> {
-    fn evaluate(
-        &mut self,
-        [designs, _]: Pairs<'_>,
-        interrupt: Interrupt<'_>,
-        block: &mut Block,
-        fallback: &mut Vec<usize>,
-    ) {
-        self.width.run_in_avx2_lanes(ElasticTask {
-            solver: self,
-            designs,
-            interrupt,
-            block,
-            fallback,
-        });
+    fn evaluate(&mut self, work: LaneWork<'_>) {
+        self.width
+            .run_in_avx2_lanes(ElasticTask { solver: self, work });
     }
 
     fn take_rates(&mut self, rates: &[f64]) {
@@ -54,10 +42,7 @@ impl SolvesInLanes for ElasticLanes<'_> {
 
 struct ElasticTask<'s, 'a> {
     solver: &'s mut ElasticLanes<'a>,
-    designs: &'s [Vector3<f64>],
-    interrupt: Interrupt<'s>,
-    block: &'s mut Block,
-    fallback: &'s mut Vec<usize>,
+    work: LaneWork<'s>,
 }
 
 impl SimdTask for ElasticTask<'_, '_> {
@@ -65,32 +50,34 @@ impl SimdTask for ElasticTask<'_, '_> {
 
     #[inline(always)]
     fn run<B: SimdReal>(self, like: B) {
-        let count = self.designs.len() / self.solver.designs.points();
+        let ElasticTask { solver, work } = self;
+        let [designs, _] = work.designs;
+        let count = designs.len() / solver.designs.points();
         let mut first = 0;
-        while first < count && !self.interrupt.is_raised() {
+        while first < count && !work.interrupt.is_raised() {
             let end = (first + B::LANES).min(count);
             let mut group = Group::<B> {
                 like,
-                solver: &mut *self.solver,
+                solver: &mut *solver,
                 runs: Vec::new(),
-                block: &mut *self.block,
+                block: &mut *work.block,
             };
             for number in first..end {
-                match group.solver.designs.run(self.designs, number) {
+                match group.solver.designs.run(designs, number) {
                     Ok(run) => group.runs.push(Member {
                         number,
                         run,
                         is_solved: true,
                     }),
-                    Err(_) => self.fallback.push(number),
+                    Err(_) => work.fallback.push(number),
                 }
             }
             group.solve();
             let unsolved = group.runs.iter().filter(|member| !member.is_solved);
-            self.fallback.extend(unsolved.map(|member| member.number));
+            work.fallback.extend(unsolved.map(|member| member.number));
             first = end;
         }
-        self.fallback.sort_unstable();
+        work.fallback.sort_unstable();
     }
 }
 

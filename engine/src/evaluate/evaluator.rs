@@ -18,17 +18,20 @@ use crate::threads::Interrupt;
 /// whose right wheel is the mirror image of the left wheel.
 pub type Pairs<'d> = [&'d [Vector3<f64>]; 2];
 
+/// Designs to be solved in SIMD lanes, and the block for their values.
+pub(super) struct LaneWork<'w> {
+    pub designs: Pairs<'w>,
+    /// Flag that stops the work early.
+    pub interrupt: Interrupt<'w>,
+    pub block: &'w mut Block,
+    /// Indices of the designs that must be solved one by one.
+    pub fallback: &'w mut Vec<usize>,
+}
+
 /// Solver of designs in SIMD lanes.
 pub(super) trait SolvesInLanes: Send {
-    /// Evaluates the designs of a block, and stops early if the interrupt is raised. Adds the indices of designs that must be
-    /// solved one by one to `fallback`.
-    fn evaluate(
-        &mut self,
-        designs: Pairs<'_>,
-        interrupt: Interrupt<'_>,
-        block: &mut Block,
-        fallback: &mut Vec<usize>,
-    );
+    /// Evaluates the designs of a block.
+    fn evaluate(&mut self, work: LaneWork<'_>);
     /// Receives the rates that vary, for all designs of the next block, design after design.
     fn take_rates(&mut self, _rates: &[f64]) {}
 }
@@ -179,7 +182,12 @@ impl<'a> Evaluator<'a> {
         block.clear(count);
         self.fallback.clear();
         match &mut self.lanes {
-            Ok(lanes) => lanes.evaluate(designs, self.interrupt, block, &mut self.fallback),
+            Ok(lanes) => lanes.evaluate(LaneWork {
+                designs,
+                interrupt: self.interrupt,
+                block,
+                fallback: &mut self.fallback,
+            }),
             Err(_) => self.fallback.extend(0..count),
         }
         for number in &self.fallback {

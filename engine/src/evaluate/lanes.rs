@@ -1,14 +1,13 @@
 //! Evaluation of designs in SIMD lanes.
 
 use super::Stations;
-use super::block::{Block, SIDE_BY_SIDE};
-use super::evaluator::{Pairs, SolvesInLanes};
+use super::block::SIDE_BY_SIDE;
+use super::evaluator::{LaneWork, SolvesInLanes};
 use super::lane_gradients::Differentiating;
 use crate::characteristics::{Constants, LaneInputs, LaneReader, LaneWheels, Quantity};
 use crate::model::Suspension;
 use crate::number::{MOST_LANES, SimdReal, SimdTask, Vector3, Width};
 use crate::solve::{Acceptance, AdjointPose, CornerTracker, Visit};
-use crate::threads::Interrupt;
 
 /// Reason why no design of a sweep is solved in SIMD lanes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,29 +85,14 @@ impl<'a> LaneSolver<'a> {
 }
 
 impl SolvesInLanes for LaneSolver<'_> {
-    fn evaluate(
-        &mut self,
-        [designs, _]: Pairs<'_>,
-        interrupt: Interrupt<'_>,
-        block: &mut Block,
-        fallback: &mut Vec<usize>,
-    ) {
-        self.width.run(BlockTask {
-            solver: self,
-            designs,
-            interrupt,
-            block,
-            fallback,
-        });
+    fn evaluate(&mut self, work: LaneWork<'_>) {
+        self.width.run(BlockTask { solver: self, work });
     }
 }
 
 struct BlockTask<'s, 'a> {
     solver: &'s mut LaneSolver<'a>,
-    designs: &'s [Vector3<f64>],
-    interrupt: Interrupt<'s>,
-    block: &'s mut Block,
-    fallback: &'s mut Vec<usize>,
+    work: LaneWork<'s>,
 }
 
 impl SimdTask for BlockTask<'_, '_> {
@@ -116,13 +100,13 @@ impl SimdTask for BlockTask<'_, '_> {
 
     #[inline(always)]
     fn run<B: SimdReal>(self, like: B) {
-        let BlockTask {
-            solver,
-            designs,
+        let BlockTask { solver, work } = self;
+        let LaneWork {
+            designs: [designs, _],
             interrupt,
             block,
             fallback,
-        } = self;
+        } = work;
         let LaneSolver {
             batch,
             reader,
@@ -256,7 +240,7 @@ pub(super) struct Reading<'r, B: SimdReal> {
     count: usize,
     first: usize,
     design_station: usize,
-    /// Destination of the values, in the order of [`Block::from`].
+    /// Destination of the values, in the order of [`Block::from`](super::Block::from).
     values: &'r mut [f64],
     slopes: &'r mut [f64],
 }

@@ -5,7 +5,7 @@
 
 use super::axle_lanes::AxleLanes;
 use super::elastic_axle::ElasticAxleParts;
-use super::evaluator::{Evaluator, FindsSlopes, Pairs, SolvesOneByOne};
+use super::evaluator::{Design, Evaluator, FindsSlopes, Pairs, SolvesOneByOne};
 use super::stations::index_or_push;
 use super::{Block, Stations};
 use crate::axle::{
@@ -159,12 +159,6 @@ impl<'s> AxleStations<'s> {
     }
 }
 
-/// Both wheels of the design with this index. `points` is the number of points of a wheel.
-fn pair([left, right]: Pairs<'_>, number: usize, points: usize) -> Pairs<'_> {
-    let right = if right.is_empty() { left } else { right };
-    [left, right].each(|designs| &designs[number * points..(number + 1) * points])
-}
-
 /// Solves axles one after another. Each Taylor series has `N` coefficients.
 struct OneByOne<'a, const N: usize> {
     stations: &'a AxleStations<'a>,
@@ -172,25 +166,41 @@ struct OneByOne<'a, const N: usize> {
 }
 
 impl<const N: usize> SolvesOneByOne for OneByOne<'_, N> {
-    fn evaluate(&mut self, designs: Pairs<'_>, numbers: &[usize], block: &mut Block) {
-        let points = self.stations.axle.left.design.len();
-        for &number in numbers {
-            let wheels = pair(designs, number, points);
-            block.forget(number);
-            if let Err((_, fault)) = self.evaluate_design(number, wheels, block) {
-                block.faults.push((number, fault));
+    fn evaluate(&mut self, design: Design<'_>, block: &mut Block) -> Result<(), DesignFault> {
+        let OneByOne { stations, solver } = self;
+        let number = design.number;
+        let prepared = stations.prepare(solver, design.wheels);
+        prepared.map_err(|(_, fault)| fault)?;
+        let placed = solver.place_all(&stations.placements);
+        for (station, placed) in placed.into_iter().enumerate() {
+            let read = placed.and_then(|placed| Ok((placed, solver.read(&placed)?)));
+            let (placed, read) = match read {
+                Ok(found) => found,
+                Err(failure) => {
+                    block.fail(number, station, failure);
+                    continue;
+                }
+            };
+            for (k, quantity) in stations.quantities.iter().enumerate() {
+                // The cell stays empty if the quantity is not defined in this pose.
+                if let Ok(value) = read.value(*quantity) {
+                    block.put(number, k, station, value);
+                }
+            }
+            if let Some(failure) = read.toggle_failure(&placed) {
+                block.fail(number, station, failure);
             }
         }
+        Ok(())
     }
 }
 
 /// Computes derivatives in the design position with respect to each moving coordinate.
 impl<const N: usize> FindsSlopes for OneByOne<'_, N> {
-    fn evaluate(&mut self, designs: Pairs<'_>, number: usize, block: &mut Block) {
+    fn evaluate(&mut self, design: Design<'_>, block: &mut Block) {
         let stations = self.stations;
-        let points = stations.axle.left.design.len();
-        let read = if stations.has_values_at_design(number, block) {
-            self.read_design(pair(designs, number, points))
+        let read = if stations.has_values_at_design(design.number, block) {
+            self.read_design(design.wheels)
         } else {
             None
         };
@@ -200,7 +210,7 @@ impl<const N: usize> FindsSlopes for OneByOne<'_, N> {
                 let by = by_drag_link.get(k).copied().flatten();
                 column.evaluate(read, time, by)?.ok()
             });
-            block.put_slope(number, k, gain.unwrap_or(f64::NAN));
+            block.put_slope(design.number, k, gain.unwrap_or(f64::NAN));
         }
     }
 }
@@ -224,36 +234,5 @@ impl<'a, const N: usize> OneByOne<'a, N> {
             .by_drag_link(&placed, &self.stations.gains)
             .ok()?;
         Some((self.solver.read(&placed).ok()?, by_drag_link))
-    }
-
-    fn evaluate_design(
-        &mut self,
-        number: usize,
-        wheels: Pairs<'_>,
-        block: &mut Block,
-    ) -> Result<(), (Side, DesignFault)> {
-        let OneByOne { stations, solver } = self;
-        stations.prepare(solver, wheels)?;
-        let placed = solver.place_all(&stations.placements);
-        for (station, placed) in placed.into_iter().enumerate() {
-            let read = placed.and_then(|placed| Ok((placed, solver.read(&placed)?)));
-            let (placed, read) = match read {
-                Ok(found) => found,
-                Err(failure) => {
-                    block.fail(number, station, failure);
-                    continue;
-                }
-            };
-            for (k, quantity) in stations.quantities.iter().enumerate() {
-                // The cell stays empty if the quantity is not defined in this pose.
-                if let Ok(value) = read.value(*quantity) {
-                    block.put(number, k, station, value);
-                }
-            }
-            if let Some(failure) = read.toggle_failure(&placed) {
-                block.fail(number, station, failure);
-            }
-        }
-        Ok(())
     }
 }

@@ -282,11 +282,12 @@ impl SimdTask for AxleBlockTask<'_, '_> {
     fn run<B: SimdReal>(self, like: B) {
         let AxleBlockTask { solver, work } = self;
         let LaneWork {
-            designs: [designs, rights],
+            designs,
             interrupt,
             block,
             fallback,
         } = work;
+        let [designs, rights] = designs.wheels;
         let AxleLanes { batch, readers, .. } = solver;
         let axle = &solver.stations.axle;
         let [left, right] = Side::ALL.each(|side| &axle.suspension(side).mechanism);

@@ -36,9 +36,9 @@ pub struct Block {
     /// respect to the drive coordinate in the design position. For an axle, slopes are `AxleStations::gains`.
     slopes: Aligned,
     /// Failures in the order of the designs' indices.
-    pub(super) failures: Vec<FailedStation>,
+    failures: Vec<FailedStation>,
     /// Designs that cannot be solved at all, in the order of their indices.
-    pub(super) faults: Vec<(usize, DesignFault)>,
+    faults: Vec<(usize, DesignFault)>,
 }
 
 impl Block {
@@ -152,6 +152,13 @@ impl Block {
         for gain in 0..self.gains {
             self.put_slope(design, gain, f64::NAN);
         }
+    }
+
+    /// Stores the reason why a design cannot be solved at all. Values and failures that were stored before are removed.
+    pub(super) fn refuse(&mut self, design: usize, fault: DesignFault) {
+        self.forget(design);
+        self.failures.retain(|failure| failure.design != design);
+        self.faults.push((design, fault));
     }
 
     #[inline(always)]

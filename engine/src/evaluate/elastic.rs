@@ -1,12 +1,12 @@
 //! Wheels with elastic parts: values in equilibrium and test results, one design at a time.
 
 use super::elastic_lanes::ElasticLanes;
-use super::evaluator::{Evaluator, Pairs, SolvesOneByOne};
+use super::evaluator::{Design, Evaluator, SolvesOneByOne};
 use super::{Block, NotInLanes, Stations};
 use crate::compliance::{ElasticWheel, KcRun, KcValue, Parameter};
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
-use crate::number::{Vector3, Width};
+use crate::number::Width;
 use crate::study::{ComplianceStudy, WheelStudy};
 
 /// A value that a sweep or a tolerance analysis reads.
@@ -92,8 +92,6 @@ pub(super) struct ElasticDesigns<'a> {
     of: &'a ElasticQuantities,
     elastic: ComplianceStudy,
     stations: &'a Stations,
-    /// Rates of the block's designs. Empty if no rate varies.
-    rates: Vec<f64>,
     /// Values to read at the present station, with the requested derivatives with respect to wheel travel.
     wanted: Vec<KcValue>,
 }
@@ -104,44 +102,25 @@ impl<'a> ElasticDesigns<'a> {
             of,
             elastic: of.elastic.clone(),
             stations,
-            rates: Vec::new(),
             wanted: Vec::new(),
         }
-    }
-
-    /// Number of points of a design.
-    pub(super) fn points(&self) -> usize {
-        self.of.suspension.design.len()
     }
 
     pub(super) fn stations(&self) -> &'a Stations {
         self.stations
     }
 
-    pub(super) fn take_rates(&mut self, rates: &[f64]) {
-        self.rates.clear();
-        self.rates.extend_from_slice(rates);
-    }
-
-    /// Prepares the elastic wheel of the design with index `number`, for its equilibria and tests.
-    pub(super) fn run(
-        &mut self,
-        designs: &[Vector3<f64>],
-        number: usize,
-    ) -> Result<KcRun<'a>, DesignFault> {
-        let points = self.points();
-        let design = &designs[number * points..(number + 1) * points];
-        let width = self.of.rates.len();
-        let own = &self.rates[(number * width).min(self.rates.len())..];
-        if own.iter().take(width).any(|rate| *rate <= 0.0) {
+    /// Prepares the elastic wheel of a design, for its equilibria and tests.
+    pub(super) fn run(&mut self, design: Design<'_>) -> Result<KcRun<'a>, DesignFault> {
+        if design.rates.iter().any(|rate| *rate <= 0.0) {
             let reason = "the rate of an elastic part is not above 0".to_owned();
             return Err(DesignFault::Elastic(reason));
         }
-        for (parameter, value) in self.of.rates.iter().zip(own) {
+        for (parameter, value) in self.of.rates.iter().zip(design.rates) {
             self.elastic.parts.set_rate(*parameter, *value);
         }
         let (suspension, parts) = (&self.of.suspension, &self.elastic.parts);
-        KcRun::of(suspension, design, parts, self.elastic.tyre_rate)
+        KcRun::of(suspension, design.wheels[0], parts, self.elastic.tyre_rate)
             .map_err(|fault| fault.of_design())
     }
 
@@ -197,32 +176,20 @@ impl<'a> ElasticDesigns<'a> {
 struct ElasticOneByOne<'a>(ElasticDesigns<'a>);
 
 impl SolvesOneByOne for ElasticOneByOne<'_> {
-    fn evaluate(&mut self, designs: Pairs<'_>, numbers: &[usize], block: &mut Block) {
+    fn evaluate(&mut self, design: Design<'_>, block: &mut Block) -> Result<(), DesignFault> {
         let own = &mut self.0;
-        for &number in numbers {
-            block.forget(number);
-            let run = match own.run(designs[0], number) {
-                Ok(run) => run,
-                Err(fault) => {
-                    block.faults.push((number, fault));
-                    continue;
-                }
-            };
-            for station in 0..own.stations.count() {
-                own.want(station);
-                let [travel, rack] = own.place(station);
-                match run.wheel().at(travel, rack) {
-                    Err(why) => block.fail(number, station, why.into()),
-                    Ok(at) => {
-                        let values = run.values_at(&at, &own.wanted, |_, _| None);
-                        own.put(&values, number, station, block);
-                    }
+        let run = own.run(design)?;
+        for station in 0..own.stations.count() {
+            own.want(station);
+            let [travel, rack] = own.place(station);
+            match run.wheel().at(travel, rack) {
+                Err(why) => block.fail(design.number, station, why.into()),
+                Ok(at) => {
+                    let values = run.values_at(&at, &own.wanted, |_, _| None);
+                    own.put(&values, design.number, station, block);
                 }
             }
         }
-    }
-
-    fn take_rates(&mut self, rates: &[f64]) {
-        self.0.take_rates(rates);
+        Ok(())
     }
 }

@@ -1,11 +1,10 @@
 //! Axles with elastic parts, one design at a time: quantities in equilibrium, test results in the design position.
 
-use super::evaluator::{Evaluator, FindsSlopes, Pairs, SolvesOneByOne};
+use super::evaluator::{Design, Evaluator, FindsSlopes, SolvesOneByOne};
 use super::{AxleStations, Block, NotInLanes};
 use crate::axle::{AxleColumn, AxleRead, Equilibria, Quantity};
 use crate::compliance::{AxleCompliance, AxleParameter, Parameter};
 use crate::mechanism::{DesignFault, NoPose};
-use crate::number::Each;
 use crate::study::AxleComplianceStudy;
 
 /// Elastic parts of an axle whose designs are evaluated.
@@ -38,7 +37,6 @@ impl AxleStations<'_> {
         let reader = || OneByOne {
             stations: self,
             parts: elastic.parts.clone(),
-            rates: Vec::new(),
         };
         let mut evaluator = Evaluator::of(self.axle.left.design.len(), Box::new(reader()));
         evaluator.axle = Some(&self.axle);
@@ -54,22 +52,14 @@ impl AxleStations<'_> {
 struct OneByOne<'a> {
     stations: &'a AxleStations<'a>,
     parts: AxleCompliance,
-    /// Rates of the block's designs. Empty if no rate varies.
-    rates: Vec<f64>,
 }
 
 impl<'a> OneByOne<'a> {
-    /// Equilibria of the design with this index.
-    fn equilibria(
-        &mut self,
-        [left, right]: Pairs<'_>,
-        number: usize,
-    ) -> Result<Equilibria<'a>, DesignFault> {
+    /// Equilibria of a design.
+    fn equilibria(&mut self, design: Design<'_>) -> Result<Equilibria<'a>, DesignFault> {
         let parameters = self.stations.elastic.as_ref();
         let parameters = parameters.map_or(&[][..], |own| &own.rates);
-        let width = parameters.len();
-        let own = &self.rates[(number * width).min(self.rates.len())..];
-        for (parameter, value) in parameters.iter().zip(own) {
+        for (parameter, value) in parameters.iter().zip(design.rates) {
             let is_tension = matches!(parameter.parameter, Parameter::LinkPreload(_));
             if *value <= 0.0 && !is_tension {
                 let reason = "the rate of an elastic part is not above 0".to_owned();
@@ -77,72 +67,52 @@ impl<'a> OneByOne<'a> {
             }
             self.parts.set_rate(*parameter, *value);
         }
-        let points = self.stations.axle.left.design.len();
-        let right = if right.is_empty() { left } else { right };
-        let designs = [left, right].each(|all| &all[number * points..(number + 1) * points]);
-        let found = self.stations.axle.equilibria(designs, &self.parts);
+        let found = self.stations.axle.equilibria(design.wheels, &self.parts);
         found.map_err(|(_, fault)| fault)
     }
 }
 
 impl SolvesOneByOne for OneByOne<'_> {
-    fn evaluate(&mut self, designs: Pairs<'_>, numbers: &[usize], block: &mut Block) {
-        for &number in numbers {
-            block.forget(number);
-            let equilibria = match self.equilibria(designs, number) {
-                Ok(found) => found,
-                Err(fault) => {
-                    block.faults.push((number, fault));
-                    continue;
-                }
+    fn evaluate(&mut self, design: Design<'_>, block: &mut Block) -> Result<(), DesignFault> {
+        let equilibria = self.equilibria(design)?;
+        for (station, placement) in self.stations.placements.iter().enumerate() {
+            let quantities = self.stations.quantities_at(station);
+            let reads = quantities.iter().map(|k| self.stations.quantities[*k]);
+            let reads: Vec<AxleRead> = reads.map(AxleRead::from).collect();
+            let found = match placement.on_level_pads() {
+                Some(at) => equilibria.values(at, &reads).map_err(NoPose::from),
+                None => Err(NoPose::NoGround),
             };
-            for (station, placement) in self.stations.placements.iter().enumerate() {
-                let quantities = self.stations.quantities_at(station);
-                let reads = quantities.iter().map(|k| self.stations.quantities[*k]);
-                let reads: Vec<AxleRead> = reads.map(AxleRead::from).collect();
-                let found = match placement.on_level_pads() {
-                    Some(at) => equilibria.values(at, &reads).map_err(NoPose::from),
-                    None => Err(NoPose::NoGround),
-                };
-                match found {
-                    Err(why) => block.fail(number, station, why),
-                    Ok(values) => {
-                        for (k, value) in quantities.into_iter().zip(values) {
-                            if let Some(value) = value {
-                                block.put(number, k, station, value);
-                            }
+            match found {
+                Err(why) => block.fail(design.number, station, why),
+                Ok(values) => {
+                    for (k, value) in quantities.into_iter().zip(values) {
+                        if let Some(value) = value {
+                            block.put(design.number, k, station, value);
                         }
                     }
                 }
             }
         }
-    }
-
-    fn take_rates(&mut self, rates: &[f64]) {
-        self.rates.clear();
-        self.rates.extend_from_slice(rates);
+        Ok(())
     }
 }
 
 /// Computes derivatives in the design position with respect to each moving coordinate.
 impl FindsSlopes for OneByOne<'_> {
-    fn evaluate(&mut self, designs: Pairs<'_>, number: usize, block: &mut Block) {
+    fn evaluate(&mut self, design: Design<'_>, block: &mut Block) {
         let stations = self.stations;
         let gains = stations.gains.iter();
         let reads: Vec<AxleRead> = gains.filter_map(AxleColumn::read).collect();
         let at = stations.placements[stations.design].on_level_pads();
-        let at = at.filter(|_| stations.has_values_at_design(number, block));
+        let at = at.filter(|_| stations.has_values_at_design(design.number, block));
         let found = at.and_then(|at| {
-            let axle = self.equilibria(designs, number).ok()?;
+            let axle = self.equilibria(design).ok()?;
             axle.values(at, &reads).ok()
         });
         for k in 0..reads.len() {
             let slope = found.as_ref().and_then(|values| values[k]);
-            block.put_slope(number, k, slope.unwrap_or(f64::NAN));
+            block.put_slope(design.number, k, slope.unwrap_or(f64::NAN));
         }
-    }
-
-    fn take_rates(&mut self, rates: &[f64]) {
-        SolvesOneByOne::take_rates(self, rates);
     }
 }

@@ -34,10 +34,6 @@ impl SolvesInLanes for ElasticLanes<'_> {
         self.width
             .run_in_avx2_lanes(ElasticTask { solver: self, work });
     }
-
-    fn take_rates(&mut self, rates: &[f64]) {
-        self.designs.take_rates(rates);
-    }
 }
 
 struct ElasticTask<'s, 'a> {
@@ -51,8 +47,7 @@ impl SimdTask for ElasticTask<'_, '_> {
     #[inline(always)]
     fn run<B: SimdReal>(self, like: B) {
         let ElasticTask { solver, work } = self;
-        let [designs, _] = work.designs;
-        let count = designs.len() / solver.designs.points();
+        let count = work.designs.count();
         let mut first = 0;
         while first < count && !work.interrupt.is_raised() {
             let end = (first + B::LANES).min(count);
@@ -63,7 +58,7 @@ impl SimdTask for ElasticTask<'_, '_> {
                 block: &mut *work.block,
             };
             for number in first..end {
-                match group.solver.designs.run(designs, number) {
+                match group.solver.designs.run(work.designs.get(number)) {
                     Ok(run) => group.runs.push(Member {
                         number,
                         run,

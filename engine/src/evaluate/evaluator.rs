@@ -18,9 +18,49 @@ use crate::threads::Interrupt;
 /// whose right wheel is the mirror image of the left wheel.
 pub type Pairs<'d> = [&'d [Vector3<f64>]; 2];
 
+/// Designs of a block.
+#[derive(Clone, Copy)]
+pub(super) struct Designs<'d> {
+    pub wheels: Pairs<'d>,
+    /// Number of points of a wheel.
+    points: usize,
+    /// Rates of elastic parts that vary, design after design.
+    rates: &'d [f64],
+}
+
+/// One design of a block.
+#[derive(Clone, Copy)]
+pub(super) struct Design<'d> {
+    /// Index in the block.
+    pub number: usize,
+    /// Points of both wheels. They are the same for a single wheel, and for an axle whose right wheel is the mirror image.
+    pub wheels: Pairs<'d>,
+    /// Rates of elastic parts that vary.
+    pub rates: &'d [f64],
+}
+
+impl<'d> Designs<'d> {
+    pub(super) fn count(&self) -> usize {
+        self.wheels[0].len() / self.points
+    }
+
+    /// The design with this index.
+    pub(super) fn get(&self, number: usize) -> Design<'d> {
+        let [left, right] = self.wheels;
+        let right = if right.is_empty() { left } else { right };
+        let own = number * self.points..(number + 1) * self.points;
+        let width = self.rates.len() / self.count();
+        Design {
+            number,
+            wheels: [&left[own.clone()], &right[own]],
+            rates: &self.rates[number * width..][..width],
+        }
+    }
+}
+
 /// Designs to be solved in SIMD lanes, and the block for their values.
 pub(super) struct LaneWork<'w> {
-    pub designs: Pairs<'w>,
+    pub designs: Designs<'w>,
     /// Flag that stops the work early.
     pub interrupt: Interrupt<'w>,
     pub block: &'w mut Block,
@@ -32,24 +72,18 @@ pub(super) struct LaneWork<'w> {
 pub(super) trait SolvesInLanes: Send {
     /// Evaluates the designs of a block.
     fn evaluate(&mut self, work: LaneWork<'_>);
-    /// Receives the rates that vary, for all designs of the next block, design after design.
-    fn take_rates(&mut self, _rates: &[f64]) {}
 }
 
 /// Solver of designs one at a time.
 pub(super) trait SolvesOneByOne: Send {
-    /// Evaluates the designs with these indices.
-    fn evaluate(&mut self, designs: Pairs<'_>, numbers: &[usize], block: &mut Block);
-    /// Receives the rates that vary, for all designs of the next block, design after design.
-    fn take_rates(&mut self, _rates: &[f64]) {}
+    /// Evaluates a design whose values in the block are NaN.
+    fn evaluate(&mut self, design: Design<'_>, block: &mut Block) -> Result<(), DesignFault>;
 }
 
 /// Computes slopes, which need one order of derivatives more than the values.
 pub(super) trait FindsSlopes: Send {
-    /// Writes the slopes of the design with this index to a block with evaluated values. A slope without a value is NaN.
-    fn evaluate(&mut self, designs: Pairs<'_>, number: usize, block: &mut Block);
-    /// Receives the rates that vary, for all designs of the next block, design after design.
-    fn take_rates(&mut self, _rates: &[f64]) {}
+    /// Writes the slopes of a design to a block with evaluated values. A slope without a value is NaN.
+    fn evaluate(&mut self, design: Design<'_>, block: &mut Block);
 }
 
 /// Evaluator of blocks of designs of a wheel or an axle. Each thread has a separate evaluator.
@@ -66,6 +100,8 @@ pub struct Evaluator<'a> {
     /// Axle of the designs. If the hardpoints of the two wheels differ, the evaluator makes the right wheels in `rights`.
     pub(super) axle: Option<&'a Axle>,
     rights: Vec<Vector3<f64>>,
+    /// Rates of the next block's designs. Empty if no rate varies.
+    rates: Vec<f64>,
     /// Indices of the designs of the block that must be solved one by one.
     fallback: Vec<usize>,
     /// Flag that stops a block early. The values of the block must then not be used.
@@ -134,6 +170,7 @@ impl<'a> Evaluator<'a> {
             slopes: None,
             axle: None,
             rights: Vec::new(),
+            rates: Vec::new(),
             fallback: Vec::new(),
             interrupt: Interrupt::default(),
         }
@@ -166,20 +203,19 @@ impl<'a> Evaluator<'a> {
 
     /// Sets the rates of elastic parts that vary, for the next designs, design after design.
     pub(crate) fn set_rates(&mut self, rates: &[f64]) {
-        if let Ok(lanes) = &mut self.lanes {
-            lanes.take_rates(rates);
-        }
-        self.one_by_one.take_rates(rates);
-        if let Some(slopes) = &mut self.slopes {
-            slopes.take_rates(rates);
-        }
+        self.rates.clear();
+        self.rates.extend_from_slice(rates);
     }
 
     /// Evaluates designs, given as points of left and of right wheels, each in the frame of its side. If there are no points
     /// of right wheels, the right wheels are mirror images.
-    pub(crate) fn evaluate_pairs(&mut self, designs: Pairs<'_>, block: &mut Block) {
-        let count = designs[0].len() / self.points;
-        block.clear(count);
+    pub(crate) fn evaluate_pairs(&mut self, wheels: Pairs<'_>, block: &mut Block) {
+        let designs = Designs {
+            wheels,
+            points: self.points,
+            rates: &self.rates,
+        };
+        block.clear(designs.count());
         self.fallback.clear();
         match &mut self.lanes {
             Ok(lanes) => lanes.evaluate(LaneWork {
@@ -188,21 +224,23 @@ impl<'a> Evaluator<'a> {
                 block,
                 fallback: &mut self.fallback,
             }),
-            Err(_) => self.fallback.extend(0..count),
+            Err(_) => self.fallback.extend(0..designs.count()),
         }
-        for number in &self.fallback {
+        for &number in &self.fallback {
             if self.interrupt.is_raised() {
                 return;
             }
-            let number = std::slice::from_ref(number);
-            self.one_by_one.evaluate(designs, number, block);
+            block.forget(number);
+            if let Err(fault) = self.one_by_one.evaluate(designs.get(number), block) {
+                block.refuse(number, fault);
+            }
         }
         if let Some(slopes) = &mut self.slopes {
-            for number in 0..count {
+            for number in 0..designs.count() {
                 if self.interrupt.is_raised() {
                     return;
                 }
-                slopes.evaluate(designs, number, block);
+                slopes.evaluate(designs.get(number), block);
             }
         }
     }

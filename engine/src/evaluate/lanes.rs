@@ -102,11 +102,12 @@ impl SimdTask for BlockTask<'_, '_> {
     fn run<B: SimdReal>(self, like: B) {
         let BlockTask { solver, work } = self;
         let LaneWork {
-            designs: [designs, _],
+            designs,
             interrupt,
             block,
             fallback,
         } = work;
+        let [designs, _] = designs.wheels;
         let LaneSolver {
             batch,
             reader,

@@ -2,12 +2,11 @@
 
 use super::Stations;
 use super::block::Block;
-use super::evaluator::{Pairs, SolvesOneByOne};
+use super::evaluator::{Design, SolvesOneByOne};
 use crate::characteristics::{Constants, Quantity, Slots, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::{DesignFault, Failure, Pose};
 use crate::model::{RockerId, Suspension};
-use crate::number::Vector3;
 use crate::solve::{Solver, Toggles};
 use std::ops::ControlFlow;
 
@@ -53,28 +52,8 @@ impl<'a, const N: usize> OneByOne<'a, N> {
 }
 
 impl<const N: usize> SolvesOneByOne for OneByOne<'_, N> {
-    fn evaluate(&mut self, designs: Pairs<'_>, numbers: &[usize], block: &mut Block) {
-        let points = self.solver.design().len();
-        for &number in numbers {
-            let design = &designs[0][number * points..(number + 1) * points];
-            block.forget(number);
-            if let Err(fault) = self.evaluate_design(number, design, block) {
-                // Values that were computed before the fault must not be used.
-                block.forget(number);
-                block.failures.retain(|f| f.design != number);
-                block.faults.push((number, fault));
-            }
-        }
-    }
-}
-
-impl<const N: usize> OneByOne<'_, N> {
-    fn evaluate_design(
-        &mut self,
-        number: usize,
-        design: &[Vector3<f64>],
-        block: &mut Block,
-    ) -> Result<(), DesignFault> {
+    fn evaluate(&mut self, design: Design<'_>, block: &mut Block) -> Result<(), DesignFault> {
+        let (number, [design, _]) = (design.number, design.wheels);
         let OneByOne {
             stations,
             quantities,

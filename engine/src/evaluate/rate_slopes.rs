@@ -6,7 +6,7 @@
 
 use super::Stations;
 use super::block::Block;
-use super::evaluator::{FindsSlopes, Pairs};
+use super::evaluator::{Design, FindsSlopes};
 use crate::characteristics::{Constants, Quantity, Slots, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::DesignFault;
@@ -73,16 +73,15 @@ impl<'a> RateSlopes<'a> {
 }
 
 impl FindsSlopes for RateSlopes<'_> {
-    fn evaluate(&mut self, [designs, _]: Pairs<'_>, number: usize, block: &mut Block) {
-        let points = self.solver.design().len();
+    fn evaluate(&mut self, design: Design<'_>, block: &mut Block) {
+        let number = design.number;
         for (k, ..) in &self.quantities {
             block.put_slope(number, *k, f64::NAN);
         }
         let outputs = self.quantities.iter().map(|(k, ..)| *k);
         if block.has_value_of(number, outputs, self.station) {
-            let design = &designs[number * points..(number + 1) * points];
             // A fault of the design needs no second report: the evaluation of the values has already reported it.
-            let _: Result<(), DesignFault> = self.evaluate_design(number, design, block);
+            let _: Result<(), DesignFault> = self.evaluate_design(number, design.wheels[0], block);
         }
     }
 }

@@ -80,13 +80,7 @@ impl<T: Scalar> ElasticWheel<T> {
         let found = if is_rate {
             of.evaluate(inputs)[1]
         } else {
-            of.evaluate(&Inputs {
-                now: inputs.now.map(|c| c[0]),
-                rate: inputs.now.map(|c| c[1]),
-                turn: inputs.turn.map(|c| c[0]),
-                design: inputs.design.map(|c| c[0]),
-                constants: inputs.constants,
-            })
+            of.evaluate(&inputs.with_rates())
         };
         found.value().is_finite().then_some(found)
     }

@@ -168,13 +168,7 @@ impl<T: Scalar> Reader<'_, T> {
     fn characteristic(&mut self, side: Side, of: Characteristic, by: Option<Motion>) -> Option<T> {
         if of.info().reads_rates() {
             let inputs = &self.moving(Motion::Heave)?.inputs[side as usize];
-            return Some(of.evaluate(&Inputs {
-                now: inputs.now.map(|c| c[0]),
-                rate: inputs.now.map(|c| c[1]),
-                turn: inputs.turn.map(|c| c[0]),
-                design: inputs.design.map(|c| c[0]),
-                constants: inputs.constants,
-            }));
+            return Some(of.evaluate(&inputs.with_rates()));
         }
         match by {
             None => Some(of.evaluate(&self.here.axle.inputs(&self.here.at, side))),

@@ -41,4 +41,12 @@ impl Setup {
     pub fn is_sprung(&self) -> bool {
         self.springs.is_some() || self.rocker_springs.carry()
     }
+
+    /// Sign of the forward direction in a turn: -1 for a rear axle, which counts as the front axle of a car driven backwards.
+    pub(super) fn forward(&self) -> f64 {
+        match self.position {
+            Some(AxlePosition::Rear) => -1.0,
+            Some(AxlePosition::Front) | None => 1.0,
+        }
+    }
 }

@@ -15,7 +15,7 @@
 use crate::axle::reading::WheelParts;
 use crate::axle::state::{AxleState, Motion};
 use crate::characteristics::Wheel;
-use crate::model::{AxlePosition, Side};
+use crate::model::Side;
 use crate::number::{Each, Real, Vector3, outlined};
 use std::f64::consts::PI;
 
@@ -122,10 +122,7 @@ impl<T: Real> Turn<T> {
     fn seen_from_above<W: WheelParts<T>>(state: &AxleState<T, W>) -> Self {
         let like = state.like();
         let wheelbase = state.setup.wheelbase.unwrap_or(f64::NAN);
-        let forward = match state.setup.position {
-            Some(AxlePosition::Rear) => -1.0,
-            Some(AxlePosition::Front) | None => 1.0,
-        };
+        let forward = state.setup.forward();
         let side = mean_steer(state).scaled(forward).sign();
         let [left, right] = state.wheels();
         let [left_design, right_design] =
@@ -240,10 +237,7 @@ pub(crate) struct FromAbove {
 pub(crate) fn turn(state: &AxleState<f64>) -> Option<FromAbove> {
     let wheelbase = state.setup.wheelbase?;
     let radius = state.setup.wheel_radius?;
-    let forward = match state.setup.position {
-        Some(AxlePosition::Rear) => -1.0,
-        Some(AxlePosition::Front) | None => 1.0,
-    };
+    let forward = state.setup.forward();
     // The right wheel's frame is the mirror image.
     let readings = state.wheels().each(|wheel| wheel.reading);
     let plan = |v: Vector3<f64>, side: usize| [v.x, if side == 0 { v.y } else { -v.y }];

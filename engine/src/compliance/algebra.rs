@@ -211,12 +211,7 @@ fn turned_inline<T: Real>(difference: &Matrix3<T>, turn: Vector3<T>) -> Matrix3<
     let half = turn * turn.x.constant(0.5);
     let one = turn.x.one();
     let factor = (one + one) / (one + half.norm_squared());
-    let zero = one.zero();
-    let units = [
-        Vector3::new(one, zero, zero),
-        Vector3::new(zero, one, zero),
-        Vector3::new(zero, zero, one),
-    ];
+    let units = Matrix3::identity(one).columns;
     let mut columns = difference.columns;
     for k in 0..3 {
         let across = half.cross(columns[k] + units[k]);

@@ -394,12 +394,7 @@ impl<T: Scalar> Builder<'_, T> {
     /// Builds a rigid ball joint between carrier and body. A study cannot put a bushing there.
     fn ball_joint(&mut self, at: PointId) {
         let lever = self.on_carrier(at);
-        let (one, zero) = (lever.x.one(), lever.x.zero());
-        for direction in [
-            Vector3::new(one, zero, zero),
-            Vector3::new(zero, one, zero),
-            Vector3::new(zero, zero, one),
-        ] {
+        for direction in Matrix3::identity(lever.x).columns {
             self.push_joint(
                 Joint::Pin { lever, direction },
                 self.holder(at),
@@ -411,13 +406,7 @@ impl<T: Scalar> Builder<'_, T> {
     fn hinge(&mut self, first: PointId, second: PointId) {
         let along = self.at(second) - self.at(first);
         let numbers = [first, second].each(|id| self.compliance.bushing_at(id));
-        let one = along.x.one();
-        let zero = one.zero();
-        let axes = [
-            Vector3::new(one, zero, zero),
-            Vector3::new(zero, one, zero),
-            Vector3::new(zero, zero, one),
-        ];
+        let axes = Matrix3::identity(along.x).columns;
         for (k, (id, number)) in [first, second].into_iter().zip(numbers).enumerate() {
             let lever = self.on_carrier(id);
             match number {

@@ -284,13 +284,20 @@ impl ForceCurve {
             return straight(end);
         }
         let i = points.partition_point(|p| p[0] <= here) - 1;
-        let [[a, left], [b, right]] = [points[i], points[i + 1]];
+        let (h, [left, m, quadratic, cubic]) = self.cubic(i);
+        [points[i][0], 1.0 / h, left, m, quadratic, cubic]
+    }
+
+    /// Returns the length h of interval `i`, and its Hermite cubic polynomial: the coefficients in powers of (x - a)/h.
+    fn cubic(&self, i: usize) -> (f64, [f64; 4]) {
+        let [[a, left], [b, right]] = [self.points[i], self.points[i + 1]];
         let h = b - a;
         let secant = right - left;
         let (m, n) = (self.slopes[i] * h, self.slopes[i + 1] * h);
-        // Hermite cubic polynomial.
-        let (quadratic, cubic) = (3.0 * secant - 2.0 * m - n, m + n - 2.0 * secant);
-        [a, 1.0 / h, left, m, quadratic, cubic]
+        (
+            h,
+            [left, m, 3.0 * secant - 2.0 * m - n, m + n - 2.0 * secant],
+        )
     }
 
     /// The value at `x`.
@@ -328,17 +335,6 @@ impl ForceCurve {
     pub fn integral<T: Scalar>(&self, x: T) -> T {
         let points = &self.points;
         let end = points.len() - 1;
-        // Hermite cubic polynomial of an interval in powers of t, and the length of the interval.
-        let piece = |i: usize| {
-            let [[a, left], [b, right]] = [points[i], points[i + 1]];
-            let h = b - a;
-            let secant = right - left;
-            let (m, n) = (self.slopes[i] * h, self.slopes[i + 1] * h);
-            (
-                h,
-                [left, m, 3.0 * secant - 2.0 * m - n, m + n - 2.0 * secant],
-            )
-        };
         let straight = |i: usize| {
             let along = x - x.constant(points[i][0]);
             along * (x.constant(points[i][1]) + along.scaled(0.5 * self.slopes[i]))
@@ -349,7 +345,7 @@ impl ForceCurve {
         }
         let mut sum = 0.0;
         for i in 0..end {
-            let (h, [c, m, quadratic, cubic]) = piece(i);
+            let (h, [c, m, quadratic, cubic]) = self.cubic(i);
             if here < points[i + 1][0] {
                 let t = (x - x.constant(points[i][0])).scaled(1.0 / h);
                 let power = t.scaled(cubic / 4.0) + t.constant(quadratic / 3.0);
@@ -424,9 +420,9 @@ mod tests {
         assert_eq!(curve.at(7.0), 300.0 + secant(3));
     }
 
-    #[test]
-    fn a_bump_stop_acts_beyond_its_gap() {
-        let law = SpringLaw {
+    /// Linear spring with a bump stop and a rebound stop.
+    fn law_with_stops() -> SpringLaw {
+        SpringLaw {
             spring: Law::Linear {
                 force: 3000.0,
                 rate: 30.0,
@@ -440,7 +436,12 @@ mod tests {
                 curve: ForceCurve::through(&[[0.0, 0.0], [5.0, 400.0]]).unwrap(),
             }),
             own_length: None,
-        };
+        }
+    }
+
+    #[test]
+    fn a_bump_stop_acts_beyond_its_gap() {
+        let law = law_with_stops();
         assert_eq!(law.force(490.0, 500.0), 3300.0);
         assert_eq!(law.force(475.0, 500.0), 3750.0 + 250.0);
         assert_eq!(law.force(520.0, 500.0), 2400.0);
@@ -449,21 +450,7 @@ mod tests {
 
     #[test]
     fn kept_parts_have_the_same_forces_in_every_design() {
-        let law = SpringLaw {
-            spring: Law::Linear {
-                force: 3000.0,
-                rate: 30.0,
-            },
-            bump_stop: Some(BumpStop {
-                gap: 20.0,
-                curve: ForceCurve::through(&[[0.0, 0.0], [10.0, 500.0]]).unwrap(),
-            }),
-            rebound_stop: Some(BumpStop {
-                gap: 25.0,
-                curve: ForceCurve::through(&[[0.0, 0.0], [5.0, 400.0]]).unwrap(),
-            }),
-            own_length: None,
-        };
+        let law = law_with_stops();
         let kept = law.kept_from(500.0);
         for length in [535.0, 528.0, 510.0, 492.0, 475.0] {
             for design in [492.0, 500.0, 507.0] {

@@ -179,26 +179,27 @@ struct Rows<'a> {
     slopes: Vec<f64>,
 }
 
-/// Writes the slopes of a value along the variables, from its gradient with respect to the moving coordinates and rates.
-fn along_variables(
+/// Writes the slopes of a value along the variables. `by` returns its derivative with respect to a moving coordinate or a
+/// rate, and 0 for other parameters. `sides` are the wheels with separate derivatives: both, or one item `None` for one wheel or
+/// mirror images.
+pub(super) fn along_variables(
     moved: &Moved<'_>,
-    parameters: &[Parameter],
-    gradient: &[f64],
+    sides: &[Option<Side>],
+    by: impl Fn(AxleParameter) -> f64,
     slopes: &mut [f64],
 ) {
-    let by = |parameter: Parameter| {
-        let place = parameters.iter().position(|p| *p == parameter);
-        place.map_or(0.0, |place| gradient[place])
-    };
     slopes.fill(0.0);
-    add_points(moved.wheels[0].1, by, slopes);
-    let by_rate = |of: AxleParameter| of.side.map_or_else(|| by(of.parameter), |_| 0.0);
-    add_rates(moved, by_rate, slopes);
+    for (side, (_, ways)) in sides.iter().zip(&moved.wheels) {
+        let side = *side;
+        let of_side = |parameter| by(AxleParameter { parameter, side });
+        add_points(ways, of_side, slopes);
+    }
+    add_rates(moved, by, slopes);
 }
 
 /// Adds the contributions of moving points to the derivatives with respect to the variables. `by` returns the derivative of
 /// the value with respect to a coordinate.
-pub(super) fn add_points(ways: &[PointRate], by: impl Fn(Parameter) -> f64, slopes: &mut [f64]) {
+fn add_points(ways: &[PointRate], by: impl Fn(Parameter) -> f64, slopes: &mut [f64]) {
     for rate in ways {
         for (axis, by_axis) in Axis::ALL.into_iter().zip(rate.by.to_array()) {
             if by_axis != 0.0 {
@@ -212,7 +213,7 @@ pub(super) fn add_points(ways: &[PointRate], by: impl Fn(Parameter) -> f64, slop
 /// Adds the contributions of moving rates to the derivatives with respect to the variables. A rate may belong to both
 /// wheels or to one wheel. `by` returns the derivative of the value with respect to a rate: 0 if the value does not depend
 /// on the rate.
-pub(super) fn add_rates(moved: &Moved<'_>, by: impl Fn(AxleParameter) -> f64, slopes: &mut [f64]) {
+fn add_rates(moved: &Moved<'_>, by: impl Fn(AxleParameter) -> f64, slopes: &mut [f64]) {
     for (column, parameter, [_, slope]) in moved.rates() {
         for side in [None, Some(Side::Left), Some(Side::Right)] {
             let of = AxleParameter { parameter, side };
@@ -261,7 +262,12 @@ impl RowsBeside for Rows<'_> {
                     missing = true;
                     return;
                 };
-                along_variables(moved, parameters, found.by, slopes);
+                let by = |of: AxleParameter| {
+                    let own = |parameter: &Parameter| AxleParameter::from(*parameter) == of;
+                    let place = parameters.iter().position(own);
+                    place.map_or(0.0, |place| found.by[place])
+                };
+                along_variables(moved, &[None], by, slopes);
                 let value = (used[found.number], value);
                 station.goals.write(value, slopes, &mut into, &mut rows);
             });

@@ -6,7 +6,7 @@
 //! wheel also has separate rates.
 
 use super::axle::{AxleLayout, Moved, RowsBeside};
-use super::elastic::{add_points, add_rates};
+use super::elastic::along_variables;
 use super::{Infeasible, Linearisation};
 use crate::axle::{Axle, AxleRead, Placement};
 use crate::compliance::{AxleCompliance, AxleParameter, Parameter};
@@ -72,26 +72,6 @@ struct Rows<'a> {
     slopes: Vec<f64>,
 }
 
-/// Writes the slopes of a value along the variables, from its derivatives with respect to the parameters of the wheels that move.
-fn along_variables(
-    moved: &Moved<'_>,
-    (sides, parameters): (&[Option<Side>], &[AxleParameter]),
-    gradient: &[f64],
-    slopes: &mut [f64],
-) {
-    let by = |parameter: AxleParameter| {
-        let place = parameters.iter().position(|p| *p == parameter);
-        place.map_or(0.0, |place| gradient[place])
-    };
-    slopes.fill(0.0);
-    for (side, (_, ways)) in sides.iter().zip(&moved.wheels) {
-        let side = *side;
-        let of_side = |parameter| by(AxleParameter { parameter, side });
-        add_points(ways, of_side, slopes);
-    }
-    add_rates(moved, by, slopes);
-}
-
 /// Makes the error for a position of the axle that is not on level pads. Axles with elastic parts support level pads only.
 fn for_rigid_axles_only(placement: Placement, unit: &str) -> Infeasible {
     Infeasible::Refused(format!(
@@ -134,7 +114,11 @@ impl RowsBeside for Rows<'_> {
             let mut is_found = vec![false; used.len()];
             let mut receive = |number: usize, value: f64, by: &[f64]| {
                 is_found[number] = true;
-                along_variables(moved, (sides, parameters), by, slopes);
+                let by = |parameter: AxleParameter| {
+                    let place = parameters.iter().position(|p| *p == parameter);
+                    place.map_or(0.0, |place| by[place])
+                };
+                along_variables(moved, sides, by, slopes);
                 let value = (used[number], value);
                 station.goals.write(value, slopes, &mut into, &mut rows);
             };

@@ -14,7 +14,7 @@
 use super::assembler::Assembler;
 use super::assembly_error::AssemblyError;
 use super::parts::{BuildParameter, Parts};
-use super::rest::{Built, Rest};
+use super::rest::Built;
 use super::set_up::SetUpError;
 use crate::characteristics::Characteristic;
 use crate::derive::DesignedSpinAxis;
@@ -73,7 +73,7 @@ impl Alignment {
                 .collect(),
             size: suspension.size(),
         };
-        let built = assembler.build(assembler.drawn(), Rest::Height(0.0))?;
+        let built = assembler.build_drawn()?;
         let by = alignment.by(assembler, &built);
         alignment.inverse = inverse(&by).ok_or(SetUpError::Unsettled)?;
         // If no adjustment changes a characteristic, the alignment cannot keep its value.

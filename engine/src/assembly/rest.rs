@@ -78,6 +78,11 @@ pub(super) fn settle_height<S, E: From<AssemblyError>>(
 }
 
 impl Assembler {
+    /// Assembles the nominal parts at the nominal height.
+    pub(crate) fn build_drawn(&self) -> Result<Built, AssemblyError> {
+        self.build(self.drawn(), Rest::Height(0.0))
+    }
+
     /// Assembles parts.
     pub fn build(&self, parts: &Parts<f64>, rest: Rest) -> Result<Built, AssemblyError> {
         let suspension = self.suspension();

@@ -12,7 +12,7 @@
 
 use super::Problem;
 use super::wheel_assembler::WheelAssembler;
-use crate::assembly::{Built, Rest, SetUpError};
+use crate::assembly::{Built, SetUpError};
 use crate::evaluate::Evaluated;
 use crate::model::Side;
 use crate::number::Vector3;
@@ -57,8 +57,7 @@ pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f6
 pub(super) fn moves(problem: &Problem, sources: &[&Source]) -> Result<Vec<[Moves; 2]>, SetUpError> {
     let mut all: Vec<[Moves; 2]> = vec![Default::default(); sources.len()];
     for (side, wheel_assembler) in problem.wheel_assemblers.iter().enumerate() {
-        let assembler = &wheel_assembler.assembler;
-        let built = assembler.build(assembler.drawn(), Rest::Height(0.0))?;
+        let built = wheel_assembler.assembler.build_drawn()?;
         for (moves, own) in all
             .iter_mut()
             .zip(moves_of_wheel(wheel_assembler, &built, sources))

@@ -8,7 +8,7 @@
 
 use super::Problem;
 use super::expansion::combined;
-use crate::assembly::{Built, Rest, SetUpError};
+use crate::assembly::{Built, SetUpError};
 use crate::axle::{
     AxleSolver, Carriers, DesignedWheel, Parts, Placement, Quantity, Series, SeriesPosition,
 };
@@ -65,8 +65,7 @@ impl<'p> DrawnPositions<'p> {
         let axle = &stations.axle;
         let mut built = Vec::new();
         for wheel_assembler in &problem.wheel_assemblers {
-            let assembler = &wheel_assembler.assembler;
-            built.push(assembler.build(assembler.drawn(), Rest::Height(0.0))?);
+            built.push(wheel_assembler.assembler.build_drawn()?);
         }
         // The slopes of the ground condition need first derivatives of both wheels.
         let solver = AxleSolver::<2>::new(axle, &stations.quantities, false);

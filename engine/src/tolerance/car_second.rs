@@ -8,7 +8,7 @@
 use super::Problem;
 use super::car::CarProblem;
 use super::expansion::of_pairs;
-use crate::assembly::{Built, Rest, SetUpError};
+use crate::assembly::{Built, SetUpError};
 use crate::axle::{ExpandedWheel, Series};
 use crate::car::{
     Car, CarQuantity, CarSolver, Case, ExpandedState, NoEquilibrium, Parameter, Parameters,
@@ -69,8 +69,7 @@ pub(super) fn second(
     let mut built: [Vec<Built>; 2] = Default::default();
     for (axle, built) in built.iter_mut().enumerate() {
         for wheel in &problem.axles[axle].wheel_assemblers {
-            let nominal = wheel.assembler.drawn();
-            let found = wheel.assembler.build(nominal, Rest::Height(0.0));
+            let found = wheel.assembler.build_drawn();
             built.push(found.map_err(|why| (axle, SetUpError::from(why)))?);
         }
     }

@@ -14,7 +14,7 @@
 use super::axle_expansion::{Moves, moves_of_wheel};
 use super::wheel_assembler::WheelAssembler;
 use super::{Banded, Problem, with_rounding};
-use crate::assembly::{Rest, SetUpError};
+use crate::assembly::SetUpError;
 use crate::compliance::{AxleParameter, KcRun, KcValue, Parameter};
 use crate::curves::Column;
 use crate::evaluate::{ElasticQuantities, ElasticRead, Request, Stations};
@@ -134,8 +134,7 @@ pub(super) fn problem<'a>(
 /// there is no value.
 pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f64>, SetUpError> {
     let wheel_assembler = &problem.wheel_assemblers[0];
-    let assembler = &wheel_assembler.assembler;
-    let built = assembler.build(assembler.drawn(), Rest::Height(0.0))?;
+    let built = wheel_assembler.assembler.build_drawn()?;
     let suspension: &Suspension = &built.suspension;
     let moves: Vec<Moves> = moves_of_wheel(wheel_assembler, &built, sources).collect();
     let Some(elastic) = problem.study.compliance() else {

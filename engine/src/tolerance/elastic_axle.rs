@@ -17,7 +17,7 @@ use super::Problem;
 use super::axle_expansion::moves;
 use super::elastic::{rates, write_slopes};
 use super::wheel_assembler::WheelAssembler;
-use crate::assembly::{Rest, SetUpError};
+use crate::assembly::SetUpError;
 use crate::axle::AxleRead;
 use crate::compliance::{AxleParameter, Parameter};
 use crate::evaluate::AxleStations;
@@ -40,7 +40,7 @@ fn tensions(problem: &Problem, sources: &[&Source]) -> Result<Vec<f64>, SetUpErr
         return Ok(Vec::new());
     }
     let assembler = &left.assembler;
-    let built = assembler.build(assembler.drawn(), Rest::Height(0.0))?;
+    let built = assembler.build_drawn()?;
     let by_source = sources.iter().flat_map(|source| {
         let by = assembler.tensions_by(&built, left.changes(source));
         let links = left.tensions.iter();

@@ -9,7 +9,7 @@
 use super::{
     Estimate, Problem, Remainder, Spread, axle_expansion, axle_second, elastic, elastic_axle,
 };
-use crate::assembly::{BuildParameter, Rest, SetUpError, built_curves};
+use crate::assembly::{BuildParameter, SetUpError, built_curves};
 use crate::characteristics::{Constants, Slots, WheelReading};
 use crate::derive::MotionPoint;
 use crate::linear::lu::Lu6;
@@ -134,7 +134,7 @@ fn of_wheel(
 ) -> Result<(Vec<f64>, Vec<[f64; 2]>), SetUpError> {
     let wheel_assembler = &problem.wheel_assemblers[0];
     let assembler = &wheel_assembler.assembler;
-    let built = assembler.build(assembler.drawn(), Rest::Height(0.0))?;
+    let built = assembler.build_drawn()?;
     let directions: Vec<Vec<(BuildParameter, f64)>> = sources
         .iter()
         .map(|source| wheel_assembler.direction(&built, source))

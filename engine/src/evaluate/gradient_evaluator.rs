@@ -82,10 +82,7 @@ impl Evaluated {
     /// Derivative of a quantity if every hardpoint of a wheel moves at its rate. `place` holds the indices of design, quantity
     /// and station. An empty list of rates means that no hardpoint moves.
     pub fn along(&self, place: (usize, usize, usize), side: Side, rates: &[Vector3<f64>]) -> f64 {
-        let pairs = rates.iter().zip(self.gradient(place, side));
-        // A point that does not move contributes nothing, even if the derivative with respect to it has no value.
-        let moving = pairs.filter(|(rate, _)| rate.to_array() != [0.0; 3]);
-        moving.map(|(rate, by)| by.dot(*rate)).sum()
+        along(rates, self.gradient(place, side))
     }
 
     fn first_point(&self, (design, quantity, station): (usize, usize, usize), side: Side) -> usize {
@@ -137,6 +134,14 @@ impl Evaluated {
     pub(super) fn solved_of(&mut self, design: usize) -> &mut [bool] {
         &mut self.solved[design * self.stations..][..self.stations]
     }
+}
+
+/// Derivative of a value if every hardpoint of a wheel moves at its rate. `gradient` is with respect to the hardpoints.
+pub(crate) fn along(rates: &[Vector3<f64>], gradient: &[Vector3<f64>]) -> f64 {
+    let pairs = rates.iter().zip(gradient);
+    // A point that does not move contributes nothing, even if the derivative with respect to it has no value.
+    let moving = pairs.filter(|(rate, _)| rate.to_array() != [0.0; 3]);
+    moving.map(|(rate, by)| by.dot(*rate)).sum()
 }
 
 /// Evaluates quantities at stations with their gradients.

@@ -28,6 +28,7 @@ pub use block::{BLOCK, Block, FailedStation};
 pub(crate) use elastic::{ElasticQuantities, ElasticRead};
 pub(crate) use elastic_axle::ElasticAxleParts;
 pub use evaluator::{Evaluator, Pairs};
+pub(crate) use gradient_evaluator::along;
 pub use gradient_evaluator::{Evaluated, GradientEvaluator};
 pub use lane_gradients::{AngleTarget, Deviations, Gradients, Jacobians};
 pub use lanes::NotInLanes;

@@ -13,7 +13,8 @@ use super::monte_carlo::moments;
 use super::{Estimate, PERCENTILES, Problem, Spread, car_second, with_rounding};
 use crate::assembly::SetUpError;
 use crate::axle::Axle;
-use crate::car::{Car, CarFault, CarGradient, CarRequest, Case, CaseResult};
+use crate::car::{Car, CarFault, CarRequest, Case, CaseResult};
+use crate::evaluate::along;
 use crate::model::Side;
 use crate::sorting::sort_numbers;
 use crate::study::{CarContributor, CarStudy, CarTolerance, Source};
@@ -232,7 +233,11 @@ impl<'a> CarProblem<'a> {
                     CarContributor::Part { axle, number, .. } => {
                         let sources = ways[*axle][*number].iter();
                         let parts = sources.map(|(variance, moves)| {
-                            let slope = along(gradient, *axle, moves);
+                            let of_side = |side: Side| {
+                                let by = &gradient.wheels[2 * axle + side as usize];
+                                along(&moves[side as usize], by)
+                            };
+                            let slope = Side::ALL.map(of_side).iter().sum::<f64>();
                             variance * slope * slope
                         });
                         parts.sum()
@@ -344,18 +349,6 @@ impl<'a> CarProblem<'a> {
             Err(fault) => Some(car.describe_fault(&fault)),
         }
     }
-}
-
-/// Derivative of a result along a move of the points of both wheels of an axle.
-fn along(gradient: &CarGradient, axle: usize, moves: &[PointMoves; 2]) -> f64 {
-    let of_side = |side: Side| -> f64 {
-        let by = &gradient.wheels[2 * axle + side as usize];
-        let pairs = moves[side as usize].iter().zip(by);
-        // A point that does not move contributes nothing, even if the derivative with respect to it has no value.
-        let moving = pairs.filter(|(way, _)| way.to_array() != [0.0; 3]);
-        moving.map(|(way, by)| by.dot(*way)).sum()
-    };
-    Side::ALL.map(of_side).iter().sum()
 }
 
 /// Spread of values about a nominal value. Sums run in the order of the builds.

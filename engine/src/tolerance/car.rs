@@ -12,7 +12,6 @@ use super::histogram::Histogram;
 use super::monte_carlo::moments;
 use super::{Estimate, PERCENTILES, Problem, Spread, car_second, with_rounding};
 use crate::assembly::SetUpError;
-use crate::axle::Axle;
 use crate::car::{Car, CarFault, CarRequest, Case, CaseResult};
 use crate::evaluate::along;
 use crate::model::Side;
@@ -144,12 +143,8 @@ impl<'a> CarProblem<'a> {
             })?;
             let mut wheels = wheels.into_iter();
             if let Some(left) = wheels.next() {
-                car.axles[axle] = Axle {
-                    left,
-                    right: wheels.next(),
-                    setup: car.axles[axle].setup.clone(),
-                    elastic: car.axles[axle].elastic.clone(),
-                };
+                let own = &mut car.axles[axle];
+                (own.left, own.right) = (left, wheels.next());
             }
         }
         let figures = self.tolerance.contributors.iter().enumerate();
@@ -176,12 +171,8 @@ impl<'a> CarProblem<'a> {
             let mut wheels = problem.wheel_assemblers.iter();
             let mut next = || Some(wheels.next()?.assembler.suspension().clone());
             if let (false, Some(left)) = (problem.tolerance.scatter.is_empty(), next()) {
-                car.axles[axle] = Axle {
-                    left,
-                    right: next(),
-                    setup: car.axles[axle].setup.clone(),
-                    elastic: car.axles[axle].elastic.clone(),
-                };
+                let own = &mut car.axles[axle];
+                (own.left, own.right) = (left, next());
             }
         }
         car

@@ -1,15 +1,16 @@
 //! Sweeps of a car: results of load cases for each design.
 
 use super::margins::{distinguish, margin_column, margin_columns};
-use super::record::CAR_BLOCKS_OF_PART;
-use super::record::{Kind, MoveRecord, OutputColumn, TargetColumn, VariableRecord};
+use super::record::{
+    CAR_BLOCKS_OF_PART, Kind, MoveRecord, OutputColumn, TargetColumn, VariableRecord, extension,
+};
 use super::rows::{Failing, Rows};
 use super::{ColumnFault, FORM, Samples, SweepRecord};
 use crate::car::{
     AXLE_NAMES, Car, CarConstraint, CarFault, CarQuantity, CarRequest, CarTarget, CaseResult,
     RigGoals, moved,
 };
-use crate::study::{CarStudy, CarSweep, FileFormat, Sampled, Sampling, Target};
+use crate::study::{CarStudy, CarSweep, Sampled, Sampling, Target};
 
 /// Plan of a sweep of a car: the results to compute for each design.
 #[derive(Clone, Debug)]
@@ -105,41 +106,21 @@ impl<'s> CarSweepPlan<'s> {
     }
 
     fn outputs(&self) -> Vec<OutputColumn> {
-        let mut columns = Vec::new();
-        let mut add = |column: String, output: String, kind: Kind, unit: String| {
-            columns.push(OutputColumn {
-                column,
-                output,
-                kind,
-                unit,
-                at_design: None,
-                least: None,
-            });
-        };
         let car = &self.study.car;
-        for result in &self.request.results {
+        let of_result = |result: &CaseResult| {
             let unit = result.quantity.info().unit.suffix(car.length_unit);
             let name = self.name(result.case, result.quantity);
-            add(self.request.column(result, car), name, Kind::Case, unit);
-        }
+            OutputColumn::new(self.request.column(result, car), &name, Kind::Case, &unit)
+        };
+        let results = self.request.results.iter();
+        let mut columns: Vec<OutputColumn> = results.map(of_result).collect();
         let of_cases = self.targets.iter();
         let of_cases = of_cases.map(|target| self.name(target.case, target.quantity));
         let length = car.length_unit;
         let of_rigs = targets_of_rigs(&self.rigs);
         let of_rigs = of_rigs.map(|(end, own)| format!("{}_{}", AXLE_NAMES[end], own.name(length)));
         let names: Vec<String> = of_cases.chain(of_rigs).collect();
-        for (k, name) in names.iter().enumerate() {
-            let earlier = names[..k].iter().filter(|other| *other == name);
-            let column = match earlier.count() {
-                0 => format!("rms_{name}"),
-                n => format!("rms_{name}_{}", n + 1),
-            };
-            add(column, name.clone(), Kind::Rms, String::new());
-        }
-        if !names.is_empty() {
-            let name = || "misfit".to_owned();
-            add(name(), name(), Kind::Misfit, String::new());
-        }
+        columns.extend(OutputColumn::of_targets(&names));
         let mut margins: Vec<OutputColumn> = self
             .constraints
             .iter()
@@ -354,10 +335,7 @@ fn describe(study: &CarStudy, sweep: &CarSweep, targets: &[CarTarget]) -> SweepR
             constraints(study)
         },
         curves: false,
-        format: match sweep.format {
-            FileFormat::Csv => "csv".to_owned(),
-            FileFormat::Parquet => "parquet".to_owned(),
-        },
+        format: extension(sweep.format),
     }
 }
 

@@ -27,8 +27,8 @@ use crate::model::{Axis, Frame, Suspension};
 use crate::number::{Vector3, Width};
 use crate::plan::{Output, Plan};
 use crate::study::{
-    AxleSample, AxleStudy, ComplianceStudy, DesignTable, Designs, FileFormat, Optimise, Sample,
-    Study, StudyErrors, Sweep, Target, TargetKind, Vehicle, WheelStudy,
+    AxleSample, AxleStudy, ComplianceStudy, DesignTable, Designs, Optimise, Sample, Study,
+    StudyErrors, Sweep, Target, TargetKind, Vehicle, WheelStudy,
 };
 use description::describe;
 use goals::{GoalAssessor, GoalValues, Goals};
@@ -239,16 +239,6 @@ impl<'s> SweepPlan<'s> {
     /// Columns of results, in the order in which [`Worker`] writes them.
     fn output_columns(&self) -> Vec<OutputColumn> {
         let mut columns = Vec::new();
-        let mut add = |column: String, output: &str, kind: Kind, unit: &str| {
-            columns.push(OutputColumn {
-                column,
-                output: output.to_owned(),
-                kind,
-                unit: unit.to_owned(),
-                at_design: None,
-                least: None,
-            });
-        };
         for (number, (value, gains)) in self.values().iter().zip(&self.gains).enumerate() {
             let output = value.output.as_str();
             let kinds = [
@@ -259,25 +249,15 @@ impl<'s> SweepPlan<'s> {
             let first = if self.is_over_motion(number) { 0 } else { 2 };
             for (word, kind) in kinds.into_iter().skip(first) {
                 let name = with_unit(format!("{output}_{word}"), &value.unit);
-                add(name, output, kind, &value.unit);
+                columns.push(OutputColumn::new(name, output, kind, &value.unit));
             }
             for gain in gains {
-                add(gain.column.clone(), output, Kind::Gain, &gain.unit);
+                let column = gain.column.clone();
+                columns.push(OutputColumn::new(column, output, Kind::Gain, &gain.unit));
             }
         }
-        for (k, target) in self.targets.iter().enumerate() {
-            let output = target.name.as_str();
-            let same = |t: &&SweptTarget| t.name == target.name;
-            let earlier = self.targets[..k].iter().filter(same).count();
-            let name = match earlier {
-                0 => format!("rms_{output}"),
-                n => format!("rms_{output}_{}", n + 1),
-            };
-            add(name, output, Kind::Rms, "");
-        }
-        if !self.targets.is_empty() {
-            add("misfit".to_owned(), "misfit", Kind::Misfit, "");
-        }
+        let names = self.targets.iter().map(|target| target.name.clone());
+        columns.extend(OutputColumn::of_targets(&names.collect::<Vec<_>>()));
         let margins = self.goals.iter().flat_map(|goals| &goals.columns);
         columns.extend(margins.cloned());
         columns

@@ -5,6 +5,7 @@
 
 use crate::axle::Coordinate;
 use crate::evaluate::BLOCK;
+use crate::study::FileFormat;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -155,6 +156,43 @@ pub struct OutputColumn {
     /// ignores it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub least: Option<f64>,
+}
+
+impl OutputColumn {
+    /// Column without a value of the study's own design.
+    pub(super) fn new(column: String, output: &str, kind: Kind, unit: &str) -> Self {
+        OutputColumn {
+            column,
+            output: output.to_owned(),
+            kind,
+            unit: unit.to_owned(),
+            at_design: None,
+            least: None,
+        }
+    }
+
+    /// Columns of the deviations from targets with these names, and of the misfit. Targets with the same name are numbered.
+    pub(super) fn of_targets(names: &[String]) -> impl Iterator<Item = Self> {
+        let deviation = move |(k, name): (usize, &String)| {
+            let earlier = names[..k].iter().filter(|other| *other == name);
+            let column = match earlier.count() {
+                0 => format!("rms_{name}"),
+                n => format!("rms_{name}_{}", n + 1),
+            };
+            OutputColumn::new(column, name, Kind::Rms, "")
+        };
+        let misfit = || OutputColumn::new("misfit".to_owned(), "misfit", Kind::Misfit, "");
+        let misfit = (!names.is_empty()).then(misfit);
+        names.iter().enumerate().map(deviation).chain(misfit)
+    }
+}
+
+/// Extension of the names of result files.
+pub(super) fn extension(format: FileFormat) -> String {
+    match format {
+        FileFormat::Csv => "csv".to_owned(),
+        FileFormat::Parquet => "parquet".to_owned(),
+    }
 }
 
 /// A target.

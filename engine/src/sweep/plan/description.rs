@@ -3,6 +3,7 @@
 use super::*;
 use crate::study::Motion;
 use crate::sweep::digest_of;
+use crate::sweep::record::extension;
 
 /// Describes the sweep of a study. The columns of the outputs follow later.
 pub(super) fn describe(
@@ -62,10 +63,7 @@ pub(super) fn describe(
                 o.constraints.iter().map(|own| own.name.clone()).collect()
             }),
         curves: sweep.curves,
-        format: match sweep.format {
-            FileFormat::Csv => "csv".to_owned(),
-            FileFormat::Parquet => "parquet".to_owned(),
-        },
+        format: extension(sweep.format),
     }
 }
 

@@ -439,7 +439,6 @@ impl ElasticWheel {
         self.ends(&state, ways, |factor| {
             let mut task = base;
             task.loads = base.loads.plus(unit, factor);
-            task.loads.trail = unit.trail;
             task
         })
     }

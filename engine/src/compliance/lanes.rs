@@ -209,7 +209,6 @@ impl<B: SimdReal> WheelsInLanes<B> {
                 let (_, mut task) = system.held_as(&station.state, &station.task, held);
                 let (state, _) = system.held_as(&from.state, &from.task, held);
                 task.loads = task.loads.plus(loads, task.rack.one());
-                task.loads.trail = loads.trail;
                 let mut open = wheels.all();
                 for lane in 0..MOST_LANES {
                     open[lane] &= station.steps[lane].is_some() && from.steps[lane].is_some();

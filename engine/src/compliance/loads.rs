@@ -65,14 +65,14 @@ impl<T: Real> WheelLoads<T> {
         }
     }
 
-    /// Returns this load plus a multiple of another load, with the trail of this load. If both have a side force, their
+    /// Returns this load plus a multiple of another load, with the trail of the other load. If both have a side force, their
     /// trails must be equal.
     #[inline(always)]
     pub fn plus(&self, other: &Self, factor: T) -> Self {
         WheelLoads {
             contact: self.contact + other.contact * factor,
             side: self.side + other.side * factor,
-            trail: self.trail,
+            trail: other.trail,
             centre: self.centre + other.centre * factor,
             moment: self.moment + other.moment * factor,
         }

@@ -348,7 +348,6 @@ impl ElasticWheel {
         task.loads.trail = loads.trail;
         let mut to = base;
         to.loads = base.loads.plus(loads, 1.0);
-        to.loads.trail = loads.trail;
         self.solved(&state, &task, &to, None)
     }
 

@@ -119,7 +119,6 @@ impl ElasticAxle {
             let mut task = base;
             for (own, unit) in task.wheels.iter_mut().zip(unit) {
                 own.loads = own.loads.plus(unit, factor);
-                own.loads.trail = unit.trail;
             }
             task
         })

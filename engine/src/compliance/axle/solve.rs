@@ -63,7 +63,6 @@ impl ElasticAxle {
         for (side, load) in loads.iter().enumerate() {
             task.wheels[side].loads.trail = load.trail;
             to.wheels[side].loads = base.wheels[side].loads.plus(load, 1.0);
-            to.wheels[side].loads.trail = load.trail;
         }
         self.solved(&state, &task, &to, None)
     }

@@ -258,18 +258,8 @@ impl<'f> Evaluation<'f> {
     /// Panics if the lengths of the slices do not match.
     pub fn values(&mut self, x: &[f64], values: &mut [f64], status: &mut [DesignStatus]) {
         let f = self.function;
-        let width = f.variables.len();
-        let count = status.len();
-        assert_eq!(
-            x.len(),
-            count * width,
-            "x needs a row of variables for each design"
-        );
-        assert_eq!(
-            values.len(),
-            count * f.len(),
-            "values needs a number per output and station of each design"
-        );
+        let (width, count) = (f.variables.len(), status.len());
+        f.check_lengths(x, values, count);
         self.failures.clear();
         let mut first = 0;
         while first < count {
@@ -320,16 +310,7 @@ impl<'f> Evaluation<'f> {
     ) {
         let f = self.function;
         let (width, count) = (f.variables.len(), status.len());
-        assert_eq!(
-            x.len(),
-            count * width,
-            "x needs a row of variables for each design"
-        );
-        assert_eq!(
-            values.len(),
-            count * f.len(),
-            "values needs a number per output and station of each design"
-        );
+        f.check_lengths(x, values, count);
         assert_eq!(
             jacobian.len(),
             values.len() * width,
@@ -441,6 +422,20 @@ impl<'f> Evaluation<'f> {
 }
 
 impl DesignFunction {
+    /// Panics if the lengths of these slices do not match the number of designs.
+    fn check_lengths(&self, x: &[f64], values: &[f64], designs: usize) {
+        assert_eq!(
+            x.len(),
+            designs * self.variables.len(),
+            "x needs a row of variables for each design"
+        );
+        assert_eq!(
+            values.len(),
+            designs * self.len(),
+            "values needs a number per output and station of each design"
+        );
+    }
+
     /// Writes the offsets from the design into `into`. The offsets are 0 for variables that are coordinates.
     fn offsets(&self, x: &[f64], into: &mut DVector<f64>) {
         for ((variable, x), into) in self.names.iter().zip(x).zip(into.iter_mut()) {

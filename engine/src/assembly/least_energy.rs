@@ -119,7 +119,7 @@ impl<T: Real> Rows<T> {
 /// The pose after a correction.
 fn moved<T: Real>(pose: &Pose<T>, correction: Vector6<T>) -> Pose<T> {
     let twist = Twist::from_array(correction);
-    pose.moved(twist.shift, twist.turn.map(|c| c.scaled(0.5)))
+    pose.moved(twist.shift, twist.turn.scaled(0.5))
 }
 
 impl Assembler {

@@ -439,14 +439,3 @@ fn rates<T: Real>(
     let other = of(centre.other, turn.other, spring.other, bar.other);
     (of(centre.own, turn.own, spring.own, bar.own), Some(other))
 }
-
-trait Scaled {
-    fn scaled(self, factor: f64) -> Self;
-}
-
-impl<T: Real> Scaled for Vector3<T> {
-    #[inline(always)]
-    fn scaled(self, factor: f64) -> Self {
-        self.map(|c| c.scaled(factor))
-    }
-}

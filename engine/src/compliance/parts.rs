@@ -111,7 +111,7 @@ impl<T: Valued> Mount<T> {
             let (tilt, gradient, second) = second_order(nothing, |turn| {
                 let (turn, along) = (Vector3::from(turn), constant(along));
                 let once = turn.cross(along);
-                let now = along + once + turn.cross(once).map(|c| c.scaled(0.5));
+                let now = along + once + turn.cross(once).scaled(0.5);
                 let across = constant(self.along).cross(now);
                 let cosine = constant(self.along).dot(now);
                 let ratio = angle_by_sine(across.norm_squared(), cosine);

@@ -255,6 +255,6 @@ fn steering_axis<T: Real>(
     let (point, along) = at.steering_axis()?;
     let along = along.normalised();
     let foot = point + along * along.dot(at.point(at.mechanism.wheel_centre) - point);
-    let half = along.map(|c| c.scaled(0.5 * suspension.size()));
+    let half = along.scaled(0.5 * suspension.size());
     Some([foot - half, foot + half])
 }

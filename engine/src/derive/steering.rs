@@ -71,7 +71,7 @@ impl<const N: usize> Steered<N> {
             pose: at
                 .pose
                 .map(Jet::constant)
-                .moved(along(twist.shift), along(twist.turn.map(|c| c.scaled(0.5)))),
+                .moved(along(twist.shift), along(twist.turn.scaled(0.5))),
             rack: Jet([at.rack, one]),
             steering: None,
         };

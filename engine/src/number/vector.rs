@@ -122,6 +122,12 @@ impl<T: Real> Vector3<T> {
 
 /// Operations for derivative numbers outside registers.
 impl<T: Real> Vector3<T> {
+    /// Product with a constant factor.
+    #[inline(always)]
+    pub fn scaled(self, factor: f64) -> Self {
+        self.map(|c| c.scaled(factor))
+    }
+
     #[inline]
     fn dot_called(self, other: Self) -> T {
         self.dot_inline(other)

@@ -380,7 +380,7 @@ impl Chart {
             rotation: Matrix3 {
                 columns: array_of(|k| {
                     let column = Vector3::new(x[k], y[k], z[k]);
-                    column.map(|c| c.scaled(self.flip[k]))
+                    column.scaled(self.flip[k])
                 }),
             },
         }

@@ -112,7 +112,7 @@ fn steered_roll_centre<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> [T
     let middle = Vector3::new(own.x + other.x, own.y - other.y, own.z + other.z);
     let (of_axle, _) = left.reading.steering_axis();
     let [velocity, turn] = left.reading.axle_twist(state.carriers.by_difference());
-    let here = velocity + turn.cross(middle.map(|c| c.scaled(0.5)) - of_axle);
+    let here = velocity + turn.cross(middle.scaled(0.5) - of_axle);
     let ground = left.ground;
     [
         ground.outboard().dot(here) / turn.x,
@@ -210,7 +210,7 @@ fn forward_force_loads<T: Real, W: WheelParts<T>>(
     by_carrier: f64,
 ) -> [T; 2] {
     let [left, right] = state.wheels().each(|wheel| {
-        let lever = wheel.contact_lever().map(|c| c.scaled(by_carrier));
+        let lever = wheel.contact_lever().scaled(by_carrier);
         let forward = |powers: [usize; 2]| {
             let [centre, turn] = wheel.reading.twist(powers);
             (centre + turn.cross(lever)).x
@@ -350,7 +350,7 @@ fn displacement<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> Vector3<T
         .wheels()
         .each(|wheel| wheel.reading.centre() - wheel.reading.design().centre);
     let sum = Vector3::new(left.x + right.x, left.y - right.y, left.z + right.z);
-    sum.map(|c| c.scaled(0.5))
+    sum.scaled(0.5)
 }
 
 /// Displacement of the midpoint of both wheel centres to the left.

@@ -27,7 +27,7 @@ impl<T: Scalar> AxlePlace<T> {
         let like = sum.x;
         let (zero, one) = (like.zero(), like.one());
         AxlePlace {
-            middle: sum.map(|c| c.scaled(0.5)),
+            middle: sum.scaled(0.5),
             forward: left.0.lever(Vector3::new(one, zero, zero)),
             line: left.0.lever(Vector3::new(zero, one, zero)),
         }
@@ -39,7 +39,7 @@ impl<T: Scalar> AxlePlace<T> {
         let axes = [self.forward, self.line, self.forward.cross(self.line)];
         let turned = |column: Vector3<f64>| {
             let parts = axes.into_iter().zip(column.to_array());
-            let parts = parts.map(|(axis, share)| axis.map(|c| c.scaled(share)));
+            let parts = parts.map(|(axis, share)| axis.scaled(share));
             parts.fold(axes[0].zero(), |sum, part| sum + part)
         };
         let [forward, line, _] = home.columns;
@@ -99,7 +99,7 @@ impl<T: Scalar> ElasticAxle<T> {
         let contact = |side: Side| self.figures(at, side).contact;
         let middle = contact(Side::Left) + mirrored(contact(Side::Right));
         let reference = self.wheels[0].built.reference + at.state.wheels[0].carrier.shift;
-        let lever = middle.map(|c| c.scaled(0.5)) - reference;
+        let lever = middle.scaled(0.5) - reference;
         let velocity = Vector3::new(x, y, z) + turn.cross(lever);
         Some([velocity.y / turn.x, -(velocity.z / turn.x)])
     }

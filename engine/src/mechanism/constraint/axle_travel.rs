@@ -131,7 +131,7 @@ impl<T: Real> TravelRow<T> {
                     wrench.force = wrench.force + rate.force;
                     wrench.moment = wrench.moment + rate.moment;
                 }
-                _ => levers = levers + at.designed_lever(id).map(|c| c.scaled(factor)),
+                _ => levers = levers + at.designed_lever(id).scaled(factor),
             }
         }
         let velocity = along.turn.cross(at.pose.rotation.apply(levers));

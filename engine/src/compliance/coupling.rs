@@ -105,7 +105,7 @@ impl<T: Scalar> InFrame<T> {
         coupling: &mut Coupling<T>,
     ) {
         match pose {
-            None => self.add_at_rest(equations, coupling),
+            None => self.add_scalars(equations, coupling),
             Some(pose) => self.turned(pose).add_on_subframe(pose, equations, coupling),
         }
     }
@@ -133,10 +133,6 @@ impl<T: Scalar> InFrame<T> {
                 *by = *by + self.carrier_by[k][i];
             }
         }
-    }
-
-    fn add_at_rest(&self, equations: &mut Equations<T>, coupling: &mut Coupling<T>) {
-        self.add_scalars(equations, coupling);
     }
 
     /// Converts the forces and tangents to the axes of the vehicle. The rack's shift and the bar's twist are scalars

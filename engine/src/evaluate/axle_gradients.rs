@@ -1,7 +1,8 @@
 //! Gradients of axle quantities with respect to the hardpoints of both wheels, one axle at a time.
 
+use super::evaluator::Design;
 use super::gradients_one_by_one::DifferentiatesOneByOne;
-use super::{AxleStations, Evaluated, Pairs};
+use super::{AxleStations, Evaluated};
 use crate::axle::{AxleSolver, Hold};
 use crate::mechanism::DesignFault;
 use crate::model::Side;
@@ -41,15 +42,10 @@ impl<'a, const N: usize> OneByOne<'a, N> {
 }
 
 impl<const N: usize> DifferentiatesOneByOne for OneByOne<'_, N> {
-    fn evaluate(
-        &mut self,
-        [left, right]: Pairs<'_>,
-        number: usize,
-        into: &mut Evaluated,
-    ) -> Result<(), DesignFault> {
+    fn evaluate(&mut self, design: Design<'_>, into: &mut Evaluated) -> Result<(), DesignFault> {
         let OneByOne { stations, solver } = self;
-        let right = if right.is_empty() { left } else { right };
-        let prepared = stations.prepare(solver, [left, right]);
+        let number = design.number;
+        let prepared = stations.prepare(solver, design.wheels);
         prepared.map_err(|(_, fault)| fault)?;
         let placed = solver.place_all(&stations.placements);
         for (station, placed) in placed.into_iter().enumerate() {

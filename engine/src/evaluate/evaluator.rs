@@ -40,6 +40,14 @@ pub(super) struct Design<'d> {
 }
 
 impl<'d> Designs<'d> {
+    pub(super) fn new(wheels: Pairs<'d>, points: usize, rates: &'d [f64]) -> Self {
+        Designs {
+            wheels,
+            points,
+            rates,
+        }
+    }
+
     pub(super) fn count(&self) -> usize {
         self.wheels[0].len() / self.points
     }
@@ -210,11 +218,7 @@ impl<'a> Evaluator<'a> {
     /// Evaluates designs, given as points of left and of right wheels, each in the frame of its side. If there are no points
     /// of right wheels, the right wheels are mirror images.
     pub(crate) fn evaluate_pairs(&mut self, wheels: Pairs<'_>, block: &mut Block) {
-        let designs = Designs {
-            wheels,
-            points: self.points,
-            rates: &self.rates,
-        };
+        let designs = Designs::new(wheels, self.points, &self.rates);
         block.clear(designs.count());
         self.fallback.clear();
         match &mut self.lanes {

@@ -4,6 +4,7 @@
 //! one station in each lane where possible; the results are identical, bit for bit. Other designs are differentiated one by
 //! one, with the adjoint of the closure equations. The choice of method depends only on the design.
 
+use super::evaluator::Designs;
 use super::gradients_one_by_one::{DifferentiatesOneByOne, OneByOne};
 use super::{AxleStations, Gradients, Jacobians, Pairs, Stations};
 use crate::characteristics::Quantity;
@@ -242,19 +243,20 @@ impl<'a> GradientEvaluator<'a> {
     /// Evaluates designs, given as their points one design after the other, at every station with a pose. The second slice
     /// has the points of right wheels; it is empty if the right wheels are mirror images. Returns the number of designs that
     /// were evaluated one by one.
-    pub fn evaluate(&mut self, [designs, rights]: Pairs<'_>, into: &mut Evaluated) -> usize {
+    pub fn evaluate(&mut self, wheels: Pairs<'_>, into: &mut Evaluated) -> usize {
         let points = self.points;
-        let count = designs.len() / points;
+        let designs = Designs::new(wheels, points, &[]);
+        let count = designs.count();
         into.clear(count, self);
         let at_once = self.at_once();
         let mut left = 0;
         for first in (0..count).step_by(at_once) {
             let together = at_once.min(count - first);
-            let group = &designs[first * points..(first + together) * points];
             if let Some(lanes) = &mut self.lanes {
+                let group = &wheels[0][first * points..(first + together) * points];
                 evaluate_in_lanes(lanes, group, first, &self.wanted, into);
             }
-            for (number, design) in group.chunks_exact(points).enumerate() {
+            for number in 0..together {
                 let place = first + number;
                 if self.lanes.as_ref().is_some_and(|l| l.is_accepted(number)) {
                     into.solved_of(place).fill(true);
@@ -262,12 +264,7 @@ impl<'a> GradientEvaluator<'a> {
                 }
                 left += 1;
                 into.forget(place);
-                let right = if rights.is_empty() {
-                    rights
-                } else {
-                    &rights[place * points..(place + 1) * points]
-                };
-                let solved = self.one_by_one.evaluate([design, right], place, into);
+                let solved = self.one_by_one.evaluate(designs.get(place), into);
                 into.faults[place] = solved.err();
             }
         }

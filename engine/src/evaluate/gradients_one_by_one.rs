@@ -1,6 +1,7 @@
 //! Gradients of one design at a time, with the adjoint of the closure equations.
 
-use super::{Evaluated, Pairs, Stations};
+use super::evaluator::Design;
+use super::{Evaluated, Stations};
 use crate::characteristics::{Constants, Quantity, Slots, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::DesignFault;
@@ -11,14 +12,8 @@ use std::ops::ControlFlow;
 
 /// Solver of one design after another.
 pub(super) trait DifferentiatesOneByOne: Send {
-    /// Evaluates the design with this index at every station with a pose. `design` has the points of the left wheel, and those
-    /// of the right wheel unless this is the mirror image of the left wheel.
-    fn evaluate(
-        &mut self,
-        design: Pairs<'_>,
-        number: usize,
-        into: &mut Evaluated,
-    ) -> Result<(), DesignFault>;
+    /// Evaluates a design at every station with a pose.
+    fn evaluate(&mut self, design: Design<'_>, into: &mut Evaluated) -> Result<(), DesignFault>;
 }
 
 /// Solver of one design after another. Each Taylor series has `N` coefficients.
@@ -63,12 +58,8 @@ impl<'a, const N: usize> OneByOne<'a, N> {
 }
 
 impl<const N: usize> DifferentiatesOneByOne for OneByOne<'_, N> {
-    fn evaluate(
-        &mut self,
-        [design, _]: Pairs<'_>,
-        number: usize,
-        into: &mut Evaluated,
-    ) -> Result<(), DesignFault> {
+    fn evaluate(&mut self, design: Design<'_>, into: &mut Evaluated) -> Result<(), DesignFault> {
+        let (number, [design, _]) = (design.number, design.wheels);
         let OneByOne {
             stations,
             quantities,

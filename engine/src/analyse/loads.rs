@@ -22,6 +22,7 @@
 
 mod members;
 
+pub(crate) use members::members_of_constraints;
 pub use members::{Carried, Member, members};
 
 use super::beam_loads::BeamForces;

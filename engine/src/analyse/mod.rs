@@ -14,6 +14,7 @@ pub use beam_loads::{BeamForce, BeamForces};
 pub use certificate::{Certificate, Certifier, Inclusion};
 pub(crate) use limits::AT_TOGGLE;
 pub use limits::{Limit, Limits, Range, RangeEnd, RockerRange};
+pub(crate) use loads::members_of_constraints;
 pub use loads::{
     Balance, Balanced, Carried, FAR, Factors, Load, LoadPoint, Member, Reaction, Reactions,
     Support, members,

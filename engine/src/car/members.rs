@@ -7,10 +7,10 @@
 use super::equations::Balance;
 use super::solver::{CarSolver, Equilibrium};
 use super::{Car, Case, GRAVITY, NoEquilibrium, WheelPlace};
-use crate::analyse::{Applied, Support, bears, rod_name};
+use crate::analyse::{Applied, Carried, Support, bears, members_of_constraints, rod_name};
 use crate::axle::AxlePose;
 use crate::mechanism::NoPose;
-use crate::model::{ArmId, Axis, Constraint, Mechanism, PointId, RockerId, Side};
+use crate::model::{ArmId, Axis, Mechanism, PointId, RockerId, Side};
 use crate::number::{Each, Vector3};
 
 /// Type of a force in the results, with the member of one wheel's suspension that transmits it.
@@ -83,47 +83,29 @@ impl CarMember {
 
 /// Lists the members of one wheel: links, forces at points, the outer joint of every arm, rods, and the spring.
 fn members(mechanism: &Mechanism) -> Vec<(String, What)> {
-    let mut found = Vec::new();
-    let borne = |outer: PointId| {
-        let arms = mechanism.arms.iter().enumerate();
-        let mut arms = arms.filter(|(_, arm)| arm.outer == outer);
-        arms.find_map(|(k, _)| bears(mechanism, ArmId(k)).then_some(ArmId(k)))
+    let arms = || mechanism.arms.iter().enumerate();
+    // If an arm carries a spring, a rod, a link or a second joint, its legs are in bending. The list omits these legs, because
+    // the force along a leg is not the whole force on it.
+    let is_bent = |outer: PointId| {
+        let mut own = arms().filter(|(_, arm)| arm.outer == outer);
+        own.any(|(k, _)| bears(mechanism, ArmId(k)))
     };
-    let add = |name: &str, what: &dyn Fn(Axis) -> What, found: &mut Vec<(String, What)>| {
-        let all = Axis::ALL.map(|axis| (format!("{name}_{}", axis.name()), what(axis)));
-        found.extend(all);
-    };
-    for constraint in &mechanism.constraints {
-        match *constraint {
-            // If an arm carries a spring, a rod, a link or a second joint, its legs are in bending. The list omits these
-            // legs, because the force along a leg is not the whole force on it.
-            Constraint::Link { outer, .. } if borne(outer).is_some() => {}
-            Constraint::Link { inner, outer } => {
-                let name = mechanism.link_name(inner).to_owned();
-                found.push((name, What::Link(inner, outer)));
-            }
-            Constraint::StrutLine { top, .. } => {
-                add("strut_side", &|axis| What::Point(top, axis), &mut found);
-            }
-            Constraint::Revolute { first, second } => {
-                for point in [first, second] {
-                    let name = mechanism.name(point);
-                    add(name, &|axis| What::Point(point, axis), &mut found);
-                }
-            }
-            Constraint::BallJoint { at } | Constraint::ArmJoint { at, .. } => {
-                add(
-                    mechanism.name(at),
-                    &|axis| What::Point(at, axis),
-                    &mut found,
-                );
-            }
-            Constraint::Mount { .. } | Constraint::AxleTravel { .. } => {}
-        }
-    }
-    for (number, arm) in mechanism.arms.iter().enumerate() {
-        let joint = |axis| What::Joint(ArmId(number), axis);
-        add(mechanism.name(arm.outer), &joint, &mut found);
+    let of_constraints = members_of_constraints(mechanism, is_bent);
+    let of_constraints = of_constraints.into_iter().filter_map(|member| {
+        let what = match member.what {
+            Carried::Tension(inner, outer) => What::Link(inner, outer),
+            Carried::Force(point, axis) => What::Point(point, axis),
+            _ => return None,
+        };
+        Some((member.name, what))
+    });
+    let mut found: Vec<(String, What)> = of_constraints.collect();
+    for (number, arm) in arms() {
+        let name = mechanism.name(arm.outer);
+        found.extend(Axis::ALL.map(|axis| {
+            let what = What::Joint(ArmId(number), axis);
+            (format!("{name}_{}", axis.name()), what)
+        }));
     }
     for (number, rocker) in mechanism.rockers.iter().enumerate() {
         found.push((rod_name(rocker.rod), What::Rod(RockerId(number))));

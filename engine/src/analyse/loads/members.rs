@@ -86,7 +86,8 @@ pub struct Member {
 /// Returns all members with a reaction, in this order: members of the constraints, joints of arms, rods on rockers,
 /// forces of a twist beam, supports.
 pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
-    let mut members = members_of_constraints(mechanism);
+    let mut members =
+        members_of_constraints(mechanism, |joint| is_joint_of_bent_arm(mechanism, joint));
     members.extend(joints_of_arms_with_links(mechanism));
     members.extend(rods_on_rockers(mechanism));
     if mechanism.topology.is_twist_beam() {
@@ -108,8 +109,12 @@ fn components(name: &str, point: PointId) -> [Member; 3] {
     })
 }
 
-/// Returns the members of the constraints, in the order of the constraints.
-fn members_of_constraints(mechanism: &Mechanism) -> Vec<Member> {
+/// Returns the members of the constraints, in the order of the constraints. The legs of an arm are left out if `is_bent` is true
+/// for its outer joint.
+pub(crate) fn members_of_constraints(
+    mechanism: &Mechanism,
+    is_bent: impl Fn(PointId) -> bool,
+) -> Vec<Member> {
     let mut members = Vec::new();
     for constraint in &mechanism.constraints {
         match *constraint {
@@ -117,7 +122,7 @@ fn members_of_constraints(mechanism: &Mechanism) -> Vec<Member> {
             Constraint::Link { .. } if mechanism.topology.is_twist_beam() => {}
             // If an arm carries a spring or a link, its legs are bent. So the axial force of a leg is not the whole
             // load on it.
-            Constraint::Link { outer, .. } if is_joint_of_bent_arm(mechanism, outer) => {}
+            Constraint::Link { outer, .. } if is_bent(outer) => {}
             Constraint::Link { inner, outer } => {
                 members.push(Member {
                     name: mechanism.link_name(inner).to_owned(),

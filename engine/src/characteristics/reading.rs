@@ -9,7 +9,7 @@ use super::{Constants, DesignWheel, Inputs, Slot, Slots, Wheel};
 use crate::derive::DesignedSpinAxis;
 use crate::mechanism::Configuration;
 use crate::model::{Mechanism, PointId, RockerId};
-use crate::number::{Real, Vector3};
+use crate::number::{Jet, Real, Vector3};
 
 /// A part of a pose, with its derivative with respect to the drive coordinate if known.
 #[derive(Clone, Copy, Debug)]
@@ -67,6 +67,16 @@ pub(super) trait PoseReader<T: Real> {
     fn steering_axis(&mut self) -> Option<[Moving<Vector3<T>>; 2]>;
     /// Angle of a rocker from its design position.
     fn rocker_angle(&mut self, id: RockerId) -> Moving<T>;
+}
+
+impl<T: Real> Inputs<Jet<T, 2>> {
+    /// Inputs in the present pose. The rates are the derivatives of `now` along the series.
+    pub(crate) fn with_rates(&self) -> Inputs<T> {
+        Inputs {
+            rate: self.now.map(|c| c[1]),
+            ..self.map(|c| c[0])
+        }
+    }
 }
 
 impl<T: Real> Inputs<T> {

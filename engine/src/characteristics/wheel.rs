@@ -400,16 +400,6 @@ impl<T: Real> Wheel<T> {
     }
 }
 
-impl<T: Real> Inputs<Jet<T, 2>> {
-    /// Inputs in the present pose. The rates are the derivatives of `now` along the series.
-    pub(crate) fn with_rates(&self) -> Inputs<T> {
-        Inputs {
-            rate: self.now.map(|c| c[1]),
-            ..self.map(|c| c[0])
-        }
-    }
-}
-
 impl<T: Real> Inputs<T> {
     /// Converts only these slots to another number type. Every other number is `nothing`, which is NaN.
     #[inline(always)]

@@ -170,7 +170,11 @@ fn every_value_is_the_reference_s() {
                 });
             }
             for (name, quantity, scale) in &quantities {
-                let expected = expected(name).unwrap_or_else(|| panic!("{label} {name}"));
+                // The reference has no ratio of steer angles straight ahead, and neither has the program.
+                let Some(expected) = expected(name) else {
+                    assert!(quantity.value(&read.state).is_err(), "{label} {name}");
+                    continue;
+                };
                 // The reference keeps both travels constant where the case gives them; the program keeps roll angle and
                 // mean travel constant.
                 let found = match (name.as_str(), state["motion"]["kind"].as_str()) {

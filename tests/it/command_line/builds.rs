@@ -105,7 +105,8 @@ fn a_set_up_is_printed_for_a_mechanic() {
             );
         }
     }
-    assert_eq!(with_target, 3);
+    // Three targets of the command, and the ride height of the study.
+    assert_eq!(with_target, 4);
     // The order of adjustments is: shims first, toe last.
     let order: Vec<_> = summary["adjustments"]
         .as_array()

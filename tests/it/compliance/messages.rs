@@ -42,7 +42,7 @@ fn a_page_of_tests_needs_a_directory() {
     let directory = tempfile::tempdir().unwrap();
     let study = study("double_wishbone_compliance.toml");
     let said = refused(&["kc", &study, "--out", "-", "--report"], directory.path());
-    assert!(said.contains("need a directory"), "{said}");
+    assert!(said.contains("--report needs a directory"), "{said}");
 }
 
 /// The program names a measured sheet that does not exist. It does not ask for the keys of a curve, because a sheet does

@@ -317,8 +317,9 @@ impl Solver<'_> {
         }
     }
 
-    /// If an end of the range is unresolved, the rod of a Watt rocker or of a knuckle may be at its toggle there. In
-    /// this case, the function replaces the end by this toggle. Beyond the toggle, the rocker has no position.
+    /// If the path could not be followed beyond an end of the range, a rod may be at its toggle there. The rod is the link of a
+    /// Watt rocker, or the drag link or tie rod of a knuckle. In this case, the function replaces the end by this toggle. Beyond
+    /// the toggle, the Watt rocker or knuckle has no position.
     fn with_toggles(
         &mut self,
         mut range: Range,

@@ -168,7 +168,8 @@ pub struct Reactions<T = f64> {
     pub support_force: Vector3<T>,
 }
 
-/// A pose with its support, prepared for loads. The equations are factorised once for any number of loads.
+/// Balance of forces in a pose, prepared for loads. The support (the spring, or a vertical force at the wheel centre) holds the
+/// suspension in the pose. The equations are factorised once for any number of loads.
 pub struct Balance<'a, T = f64> {
     pub(super) closure: &'a Closure<T>,
     pub(super) at: Configuration<'a, T>,

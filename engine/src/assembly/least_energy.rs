@@ -53,7 +53,8 @@ const FARTHEST: f64 = 0.2;
 /// without constraint. `None` for a mechanism without an extra link.
 pub type Tensions<T = f64> = Option<[T; LINKS]>;
 
-/// Deviations from (1) in a pose, and the gradients of these deviations with respect to the pose.
+/// Left-hand minus right-hand sides of equation (1) of this file in a pose, without the terms c_i t_i. Also their gradients with
+/// respect to the pose.
 struct Rows<T> {
     /// Differences l_i - L_i.
     stretches: [T; LINKS],

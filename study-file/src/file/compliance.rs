@@ -35,7 +35,8 @@ pub struct ComplianceTest {
     pub levels: Option<Whole>,
     /// `all` or `nearest`.
     pub stations: Option<Text>,
-    /// For an axle: `parallel`, `opposed` or `single`.
+    /// For an axle, wheels and directions of the load: `parallel` (both wheels, same direction), `opposed` (both wheels, opposite
+    /// directions) or `single` (one wheel).
     pub mode: Option<Text>,
     /// For an axle: `locked_wheel` or `locked_rack`.
     pub steering: Option<Text>,

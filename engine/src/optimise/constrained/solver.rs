@@ -153,8 +153,8 @@ struct SequentialConvex<'a> {
     current: Assessment,
     trial: Assessment,
     trial_x: DVector<f64>,
-    /// Rows at the latest refused trials near the current point. The slopes of these rows are the slopes on the other sides
-    /// of a kink.
+    /// Constraint rows, linearised at the latest refused trial points near the current point. At a kink, these rows have the
+    /// slopes on its other sides.
     beside: Vec<Linearisation>,
     /// Distance that the current point has moved since `beside` was last cleared, in half ranges.
     gone: f64,

@@ -30,7 +30,7 @@ struct Step {
     length: f64,
     /// Predicted reduction of the goal.
     predicted: f64,
-    /// True if the current point is an optimum of the model.
+    /// True if the current point is the optimum of the convex model, so no step improves the model.
     is_balanced: bool,
 }
 

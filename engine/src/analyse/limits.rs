@@ -384,8 +384,8 @@ const BEFORE_END: [f64; 4] = [0.99, 0.9999, 0.999_999, 0.999_999_99];
 pub(crate) const AT_TOGGLE: f64 = 0.01;
 
 impl Curve<'_> {
-    /// Returns the outer end of the link with the largest multiplier w of (1). This multiplier is proportional to the
-    /// force in the link at the fold.
+    /// Returns the outer end of the link with the largest force at the fold. This force is proportional to the link's multiplier
+    /// w in equation (1).
     fn holding_link(&self, fold: &CurvePoint) -> Option<PointId> {
         let ends = outer_ends(self.mechanism).into_iter();
         let forces = ends.zip(self.fold_multipliers(fold));

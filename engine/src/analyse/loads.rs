@@ -173,7 +173,7 @@ pub struct Reactions<T = f64> {
 pub struct Balance<'a, T = f64> {
     pub(super) closure: &'a Closure<T>,
     pub(super) at: Configuration<'a, T>,
-    /// Row of the support in the equations.
+    /// Row of the support (spring, or vertical force at the wheel centre) in the equations.
     support: Wrench<T>,
     /// Tension in the rod of the spring's rocker per unit of spring force.
     rod_per_spring: Option<T>,

@@ -44,7 +44,7 @@ use crate::number::{Each, Real, Vector3, array_of};
 const LINKS: usize = 5;
 /// Index of the link without constraint.
 const EXTRA: usize = LINKS - 1;
-/// Largest number of corrections (5).
+/// Largest number of corrections of the pose by equation (5).
 const MOST_ROUNDS: usize = 40;
 /// Twice the largest move of the axle in the first correction, relative to the axle's size.
 const FARTHEST: f64 = 0.2;
@@ -86,7 +86,7 @@ impl<T: Real> Rows<T> {
         shares.each(|share| share * tension)
     }
 
-    /// Correction (5) of the pose.
+    /// Correction of the axle's pose by equation (5) of this file.
     fn correction(
         &self,
         tensions: &[T; LINKS],
@@ -103,7 +103,7 @@ impl<T: Real> Rows<T> {
         })
     }
 
-    /// Numbers s of equation (3) after the correction (6).
+    /// Ratios s of the links' tensions to the fifth tension, equation (3), after one correction by equation (6).
     fn shares(&self, before: &Vector6<T>, inverse: &Matrix6<f64>) -> Vector6<T> {
         let rows = self.jacobian();
         let left: Vector6<T> = array_of(|j| {

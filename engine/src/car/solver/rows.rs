@@ -63,8 +63,9 @@ struct Row<'c> {
     at: Option<Equilibrium>,
     /// States after the last state with a tangent, in order. They are not confirmed yet.
     pending: Vec<Pending>,
-    /// Unknowns of the last states, starting with the latest, and their number.
+    /// Unknowns of the last states, starting with the latest.
     points: [[f64; UNKNOWNS]; POINTS],
+    /// Number of states in `points`.
     known: usize,
     is_in_lane: bool,
 }

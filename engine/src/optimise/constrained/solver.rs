@@ -52,7 +52,7 @@ const STUCK: f64 = 1e-4;
 pub struct ConstrainedFit {
     /// Values of the variables, within their bounds.
     pub x: DVector<f64>,
-    /// Goal, levels and rows at `x`.
+    /// Residuals of the goal, of the levels (limits of a norm) and of the constraint rows at `x`.
     pub at: Assessment,
     /// Largest violation at `x` among the levels and the rows that some variable changes.
     pub violation: f64,
@@ -146,8 +146,9 @@ struct SequentialConvex<'a> {
     record: FitRecord<'a>,
     equalities: usize,
     levels: Vec<f64>,
-    /// Limits of the rows, and the rows in use. The set of rows in use is `None` before the run has begun.
+    /// Absolute values of the limits of the constraint rows.
     limits: Vec<f64>,
+    /// Constraint rows in use. `None` before the run has begun.
     movable: Option<Movable>,
     model: ConvexModel<'a>,
     current: Assessment,

@@ -17,8 +17,9 @@ pub(super) struct Trials {
     pub negligible: f64,
     /// Number of trials.
     pub count: usize,
-    /// Number of evaluations, and number of evaluations without a result.
+    /// Number of evaluations.
     pub evaluations: u32,
+    /// Number of evaluations without a result.
     pub infeasible: u32,
     /// Reason of the last evaluation without a result.
     pub obstacle: Option<Infeasible>,

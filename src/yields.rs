@@ -53,8 +53,8 @@ fn plain_optimum(study: &Study, optimise: &Optimise, stop: &AtomicBool) -> Optio
     Some(study.moved(&tuning.best?.offsets))
 }
 
-/// Monte Carlo builds of a study. Points, lengths and rates scatter about the values of this study. `None` if the study cannot
-/// be built.
+/// Results of Monte Carlo builds of a study. Points, lengths and rates scatter about the values of this study. `None` if the
+/// study cannot be built.
 fn builds(study: &Study, stop: &AtomicBool) -> Option<MonteCarlo> {
     let problem = Problem::of(study, study.tolerance.as_ref()?).ok()?;
     let problem = problem.interruptible(stop);

@@ -13,8 +13,9 @@ use super::{Moving, Strut};
 use hardpoint_engine::number::Vector3;
 pub use hardpoint_engine::solve::Drive;
 
-/// Equation (15) at one value of the drive. It is linear in points 5 to 8, and d51 scales it to a squared length. The products
-/// `gradient` times point add up to the constant right-hand side `level`.
+/// Equation (15) of Attia's paper at one value of the drive. It is linear in points 5 to 8. Multiplied by d51, the distance of
+/// points 1 and 5, its terms are squared lengths. The products `gradient` times point add up to the constant right-hand side
+/// `level`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Driver {
     pub(crate) gradient: [Vector3<f64>; 4],

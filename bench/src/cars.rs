@@ -12,8 +12,9 @@ use std::hint::black_box;
 
 /// Number of accelerations on each axis of the map, if the study has no g-g map.
 const COUNT: usize = 9;
-/// Ranges of the forward and of the lateral acceleration of the default map, g.
+/// Range of the forward acceleration in the default map, g.
 const AX: [f64; 2] = [-0.6, 0.3];
+/// Range of the lateral acceleration in the default map, g.
 const AY: [f64; 2] = [0.0, 0.6];
 
 /// Computing times of the states of a car.

@@ -34,7 +34,7 @@ pub struct Measurement {
 /// Measurements of all effects; positions alone come first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Effects {
-    /// Measurements in the order in which the effects are added.
+    /// Measurements in the order in which the effects (additional results, such as rates or sensitivities) are added.
     pub measurements: Vec<Measurement>,
 }
 

@@ -63,8 +63,9 @@ const NEGATIVE: &[&str] = &["negative", "neg", "minus"];
 const BEFORE_IN: &[&str] = &[
     "toe", "top", "front", "nose", "lean", "leans", "leaning", "tilt", "tilts", "tilted", "is",
 ];
-/// Words that mark an angle as the sum of both wheels (`SUM`), or as the angle of each wheel (`EACH`).
+/// Words that mark an angle as the sum of both wheels.
 const SUM: &[&str] = &["total", "overall", "sum", "together", "combined"];
+/// Words that mark an angle as the angle of each wheel.
 const EACH: &[&str] = &["each", "per", "same", "equal"];
 /// Further words in remarks about the sign of an angle or about the number of wheels. [`without_remarks`] removes them.
 const BESIDE: &[&str] = &["both", "wheels", "side", "sides", "top"];

@@ -136,12 +136,12 @@ impl Row {
         Row::length_of_axle(axle, &format!("{}_travel", side.name()), "rack 0", 1.0)
     }
 
-    /// Row for the rack of an axle, in the study's axes.
+    /// Row of the table of limits for the rack of an axle, in the study's axes.
     pub(crate) fn axle_rack(axle: &Axle) -> Self {
         Row::length_of_axle(axle, "rack", "travels 0", axle.left.frame.sign(Axis::Y))
     }
 
-    /// Row for the roll angle of an axle.
+    /// Row of the table of limits for the roll angle of an axle.
     pub(crate) fn roll() -> Self {
         Row {
             quantity: "roll_deg".to_owned(),

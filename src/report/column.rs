@@ -259,7 +259,7 @@ fn in_unit(name: &str, from: LengthUnit, to: LengthUnit) -> (String, Powers) {
     (renamed, powers)
 }
 
-/// Word before the trail in the name of a test result.
+/// Word before the trail (distance of the side force behind the contact point) in the name of a test result.
 const TRAIL: &str = "_trail_";
 /// Number of digits of a trail in a name.
 const TRAIL_DIGITS: usize = 6;

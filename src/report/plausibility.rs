@@ -26,20 +26,27 @@ use crate::solve::Solver;
 use crate::study::{AxleStudy, Designs, Move, Study};
 use track::track_doubt;
 
-/// Largest plausible camber, toe, and caster or kingpin inclination, in degrees.
+/// Largest plausible camber, degrees.
 const CAMBER: f64 = 15.0;
+/// Largest plausible toe, degrees.
 const TOE: f64 = 5.0;
+/// Largest plausible caster or kingpin inclination, degrees.
 const STEERING_AXIS_ANGLE: f64 = 30.0;
 /// Plausible range of the motion ratio of a spring.
 const MOTION_RATIO: [f64; 2] = [0.1, 2.0];
-/// Plausible ranges of lengths in metres, from a model car to a haul truck.
+/// Plausible range of the wheel radius, metres. These ranges reach from a model car to a haul truck.
 const WHEEL_RADIUS: [f64; 2] = [0.02, 2.5];
+/// Plausible range of the tyre width, metres.
 const TYRE_WIDTH: [f64; 2] = [0.005, 2.0];
+/// Plausible range of the rim diameter, metres.
 const RIM_DIAMETER: [f64; 2] = [0.02, 2.0];
+/// Plausible range of the wheelbase, metres.
 const WHEELBASE: [f64; 2] = [0.1, 20.0];
+/// Plausible range of the height of the centre of gravity, metres.
 const CG_HEIGHT: [f64; 2] = [0.01, 5.0];
-/// Plausible ranges in wheel radii. With a wheelbase below two radii, front and rear wheels would overlap.
+/// Plausible range of the wheelbase, in wheel radii. With less than two radii, front and rear wheels would overlap.
 const WHEELBASE_IN_RADII: [f64; 2] = [2.0, 30.0];
+/// Plausible range of the height of the centre of gravity, in wheel radii.
 const CG_HEIGHT_IN_RADII: [f64; 2] = [0.4, 6.0];
 
 /// Warnings about a suspension in its design position, one line each. If one coordinate with a wrong sign or decimal place

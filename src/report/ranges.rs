@@ -12,8 +12,9 @@ pub(super) struct Range {
     unit: String,
     /// Value in the design position, if it is known.
     at_design: Option<f64>,
-    /// Smallest and largest value. `None` if no station has a value.
+    /// Smallest value. `None` if no station has a value.
     min: Option<f64>,
+    /// Largest value. `None` if no station has a value.
     max: Option<f64>,
 }
 

@@ -39,7 +39,7 @@ pub struct Record {
     /// Regions of the constraints, for the drawing.
     #[serde(default)]
     pub places: Places,
-    /// Parts of the drawing that do not move.
+    /// Data of the drawing that are the same in every pose: names of the points, lines between them, and the wheel radius.
     pub scene: Scene,
     /// Influence of each hardpoint coordinate on the curves of the last design.
     pub influences: Vec<Influence>,

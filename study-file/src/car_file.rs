@@ -61,7 +61,7 @@ pub struct Car {
     pub ride_height_point_front: Option<Coordinates>,
     /// Point of the body at which the rear ride height is measured.
     pub ride_height_point_rear: Option<Coordinates>,
-    /// `elastic` or `rigid`.
+    /// Vertical stiffness of the tyres: `elastic` (tyres with springs) or `rigid`.
     pub tyres: Option<Text>,
     /// `[car.aero]`
     pub aero: Option<Spanned<Aero>>,
@@ -124,17 +124,17 @@ pub struct Case {
     pub steering_wheel_angle: Option<Number>,
     /// Displacement of the rear rack along +y.
     pub rack_rear: Option<Number>,
-    /// `brake` or `drive`.
+    /// Kind of the longitudinal force: `brake` or `drive`.
     pub longitudinal: Option<Text>,
-    /// `by_load` or `equal`.
+    /// Shares of both wheels in their axle's lateral force: `by_load` (in proportion to the wheel loads) or `equal`.
     pub lateral_shares: Option<Text>,
     /// Shares `[front, rear]` of the left wheels in the lateral forces of their axles. An alternative to `lateral_shares`.
     pub lateral_share_left: Option<Spanned<Vec<Number>>>,
-    /// `by_load` or `equal`.
+    /// Shares of both wheels in their axle's longitudinal force: `by_load` (in proportion to the wheel loads) or `equal`.
     pub longitudinal_shares: Option<Text>,
-    /// `wheel` or `road`.
+    /// Axes of the tyre forces: the axes of the `wheel`, which turn with a steered wheel, or the axes of the `road`.
     pub tyre_axes: Option<Text>,
-    /// `elastic` or `rigid`.
+    /// Vertical stiffness of the tyres: `elastic` (tyres with springs) or `rigid`.
     pub tyres: Option<Text>,
 }
 
@@ -152,9 +152,9 @@ pub struct GgMap {
     pub speed: Option<Number>,
     /// Displacement of the front rack along +y.
     pub rack: Option<Number>,
-    /// `by_load` or `equal`.
+    /// Shares of both wheels in their axle's lateral force: `by_load` (in proportion to the wheel loads) or `equal`.
     pub lateral_shares: Option<Text>,
-    /// `by_load` or `equal`.
+    /// Shares of both wheels in their axle's longitudinal force: `by_load` (in proportion to the wheel loads) or `equal`.
     pub longitudinal_shares: Option<Text>,
 }
 
@@ -194,7 +194,7 @@ pub struct Sweep {
     pub seed: Option<Whole>,
     /// Variables of the sweep.
     pub variables: Spanned<Vec<Spanned<SweepVariable>>>,
-    /// `csv` or `parquet`.
+    /// File format of the results: `csv` or `parquet`.
     pub format: Option<Text>,
     /// False if the margins of the constraints are omitted.
     pub constraints: Option<bool>,
@@ -266,7 +266,7 @@ pub struct Tolerance {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scatter {
-    /// `front` or `rear`.
+    /// Axle whose parts scatter: `front` or `rear`.
     pub axle: Option<Text>,
     /// Name of a hardpoint of the axle.
     pub hardpoint: Option<Text>,

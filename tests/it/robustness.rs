@@ -225,19 +225,23 @@ struct Tally {
     designs: usize,
     /// Number of refused designs.
     refused: usize,
-    /// Three counts: stations with a pose, certified stations, and uncertified stations in ordinary designs.
+    /// Number of stations with a pose.
     solved: usize,
+    /// Number of certified stations.
     proved: usize,
+    /// Number of uncertified stations in ordinary designs.
     ordinary_unproved: usize,
-    /// Three counts: stations out of reach, those without a known fold (end of travel), and those without a known fold in
-    /// ordinary designs.
+    /// Number of stations out of reach.
     unreachable: usize,
+    /// Number of stations out of reach without a known fold (end of travel).
     unresolved: usize,
+    /// Number of stations out of reach without a known fold, in ordinary designs.
     ordinary_unresolved: usize,
-    /// Three counts: poses that small steps also reach, certified poses that small steps do not reach, and uncertified
-    /// poses for which small steps end in another pose.
+    /// Number of poses that small steps also reach.
     followed: usize,
+    /// Number of certified poses that small steps do not reach.
     lost: usize,
+    /// Number of uncertified poses for which small steps end in another pose.
     parted: usize,
     /// Designs that violate a requirement.
     failed: Vec<u64>,

@@ -14,10 +14,10 @@ const MOST_SECONDS_ELAPSED: f64 = if cfg!(target_os = "linux") {
 } else {
     MOST_SECONDS
 };
-/// Memory limit in KiB, to which a limit for each requested station is added. A command takes some tens of MiB, and a
-/// station some hundreds of bytes. A command takes far more if it allocates memory for an unchecked number from a
-/// study.
+/// Memory limit of a command without stations, KiB. A command takes some tens of MiB. It takes far more if it allocates memory
+/// for an unchecked number from a study.
 const MOST_KIBIBYTES: u64 = 512 * 1024;
+/// Memory limit added for each requested station, KiB. A station takes some hundreds of bytes.
 const MOST_KIBIBYTES_PER_STATION: u64 = 2;
 /// Clock ticks per second in `/proc/PID/stat` (USER_HZ). This is 100 on every common architecture.
 const TICKS_PER_SECOND: f64 = 100.0;

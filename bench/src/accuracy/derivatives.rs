@@ -302,8 +302,9 @@ struct Differences<'t, 's, 'm> {
     /// Size of the mechanism.
     size: f64,
     moved: Vec<Vector3<f64>>,
-    /// Outputs of the design with one moved coordinate, and outputs of the original design.
+    /// Outputs of the design with one moved coordinate.
     values: Vec<f64>,
+    /// Outputs of the original design.
     base: Vec<f64>,
 }
 

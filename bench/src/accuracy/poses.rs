@@ -255,7 +255,7 @@ pub(super) fn measure(
     Ok(found)
 }
 
-/// Converts metres to the length unit of the subject.
+/// Converts metres to the length unit of the measured suspension.
 fn in_length_units(metres: f64, subject: &Subject<'_>) -> f64 {
     subject.suspension.length_unit.per_metre() * metres
 }

@@ -130,7 +130,8 @@ impl<'s> Subject<'s> {
         Ok(found)
     }
 
-    /// Visits the poses at these travels as the program finds them, with the rack at the subject's displacement.
+    /// Calls `visit` with the pose at each of these travels, as soon as the program finds it. The rack displacement is
+    /// `self.rack`.
     pub fn for_each_pose<'m>(
         &self,
         solver: &mut Solver<'m>,

@@ -317,8 +317,9 @@ impl Solver<'_> {
         }
     }
 
-    /// If an end of the range is unresolved, the rod of a Watt rocker or of a knuckle may be at its toggle there. In
-    /// this case, the function replaces the end by this toggle. Beyond the toggle, the rocker has no position.
+    /// If the path could not be followed beyond an end of the range, a rod may be at its toggle there. The rod is the link of a
+    /// Watt rocker, or the drag link or tie rod of a knuckle. In this case, the function replaces the end by this toggle. Beyond
+    /// the toggle, the Watt rocker or knuckle has no position.
     fn with_toggles(
         &mut self,
         mut range: Range,
@@ -383,8 +384,8 @@ const BEFORE_END: [f64; 4] = [0.99, 0.9999, 0.999_999, 0.999_999_99];
 pub(crate) const AT_TOGGLE: f64 = 0.01;
 
 impl Curve<'_> {
-    /// Returns the outer end of the link with the largest multiplier w of (1). This multiplier is proportional to the
-    /// force in the link at the fold.
+    /// Returns the outer end of the link with the largest force at the fold. This force is proportional to the link's multiplier
+    /// w in equation (1).
     fn holding_link(&self, fold: &CurvePoint) -> Option<PointId> {
         let ends = outer_ends(self.mechanism).into_iter();
         let forces = ends.zip(self.fold_multipliers(fold));

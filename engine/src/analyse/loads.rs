@@ -168,11 +168,12 @@ pub struct Reactions<T = f64> {
     pub support_force: Vector3<T>,
 }
 
-/// A pose with its support, prepared for loads. The equations are factorised once for any number of loads.
+/// Balance of forces in a pose, prepared for loads. The support (the spring, or a vertical force at the wheel centre) holds the
+/// suspension in the pose. The equations are factorised once for any number of loads.
 pub struct Balance<'a, T = f64> {
     pub(super) closure: &'a Closure<T>,
     pub(super) at: Configuration<'a, T>,
-    /// Row of the support in the equations.
+    /// Row of the support (spring, or vertical force at the wheel centre) in the equations.
     support: Wrench<T>,
     /// Tension in the rod of the spring's rocker per unit of spring force.
     rod_per_spring: Option<T>,

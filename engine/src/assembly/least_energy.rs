@@ -44,7 +44,7 @@ use crate::number::{Each, Real, Vector3, array_of};
 const LINKS: usize = 5;
 /// Index of the link without constraint.
 const EXTRA: usize = LINKS - 1;
-/// Largest number of corrections (5).
+/// Largest number of corrections of the pose by equation (5).
 const MOST_ROUNDS: usize = 40;
 /// Twice the largest move of the axle in the first correction, relative to the axle's size.
 const FARTHEST: f64 = 0.2;
@@ -53,7 +53,8 @@ const FARTHEST: f64 = 0.2;
 /// without constraint. `None` for a mechanism without an extra link.
 pub type Tensions<T = f64> = Option<[T; LINKS]>;
 
-/// Deviations from (1) in a pose, and the gradients of these deviations with respect to the pose.
+/// Left-hand minus right-hand sides of equation (1) of this file in a pose, without the terms c_i t_i. Also their gradients with
+/// respect to the pose.
 struct Rows<T> {
     /// Differences l_i - L_i.
     stretches: [T; LINKS],
@@ -85,7 +86,7 @@ impl<T: Real> Rows<T> {
         shares.each(|share| share * tension)
     }
 
-    /// Correction (5) of the pose.
+    /// Correction of the axle's pose by equation (5) of this file.
     fn correction(
         &self,
         tensions: &[T; LINKS],
@@ -102,7 +103,7 @@ impl<T: Real> Rows<T> {
         })
     }
 
-    /// Numbers s of equation (3) after the correction (6).
+    /// Ratios s of the links' tensions to the fifth tension, equation (3), after one correction by equation (6).
     fn shares(&self, before: &Vector6<T>, inverse: &Matrix6<f64>) -> Vector6<T> {
         let rows = self.jacobian();
         let left: Vector6<T> = array_of(|j| {

@@ -275,8 +275,8 @@ struct WheelCurves {
 }
 
 impl WheelCurves {
-    /// Finds a pose and computes its quantities. If the travels are given, the function uses the curves of both wheels.
-    /// Otherwise it solves the pose.
+    /// Finds a pose and computes its quantities. For given travels of independently suspended wheels, the function combines the
+    /// poses on the stored curves of both wheels. For a solid axle, and without given travels, it solves the pose.
     fn position<'a, const N: usize>(
         &mut self,
         solver: &mut AxleSolver<'a, N>,

@@ -61,7 +61,7 @@ pub struct RockerForces<T> {
     pub heave_bar: T,
     /// Derivatives of the energy with respect to the travels of the left and the right wheel.
     pub work: [T; 2],
-    /// Energy by equations (1) to (3), relative to the design position.
+    /// Energy of heave spring, T-bar and heave bar, relative to the design position: equations (1) to (3).
     pub energy: T,
 }
 

@@ -59,7 +59,7 @@ pub(crate) const LANES: usize = 8;
 /// Coefficients of all values of a wheel, for each power of travel. Values that are not used are NaN.
 type Powers<const N: usize> = [[f64; COUNT]; N];
 
-/// Polynomial coefficients of (1), and the wheel in the design position.
+/// Polynomials of all values of the wheel between two nodes, equation (1), and the wheel in the design position.
 #[derive(Clone, Debug)]
 struct Piece {
     polynomials: Powers<8>,

@@ -53,7 +53,8 @@ pub struct Lift {
     pub others_loaded: bool,
 }
 
-/// Direction of the accelerations along the ground. All other inputs come from the case.
+/// Direction of the accelerations along the ground. Longitudinal, lateral and yaw acceleration grow in proportion. All other
+/// inputs come from the case.
 struct Ray<'c> {
     case: &'c Case,
     /// Factor on the accelerations of the case that makes their resultant 1 g.

@@ -29,8 +29,9 @@ pub(super) use start::Start;
 pub(super) const TERMS: usize = 4;
 /// Largest number of sets of wheels in contact that the search tries.
 const MOST_SETS: usize = 16;
-/// Largest changes in one Newton step: angles in radians, travels and the height of the ground in metres.
+/// Largest change of an angle in one Newton step, radians.
 pub(super) const LONGEST_TURN: f64 = 0.0175;
+/// Largest change of a travel, or of the height of the ground, in one Newton step, metres.
 pub(super) const LONGEST_TRAVEL: f64 = 0.008;
 
 /// Solver for the states of one car, one case after another.

@@ -123,8 +123,9 @@ impl<T: Valued> Outlined for LargeCoefficient<T> {
 struct TorqueTangent<T> {
     phi: Vector3<T>,
     g: Vector3<T>,
-    /// The vectors phi x g and phi x (phi x g).
+    /// The vector phi x g.
     once: Vector3<T>,
+    /// The vector phi x (phi x g).
     twice: Vector3<T>,
     rates: Vector3<T>,
     /// The three numbers 1/2, c and (dc/dt)/t.

@@ -67,7 +67,7 @@ impl<T: Scalar> InFrame<T> {
         }
     }
 
-    /// Adds the forces of the parts on the rack, by equation (5).
+    /// Adds the forces of the parts on the rack, by equation (5) of `ground.rs`.
     pub(super) fn add_rack(&mut self, rack: &Sum<T>) {
         for i in 0..6 {
             self.sum.force[i] = self.sum.force[i] + rack.force[i];

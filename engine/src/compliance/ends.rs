@@ -35,10 +35,11 @@ const LARGEST_LOAD: f64 = 1e6;
 const LARGEST_MOMENT: f64 = 1e5;
 /// Travel or rack displacement (mm) at which the search ends.
 const LONGEST_TRAVEL: f64 = 1000.0;
-/// Typical values, in mm, N and N m. Steps are relative to the present value. If the present value is smaller than the
-/// typical value, steps are relative to the typical value.
+/// Typical travel, mm. Steps of the search are relative to the present value, or to the typical value if that is larger.
 const USUAL_TRAVEL: f64 = 20.0;
+/// Typical load, N.
 const USUAL_LOAD: f64 = 1000.0;
+/// Typical moment, N m.
 const USUAL_MOMENT: f64 = 100.0;
 /// Largest step, as a fraction of the value or of the larger typical value.
 const LARGEST_STEP: f64 = 0.05;

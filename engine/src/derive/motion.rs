@@ -70,7 +70,7 @@ impl<const N: usize> MotionPoint<Jet<f64, N>> {
 /// A configuration along the motion, and the factors of its Jacobian if they were computed.
 pub(crate) type Factorised<'a, const N: usize> = (Configuration<'a, Jet<f64, N>>, Option<Lu6<f64>>);
 
-/// A design as power series with `N` coefficients, and its closure equations.
+/// A design as power series in the drive value with `N` coefficients, and its closure equations.
 #[derive(Clone, Debug)]
 pub struct DesignSeries<const N: usize> {
     design: Vec<Vector3<Jet<f64, N>>>,

@@ -2,8 +2,9 @@
 
 use std::ops::{Deref, DerefMut};
 
-/// Bytes in a cache line, and `f64` numbers in a cache line.
+/// Size of a cache line, in bytes.
 const LINE: usize = 64;
+/// Number of `f64` numbers in a cache line.
 const IN_LINE: usize = LINE / size_of::<f64>();
 
 /// Numbers that start at a cache line, so that no SIMD register crosses the border of a cache line.

@@ -237,8 +237,9 @@ pub(super) struct Reading<'r, B: SimdReal> {
     rack: B,
     /// SIMD lanes whose poses the pose tracker has accepted so far.
     accepted: B::Mask,
-    /// Number of all stations, and index of the first station at this rack displacement.
+    /// Number of all stations.
     count: usize,
+    /// Index of the first station at this rack displacement.
     first: usize,
     design_station: usize,
     /// Destination of the values, in the order of [`Block::from`](super::Block::from).

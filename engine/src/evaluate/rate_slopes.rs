@@ -19,10 +19,11 @@ use std::ops::ControlFlow;
 pub(super) struct RateSlopes<'a> {
     /// Quantities with their indices, and the rockers that influence each quantity.
     quantities: Vec<(usize, Quantity, Vec<RockerId>)>,
-    /// Design position: index of its station, a station order with only this station, and its drive value and rack
-    /// displacement.
+    /// Index of the station of the design position.
     station: usize,
+    /// Station order with only the design position.
     order: StationOrder,
+    /// Drive value and rack displacement of the design position.
     motion: MotionPoint<f64>,
     constants: Constants,
     slots: Slots,

@@ -97,7 +97,8 @@ pub(crate) trait Sink<T> {
     fn wrench(&mut self, force: Vector3<T>, moment: Vector3<T>);
     /// Adds a derivative with respect to a hardpoint at fixed pose.
     fn hardpoint(&mut self, id: PointId, gradient: Vector3<T>);
-    /// Adds a derivative with respect to the displacement of the rack at fixed pose.
+    /// Adds the quantity's derivative with respect to the displacement of the rack at fixed pose. A sink that does not need this
+    /// derivative ignores it.
     #[inline]
     fn rack(&mut self, _gradient: T) {}
 }
@@ -161,7 +162,7 @@ impl<T: Real> Sink<T> for Wrench<T> {
 }
 
 impl<'a, T: Real> Configuration<'a, T> {
-    /// Configuration of a design in a pose. `steering` is `None`.
+    /// Configuration of a design in a pose, without the velocity of steering (`steering` is `None`).
     #[inline(always)]
     pub fn new(mechanism: &'a Mechanism, design: &'a [Vector3<T>], pose: Pose<T>, rack: T) -> Self {
         Configuration {

@@ -93,7 +93,7 @@ impl<T: Real> Turn<T> {
         let e = rod.dot(way) - way.norm_squared().scaled(0.5);
         let h = a * a + b * b;
         let square = b * b - e * (a + a + e);
-        // In the design position, B of (2) is t.l.
+        // In the design position, the number B of equation (2) is t.l.
         let pushed = turned.dot(rod).sign();
         let w = -(pushed * square.sqrt());
         let inverse = h.one() / h;

@@ -28,10 +28,10 @@ use crate::number::{SimdReal, Vector3};
 /// Largest distance of a 60-degree arc from its chord, as a share of the chord: half the tangent of 15 degrees, rounded up.
 const STRAYING: f64 = 1.0 / 7.0;
 
-/// Least value of (3) for which the certificate holds.
+/// Smallest sum of products in equation (3) for which the certificate holds. This is an angle of at most 60 degrees.
 const LEAST_ALIGNED: f64 = 2.0;
 
-/// Position of a rod's outer end relative to the rocker, with the terms of (1), (2) and (3).
+/// Position of a rod's outer end relative to the rocker, with the terms of equations (1) to (3) of this file.
 #[derive(Clone, Copy, Debug)]
 pub struct RodReach<T> {
     outer: Vector3<T>,

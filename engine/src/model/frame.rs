@@ -282,7 +282,8 @@ impl Frame {
         Vector3::new(x * v.x, y * v.y, z * v.z)
     }
 
-    /// Sign of one component of an angular velocity or acceleration. A mirror reverses rotations.
+    /// Sign of the component about `axis` of an angular velocity or acceleration. A mirrored axis keeps its own component and
+    /// reverses the components about the two other axes.
     pub fn turn_sign(&self, axis: Axis) -> f64 {
         self.signs.iter().product::<f64>() * self.sign(axis)
     }

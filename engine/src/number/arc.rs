@@ -48,8 +48,9 @@ const ASIN: [f64; 13] = [
 
 /// tan(pi/8).
 const TAN_EIGHTH: f64 = 0.41421356237309503;
-/// Difference between pi/2 and its nearest double. The next constant is the difference for pi/4.
+/// Difference between pi/2 and its nearest double.
 const FRAC_PI_2_REST: f64 = 6.123233995736766e-17;
+/// Difference between pi/4 and its nearest double.
 const FRAC_PI_4_REST: f64 = 0.5 * FRAC_PI_2_REST;
 
 /// Odd polynomial x + x u (c0 + c1 u + ...), u = x^2. Separate sums of even and odd coefficients halve the latency.

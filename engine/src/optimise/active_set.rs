@@ -76,19 +76,24 @@ pub struct ActiveSet {
     basis: Vec<f64>,
     /// Triangle T of (1), column after column, n entries each.
     triangle: Vec<f64>,
-    /// The held constraints (constraints at their limits in the current step), their signs, and their multipliers. Only
-    /// equalities need a sign, because the normal of an equality may point in either direction.
+    /// Held constraints: those at their limits in the current step.
     held: Vec<Held>,
+    /// Sign of each held constraint. Only equalities need a sign, because the normal of an equality may point in either
+    /// direction.
     sign: Vec<f64>,
+    /// Multiplier of each held constraint.
     multipliers: Vec<f64>,
     /// Flags of the rows, then of the lower bounds, then of the upper bounds. A flag is true if the constraint is held, or if
     /// its gradient depends on held constraints and its violation is within the tolerance.
     is_held: Vec<bool>,
     step: Vec<f64>,
-    /// Vectors n, v, z and w of (2).
+    /// Vector n of equation (2).
     normal: Vec<f64>,
+    /// Vector v of equation (2).
     projected: Vec<f64>,
+    /// Vector z of equation (2).
     way: Vec<f64>,
+    /// Vector w of equation (2).
     change: Vec<f64>,
     /// Lengths of the row vectors a.
     norms: Vec<f64>,

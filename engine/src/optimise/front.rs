@@ -75,7 +75,7 @@ pub(super) struct Tracer<'a, F> {
     pub bounds: &'a Bounds,
     pub distance: &'a Distance<'a>,
     pub aims: Vec<Criterion>,
-    /// Further criteria that every minimisation limits, each with its level.
+    /// Further criteria that every minimisation limits, each with its upper limit.
     pub rest: Vec<(Criterion, f64)>,
     pub options: &'a Options,
     pub control: Control<'a>,

@@ -187,7 +187,8 @@ impl SimdTask for Assembling<'_, '_> {
     }
 }
 
-/// Makes a series with one value in each lane. All lanes have the same rate, the rate of `series`.
+/// Makes a first-order series for each SIMD lane. Its value is the lane's own part of `value`. Its derivative is the derivative
+/// of `series`, the same in all lanes.
 #[inline(always)]
 fn with_rate<B: SimdReal>(value: Vector3<B>, series: Vector3<Jet<f64, 2>>) -> Vector3<Jet<B, 2>> {
     let rate = Vector3::new(series.x.0[1], series.y.0[1], series.z.0[1]);

@@ -52,8 +52,9 @@ const DRIFT: f64 = 1e-6;
 const FIRST_DAMPING: f64 = 1e-3;
 /// Smallest accepted ratio of actual to predicted reduction. A negligible reduction is accepted at any ratio.
 const ACCEPTABLE: f64 = 1e-4;
-/// Ratios below which the damping rises for the next step, and above which it falls.
+/// Ratio of actual to predicted reduction below which the damping rises for the next step.
 const POOR: f64 = 0.25;
+/// Ratio of actual to predicted reduction above which the damping falls for the next step.
 const GOOD: f64 = 0.75;
 /// Length of a step, as a fraction of the range, up to which the residuals count as linear. Along such a step, curvature changes
 /// the residuals by less than the rounding errors. A kink changes them by little more than the rounding errors.

@@ -171,7 +171,7 @@ impl Search<'_, '_> {
 }
 
 impl Tuner<'_> {
-    /// Moves a fit as near to the study's own design as a level and the constraints allow.
+    /// Moves a fit as near to the study's own design as the highest permitted misfit (`level`) and the constraints allow.
     pub(super) fn draw_near(&self, index: usize, fit: &mut Fit, level: Level<'_>) {
         let mut search = Search {
             tuner: self,

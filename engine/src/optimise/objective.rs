@@ -130,7 +130,7 @@ impl<'a> Objective<'a> {
     ) -> Result<Self, DesignFault> {
         let suspension = assembled.wheel();
         let mut objective = Objective::new(suspension, variables, layout)?;
-        // If the nominal design moves, every point of a build may move.
+        // If the tuning moves any point of the nominal design, the assembly can move every point of a build.
         let all: Vec<PointId> = (0..suspension.design.len()).map(PointId).collect();
         objective.reader = reader(suspension, layout, &all, variables.len());
         let frame = suspension.frame;

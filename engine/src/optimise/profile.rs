@@ -22,16 +22,19 @@ pub(super) struct Profile<'a> {
     others: Vec<usize>,
     /// Triangular factor of the columns of J that belong to the other variables, scaled by the ranges.
     triangle: DMatrix<f64>,
-    /// Column of the variable after the rotations that give `triangle`, and the diagonal entry of this column.
+    /// Column of the variable after the rotations that give `triangle`.
     column: DVector<f64>,
+    /// Diagonal entry of this column.
     diagonal: f64,
-    /// Residuals after the rotations that give `triangle`, and the residual in the row of `diagonal`.
+    /// Residuals after the rotations that give `triangle`.
     offset: DVector<f64>,
+    /// Residual in the row of `diagonal`.
     last: f64,
     /// Part of the sum of squares that does not depend on the moves.
     rest: f64,
-    /// Distances from the point to the ends of the other variables' ranges, in fractions of the ranges.
+    /// Distances from the point to the lower ends of the other variables' ranges, in fractions of the ranges.
     lower: Vec<f64>,
+    /// Distances from the point to the upper ends of these ranges, in fractions of the ranges.
     upper: Vec<f64>,
     damping: f64,
 }

@@ -27,9 +27,9 @@ pub(super) struct Visit<'v, 'a> {
     pub(super) moving: Option<&'v AlongVariables>,
     pub(super) solver: &'v mut Solver<'a>,
     pub(super) values: &'v mut PartValues,
-    /// Memory for the residuals, with the index of their first row. The field `rows` is the memory for the rows of the
-    /// constraints.
+    /// Memory for the residuals, with the index of their first row.
     pub(super) into: Option<(&'v mut Linearisation, usize)>,
+    /// Memory for the rows of the constraints.
     pub(super) rows: Option<&'v mut Linearisation>,
 }
 

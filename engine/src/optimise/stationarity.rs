@@ -43,16 +43,19 @@ pub(super) struct Scale {
 /// Properties of the squared residuals that give the [`Scale`], in half ranges of the variables.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sizes {
-    /// Number of residuals, and their norm.
+    /// Number of residuals.
     pub residuals: usize,
+    /// Norm of the residuals.
     pub norm: f64,
-    /// Largest pivot of the residuals' scaled Jacobian, and norm of the longest column of this Jacobian.
+    /// Largest pivot of the residuals' scaled Jacobian.
     pub pivot: f64,
+    /// Norm of the longest column of this Jacobian.
     pub longest: f64,
     /// Norm of the rounding errors of the residuals, as observed in short steps; 0 without such steps.
     pub seen_rounding: f64,
-    /// Number of variables, and the shortest step of each variable.
+    /// Number of variables.
     pub variables: usize,
+    /// Shortest step of a variable.
     pub resolution: f64,
 }
 

@@ -75,7 +75,8 @@ impl<F: FnMut(&[f64]) -> Rows> LeastSquares for Written<F> {
     }
 }
 
-/// Goal, level and rows as functions of the variables.
+/// Test problem: residuals of the goal, residuals with a limited norm (level), and constraint rows, as functions of the
+/// variables.
 pub(super) struct Stated<F> {
     shape: Shape,
     at: F,

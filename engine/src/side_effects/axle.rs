@@ -249,7 +249,7 @@ fn plan(both: &AxleStudy, gains: &[Quantity]) -> AxlePlan {
         ..both.plan.values_alone()
     };
     for quantity in COMPARED.into_iter().flat_map(Quantity::named) {
-        // The roll steer of the axle is reported instead of the roll steer of the wheels.
+        // The name `roll_steer` means a quantity of the axle and one of each wheel. Only the axle's quantity is added.
         let is_double = matches!(quantity, Quantity::Wheel(..));
         if !is_double && both.axle.has(quantity) && !plan.quantities.contains(&quantity) {
             plan.quantities.push(quantity);

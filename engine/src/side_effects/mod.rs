@@ -100,10 +100,10 @@ impl SideEffect {
     }
 }
 
-/// Compares a study's design with a tuned design, over `[motion]` and over the named motions with curves. Flagged outputs
-/// come first: those without a value at some stations, then angles, then all others. Within these groups, the largest change
-/// comes first, in multiples of the tolerance. The list is empty without `[optimise]`, or if `[optimise]` has `side_effects =
-/// false`.
+/// Compares a study's design with a tuned design, over `[motion]` and over the named motions with curves. Flagged outputs come
+/// first, in three groups: outputs that lost their value at some stations, angles, and other flagged outputs. Within each group,
+/// the largest change comes first, in multiples of the tolerance. Outputs without a flag follow in their usual order. The list is
+/// empty without `[optimise]`, or if `[optimise]` has `side_effects = false`.
 ///
 /// # Errors
 /// Returns an error if one of the two designs cannot be solved.

@@ -21,8 +21,9 @@ pub struct Toggles {
     watched: Vec<RockerId>,
     /// Drive and rack displacement during the visit. `None` if poses between the stations cannot be computed.
     way: Cell<Option<(Drive, f64)>>,
-    /// Rockers at or beyond a toggle at the start of the visit, and the positions of all watched rods at the start.
+    /// Rockers at or beyond a toggle at the start of the visit.
     at_start: Cell<RockerSet>,
+    /// Positions of all watched rods at the start of the visit.
     rods_at_start: RefCell<Vec<RodReach<f64>>>,
     past: Cell<PreviousStation>,
     rods: RefCell<Vec<RodReach<f64>>>,

@@ -19,8 +19,9 @@ use crate::model::{LengthUnit, SteeringAxis, Suspension};
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Results of a study's tests. A name has suffixes for the trail, and for the held quantity if two tests differ only in it. If
-/// a test with another load has a result of the same name, the load is a suffix, too.
+/// Results of a study's compliance tests, with unique names. A name has a suffix for the trail (distance of the side force behind
+/// the contact point). If two tests differ only in the held quantity, their names have a suffix for this quantity. If two tests
+/// with different loads would have the same name, the load is a suffix, too.
 pub(super) fn figures(elastic: &ComplianceStudy, suspension: &Suspension) -> Vec<ElasticFigure> {
     let mut found: Vec<(KcTest, ElasticFigure)> = Vec::new();
     for test in &elastic.tests {

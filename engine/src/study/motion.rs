@@ -60,7 +60,8 @@ impl Drive {
         }
     }
 
-    /// Converts a value of the drive to the unit of results: degrees or length units.
+    /// Converts a value of the drive to the unit of results: an arm angle from radians to degrees. A travel stays in the length
+    /// unit.
     pub fn printed(self, value: f64) -> f64 {
         if self.is_angle() {
             degrees(value)

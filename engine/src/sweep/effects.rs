@@ -161,7 +161,7 @@ fn between_levels(
 /// Returns the sum of squares due to a variable. The sum has two terms: the variable's part of the plane, and the
 /// variation of the plane's residual between the levels of the variable.
 fn share((between, met): (f64, f64), left: f64, linear: f64, n: f64) -> Option<f64> {
-    // With few designs per level, the effect cannot be distinguished from random variation.
+    // With few designs per level (interval of a variable's range), the effect cannot be distinguished from random variation.
     if n < 4.0 * met {
         return None;
     }

@@ -62,8 +62,9 @@ struct Queue<T, F, E> {
 }
 
 struct QueueState<T, F, E> {
-    /// Number of the next piece to start, and the end of the range.
+    /// Number of the next piece to start.
     next: u64,
+    /// End of the range: the number after that of the last piece.
     end: u64,
     /// Number of the first piece whose result has not been passed on. `waiting` holds the finished results from this
     /// piece on.

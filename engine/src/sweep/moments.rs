@@ -118,7 +118,7 @@ impl Moments {
     }
 }
 
-/// Sums of outputs, grouped by the level of each variable.
+/// Sums of outputs, grouped by the level (interval of the range) of each variable.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BinnedSums {
     /// Sums for each variable.

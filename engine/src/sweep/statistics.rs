@@ -49,7 +49,7 @@ pub struct SweepStatistics {
     /// Sums over designs that are solved at every station and have a value for every output. For Saltelli's samples, only
     /// the designs A and B.
     pub moments: Moments,
-    /// Sums of outputs, grouped by the level of each variable.
+    /// Sums of outputs, grouped by the level (interval of the range) of each variable.
     #[serde(rename = "levels")]
     pub binned: BinnedSums,
     /// Sums over Saltelli's groups.

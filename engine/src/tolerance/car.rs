@@ -56,7 +56,7 @@ pub struct CarBuilds {
     pub in_all_bands: u64,
 }
 
-/// First- and second-order result for one quantity, in printed units.
+/// Scatter of one result, to first and second order in the deviations of the tolerances, in printed units.
 #[derive(Clone, Debug)]
 pub struct CarExpansion {
     /// First-order variance from each contributor. NaN if the result has no derivatives.
@@ -188,7 +188,7 @@ impl<'a> CarProblem<'a> {
         Ok(values)
     }
 
-    /// First- and second-order result for every quantity.
+    /// Scatter of every result, to first and second order in the deviations of the tolerances.
     ///
     /// # Errors
     /// Returns the axle and the reason if the design of an axle cannot be assembled or solved.

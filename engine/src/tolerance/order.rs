@@ -20,7 +20,7 @@ use super::histogram::Histogram;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Number of builds at which the windows become narrower for the first time.
+/// Number of builds at which the windows (ranges that can contain percentiles) become narrower for the first time.
 const FIRST: u64 = 4096;
 /// Number of values below which equal values are not merged.
 const FEW: usize = 4096;

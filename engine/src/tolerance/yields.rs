@@ -142,8 +142,9 @@ fn is_within(value: f64, [low, high]: [f64; 2]) -> bool {
 
 /// First-order part of yields and ranking. The forecast does not need builds.
 pub struct Forecast {
-    /// Share of the sample in each band, and in all bands.
+    /// Share of the sample within each band.
     bands: Vec<f64>,
+    /// Share of the sample within all bands at once.
     all: f64,
     contributors: Vec<Worth>,
 }
@@ -151,8 +152,9 @@ pub struct Forecast {
 /// Effect of a contributor's tolerance on the yield, by the first-order result.
 struct Worth {
     share: f64,
-    /// Change of the yield with half the tolerance, and with twice the tolerance.
+    /// Change of the yield with half the tolerance.
     halved: f64,
+    /// Change of the yield with twice the tolerance.
     doubled: f64,
 }
 

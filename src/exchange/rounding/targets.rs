@@ -1,4 +1,4 @@
-//! Misfit and constraints of roundings.
+//! Misfit and constraints of designs whose hardpoints are rounded to a grid.
 
 use super::{Candidate, MOST_TRIALS, Problem, missed};
 use crate::number::Vector3;
@@ -40,7 +40,7 @@ impl Targets<'_> {
         Ok((found.goal.misfit(), margins))
     }
 
-    /// Evaluates a rounding. `None` if the design cannot be solved.
+    /// Evaluates the design with its hardpoints rounded to the grid by `steps`. `None` if this design cannot be solved.
     pub(super) fn candidate(&self, problem: &Problem<'_>, steps: Vec<f64>) -> Option<Candidate> {
         let design = problem.result(&steps, None).design;
         let (misfit, margins) = self.assessed(&design).ok()?;

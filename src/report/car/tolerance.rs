@@ -20,8 +20,9 @@ pub struct CarToleranceSummary {
     seed: u32,
     /// Number of builds that cannot be assembled, or have no equilibrium in some load case.
     failed: u64,
-    /// Number of the first failed build, and the reason for its failure.
+    /// Number of the first failed build.
     first_failed: Option<u64>,
+    /// Reason for the failure of this build.
     reason: Option<String>,
     /// Names of the contributors, in the order of the study.
     contributors: Vec<String>,
@@ -74,8 +75,9 @@ struct CarValue {
 struct CarBandRecord {
     output: String,
     case: String,
-    /// Lowest and highest value. `None` without a limit.
+    /// Lowest value of the band. `None` without a lower limit.
     low: Option<f64>,
+    /// Highest value of the band. `None` without an upper limit.
     high: Option<f64>,
     /// Fraction of the builds within the band.
     kept: f64,

@@ -121,7 +121,7 @@ impl KcResults<'_> {
     }
 }
 
-/// Formats a number with four digits, as on rig sheets.
+/// Formats a number with four significant digits, as on the result sheets of a K&C rig.
 pub(in crate::report) fn four_figures(value: f64) -> String {
     brief(to_digits(value, 4))
 }

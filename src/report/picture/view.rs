@@ -25,7 +25,7 @@ pub(super) const STYLE: &str = ".arm{stroke:#0b63c5;stroke-width:3}.link{stroke:
 /// Smallest move that is drawn as an arrow, relative to the width of the drawing.
 const LEAST_ARROW: f64 = 0.004;
 
-/// One view of the designs of a run.
+/// Drawing of the suspension in the designs of a run, as a front, side or top view.
 #[derive(Clone, Debug)]
 pub(super) struct View<'r> {
     record: &'r Record,

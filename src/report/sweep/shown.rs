@@ -5,8 +5,9 @@ use crate::sweep::{Rows, SweepRecord};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// Limits of the designs on a page: largest number of values, and largest number of designs.
+/// Largest number of values of designs on a page.
 const MOST_NUMBERS: usize = 45_000;
+/// Largest number of designs on a page.
 const MOST_DESIGNS: usize = 4_000;
 
 /// Designs that are shown: the best ones, the Pareto front, examples of failures, and some others at regular intervals.

@@ -58,11 +58,13 @@ pub(in crate::report) struct OutputSummary {
     at_design: Option<f64>,
     /// Number of designs that have the output. Designs that are not solved everywhere may have it, too.
     count: u64,
-    /// Smallest value, and the number of its design.
+    /// Smallest value of the output.
     min: Option<f64>,
+    /// Number of the design with the smallest value.
     min_design: Option<u64>,
-    /// Largest value, and the number of its design.
+    /// Largest value of the output.
     max: Option<f64>,
+    /// Number of the design with the largest value.
     max_design: Option<u64>,
     /// Mean over the `statistics_designs`. `None` without such designs.
     mean: Option<f64>,

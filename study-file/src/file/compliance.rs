@@ -15,7 +15,7 @@ pub struct Compliance {
     pub relaxed: Option<Text>,
     /// Tests of `hardpoint kc`.
     pub tests: Option<Spanned<Vec<Spanned<ComplianceTest>>>>,
-    /// `connected` or `disconnected`.
+    /// For an axle, state of the anti-roll bar in the tests: `connected` or `disconnected`.
     pub anti_roll_bar: Option<Text>,
 }
 
@@ -27,19 +27,20 @@ pub struct ComplianceTest {
     pub load: Text,
     /// Distance of the side force behind the contact point.
     pub trail: Option<Number>,
-    /// `wheel_height` or `wheel_load`.
+    /// Quantity that stays constant while the load changes: `wheel_height` or `wheel_load`.
     pub hold: Option<Text>,
     /// Largest value of the load: a force, or a moment for `aligning`. The load varies from `-window` to `window`.
     pub window: Option<Number>,
     /// Number of load values.
     pub levels: Option<Whole>,
-    /// `all` or `nearest`.
+    /// Stations of the test: `all` stations of the motion, or only the one `nearest` to travel 0 and rack 0.
     pub stations: Option<Text>,
-    /// For an axle: `parallel`, `opposed` or `single`.
+    /// For an axle, wheels and directions of the load: `parallel` (both wheels, same direction), `opposed` (both wheels, opposite
+    /// directions) or `single` (one wheel).
     pub mode: Option<Text>,
-    /// For an axle: `locked_wheel` or `locked_rack`.
+    /// For an axle, part that is held: the steering wheel (`locked_wheel`) or the rack (`locked_rack`).
     pub steering: Option<Text>,
-    /// For an axle: `connected` or `disconnected`.
+    /// For an axle, state of the anti-roll bar in this test: `connected` or `disconnected`.
     pub anti_roll_bar: Option<Text>,
 }
 

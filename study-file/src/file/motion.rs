@@ -31,11 +31,12 @@ pub struct Motion {
     pub travel_right: Option<Spanned<Values>>,
     /// Angles of the steering wheel, degrees; positive to the left.
     pub steering_wheel_angle: Option<Spanned<Values>>,
-    /// `plane` or `pads`.
+    /// For an axle, ground under the wheels: a common `plane`, or a level pad under each wheel (`pads`).
     pub ground: Option<Text>,
-    /// `mean_travel` or `wheel_load`.
+    /// For an axle, quantity that stays constant in roll: `mean_travel`, or the sum of both wheel loads (`wheel_load`).
     pub hold: Option<Text>,
-    /// `all` or `rows`.
+    /// For an axle, stations of the motion. `all`: all combinations of the listed values. `rows`: station n has the n-th value of
+    /// each list.
     pub combine: Option<Text>,
     /// Drive as a function of time.
     pub time: Option<Spanned<Time>>,
@@ -59,7 +60,7 @@ pub struct Time {
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Solver {
-    /// `knuckle_pose` or `point_coordinates`.
+    /// Equations to solve: `knuckle_pose` (pose of the wheel carrier) or `point_coordinates` (the equations of Attia's paper).
     pub formulation: Option<Text>,
     /// Obsolete tolerance of poses; refused with an explanation.
     pub accuracy: Option<Spanned<IgnoredAny>>,

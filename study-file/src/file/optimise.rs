@@ -22,7 +22,7 @@ pub struct Sweep {
     pub designs: Option<Text>,
     /// True if the curves of every design are kept.
     pub curves: Option<bool>,
-    /// `csv` or `parquet`.
+    /// File format of the results: `csv` or `parquet`.
     pub format: Option<Text>,
     /// False if the margins of the constraints are omitted.
     pub constraints: Option<bool>,
@@ -188,6 +188,6 @@ pub struct Target {
     pub tolerance: Number,
     /// Weight relative to the other targets.
     pub weight: Option<Number>,
-    /// `linear` or `monotone_cubic`.
+    /// Interpolation of the target curve between its points: `linear` or `monotone_cubic`.
     pub interpolation: Option<Text>,
 }

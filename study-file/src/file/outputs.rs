@@ -29,7 +29,8 @@ pub struct Outputs {
     pub clearances: Vec<Spanned<Vec<Text>>>,
     /// True if the angular rates of the knuckle are reported.
     pub knuckle: Option<Spanned<bool>>,
-    /// `position`, `velocity` or `acceleration`.
+    /// Highest derivative that is reported, with respect to the drive or to time: `position` (none), `velocity` or
+    /// `acceleration`.
     pub order: Option<Text>,
     /// Hardpoints for which sensitivities of the outputs are computed.
     pub sensitivities: Option<Selection>,
@@ -45,7 +46,7 @@ pub struct Outputs {
 pub struct Load {
     /// First part of the names of the load's columns.
     pub name: Text,
-    /// `contact_point` or `wheel_centre`.
+    /// Point at which the force acts: `contact_point` or `wheel_centre`.
     pub at: Text,
     /// For an axle, the loaded wheel. The default is both wheels.
     pub side: Option<Text>,

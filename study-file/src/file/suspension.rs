@@ -12,11 +12,11 @@ use toml::Spanned;
 pub struct Suspension {
     /// Name of the topology.
     pub topology: Text,
-    /// `left` or `right`.
+    /// Side of the car on which the wheel of the study is: `left` or `right`.
     pub side: Option<Text>,
-    /// `mm`, `m` or `in`.
+    /// Unit of all lengths in the file and in the results: `mm`, `m` or `in`.
     pub length_unit: Option<Text>,
-    /// `N` or `lbf`.
+    /// Unit of all forces in the file and in the results: `N` or `lbf`.
     pub force_unit: Option<Text>,
     /// Unit of the masses in `[vehicle]`: `kg` or `lb`.
     pub mass_unit: Option<Text>,

@@ -24,9 +24,9 @@ pub struct Vehicle {
     pub drive_share_front: Option<Number>,
     /// Position of this axle: `front` or `rear`.
     pub position: Option<Text>,
-    /// `outboard` or `inboard`.
+    /// Part that takes the brake torque: the wheel carrier (`outboard`) or a shaft (`inboard`).
     pub brakes: Option<Text>,
-    /// `shafts` or `carrier`.
+    /// Part that takes the drive torque: the `shafts` or the wheel `carrier`.
     pub drive_torque: Option<Text>,
     /// Mass that the axle carries, in `mass_unit`.
     pub sprung_mass: Option<Number>,

@@ -51,8 +51,9 @@ fn derivative<const N: usize>(step: f64, mut at: impl FnMut(f64) -> [f64; N]) ->
     })
 }
 
-/// Steps of the finite differences: first for travels and rack, then for roll angles.
+/// Step of the finite differences for travels and rack, in the length unit.
 pub(super) const STEP: f64 = 0.4;
+/// Step of the finite differences for roll angles, radians.
 pub(super) const STEP_OF_ROLL: f64 = 1e-3;
 
 /// Axle evaluated from positions alone.

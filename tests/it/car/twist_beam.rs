@@ -5,8 +5,9 @@ use hardpoint::car::{AxleEnd, AxleResult, CarQuantity, CarSolver, WheelPlace, Wh
 use hardpoint::study::CarStudy;
 use std::path::Path;
 
-/// Torsional rates of the beam (`BEAM`) and of the front anti-roll bar (`BAR`), N mm/rad.
+/// Torsional rate of the beam, N mm/rad.
 const BEAM: f64 = 5.0e5;
+/// Torsional rate of the front anti-roll bar, N mm/rad.
 const BAR: f64 = 6.0e5;
 
 /// The torque of a twist beam is a separate result from the torque of an anti-roll bar. The energy of the car is the

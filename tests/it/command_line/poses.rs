@@ -64,7 +64,7 @@ fn limits_are_sharp_and_have_a_cause() {
             .unwrap()
             .contains(nearest)
     );
-    // The program refuses travels just outside the limits and accepts travels just inside them.
+    // A travel just inside the limits has a pose (exit code 0). A travel just outside has none (exit code 1).
     for (travel, code) in [
         (to - 1e-6, 0),
         (to + 1e-6, 1),

@@ -284,8 +284,9 @@ fn quantities_of_the_rigid_mechanism_are_refused_by_name() {
     }
 }
 
-/// Influence of coordinates on outputs: a test whose window has no equilibrium at the last station has no value there. The
-/// influences on other outputs are the same as without this test, and its own influences are those of the other stations.
+/// Influence of coordinates on outputs, with a test that has no value at the last station. The reason: no equilibrium exists at
+/// the largest load of the test. The influences on other outputs are the same as without this test. The influences on the test
+/// come from the other stations.
 #[test]
 fn a_missing_value_does_not_mix_influences() {
     let influences_on = |outputs: &str, travels: &str| {

@@ -64,7 +64,8 @@ fn a_pushrod_without_a_spring_has_an_empty_column() {
     assert!(tensions > with_rod.len());
 }
 
-/// The bushing of a part in the middle of a solid axle belongs to the left half only. Warnings of `kc` count its states.
+/// The bushing of a part in the middle of a solid axle belongs to the left half only. So its force has values for the left wheel,
+/// and empty cells for the right wheel.
 #[test]
 fn a_bushing_in_the_middle_of_a_solid_axle_is_in_the_results() {
     let directory = tempfile::tempdir().unwrap();

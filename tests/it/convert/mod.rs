@@ -10,8 +10,9 @@ use std::path::{Path, PathBuf};
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
-/// Options of two conversions. Together, the two conversions change every unit and the direction of every axis.
+/// Options of the first of two conversions. Together, the two conversions change every unit and the direction of every axis.
 const INCHES: [&str; 4] = ["--unit", "in", "--frame", "sae_j670"];
+/// Options of the second conversion.
 const METRES: [&str; 4] = ["--unit", "m", "--frame", "x_rear"];
 
 fn studies() -> Vec<PathBuf> {

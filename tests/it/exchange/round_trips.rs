@@ -67,7 +67,7 @@ pub(super) fn changed(
     changed
 }
 
-/// Every hardpoint as the study writes it.
+/// Every hardpoint with its coordinates in the axes of the study, which `frame` gives.
 fn written(study: &Study, frame: Frame) -> Vec<(String, [f64; 3])> {
     let points = study.wheel().mechanism.points.iter();
     let points = points.zip(&study.wheel().design);

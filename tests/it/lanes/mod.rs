@@ -118,9 +118,9 @@ struct Found {
     unreachable: usize,
     /// Number of designs that the lanes left to the solver for single designs.
     left: usize,
-    /// Largest deviation, and the quantity in which it occurs. Angles are in rad, lengths are divided by the suspension
-    /// size; rates are included.
+    /// Largest deviation of values and rates. Angles are in rad, lengths are divided by the suspension size.
     worst: f64,
+    /// Quantity with the largest deviation.
     of: Option<(Quantity, f64)>,
     /// Number of ill-conditioned values. Their deviation is no larger than the error of the continuation, or than the
     /// effect of rounding the design.

@@ -387,7 +387,7 @@ variables = [
 ]
 "#;
     let bench = Bench::new(&study);
-    // Random error of each method.
+    // Permitted error of each sampling method in the share of a variable in the variance.
     for (method, tolerance) in [
         ("grid", 1e-12),
         ("sobol", 0.02),

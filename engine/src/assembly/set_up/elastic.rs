@@ -274,8 +274,8 @@ impl<'a> Elastic<'a> {
         Ok((built, found))
     }
 
-    /// Finds the height at which the spring has a given length in equilibrium, with (10). Starts from the height of the rigid
-    /// mechanism.
+    /// Finds the height at which the spring has a given length in equilibrium, by Newton steps with the derivative (10). Starts
+    /// from the height of the rigid mechanism.
     fn settle(&self, amounts: &[f64], length: f64) -> Result<(Vec<Built>, Found), SetUpError> {
         let Half { assembler, changes } = &self.wheels[0];
         let height = build(assembler, changes, amounts, Rest::Spring(0.0))?.height;

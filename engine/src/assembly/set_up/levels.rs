@@ -32,8 +32,8 @@ pub(super) struct Levels {
     pub(super) shims: Vec<usize>,
 }
 
-/// Finds independent rows of a matrix, by Gram-Schmidt with pivoting. Each step of equation (1) takes the row with
-/// the largest remainder.
+/// Finds independent rows of a matrix, by Gram-Schmidt with pivoting. Each step of equation (1) in module `set_up` takes the row
+/// with the largest remainder.
 pub(super) fn felt(mut rows: DMatrix<f64>) -> Vec<usize> {
     let mut taken = Vec::new();
     let mut largest = 0.0;
@@ -150,8 +150,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Runs Newton's method (2). Each step is the shortest one that meets the targets of the linearised values. A step
-    /// is halved if the parts cannot be assembled or the errors grow.
+    /// Runs Newton's method, equation (2) of module `set_up`. Each step is the shortest one that meets the targets of the
+    /// linearised values. A step is halved if the parts cannot be assembled or the errors grow.
     pub(super) fn newton(
         &self,
         state: AdjustedSuspension,

@@ -291,8 +291,8 @@ impl<'a> Problem<'a> {
         (amount / grid).round() * grid
     }
 
-    /// Errors that half steps of shims may cause, equation (7), in printed units. 0 for a value that threaded adjusters
-    /// set.
+    /// Errors that half steps of shims may cause, in printed units, by equation (7) of module `set_up`. 0 for a value that
+    /// threaded adjusters set.
     pub(super) fn half_steps(&self, levels: &Levels, state: &AdjustedSuspension) -> Vec<f64> {
         let mut allowed = vec![0.0; self.statics.len()];
         let by = self.reduced_effects(levels, state);
@@ -316,7 +316,8 @@ impl<'a> Problem<'a> {
         allowed
     }
 
-    /// Assigns the values with targets to threaded adjusters or shims by equation (1), from the derivatives of a state.
+    /// Assigns each value with a target to the threaded adjusters or to the shims. Uses the derivatives of a state and equation
+    /// (1) of module `set_up`.
     pub(super) fn levels(&self, state: &AdjustedSuspension) -> Levels {
         let targets = self.targets();
         let threads: Vec<usize> = self.threads().collect();

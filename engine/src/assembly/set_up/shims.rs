@@ -40,8 +40,8 @@ impl Problem<'_> {
         Ok((whole, levels))
     }
 
-    /// Returns the weighted effects of shims on the values in `R`, while the threaded adjusters keep the other values
-    /// at their targets: `G` of equation (4).
+    /// Returns the weighted effects of shims on the values in `R`, while the threaded adjusters keep the other values at their
+    /// targets: `G` in equation (4) of module `set_up`.
     pub(super) fn reduced_effects(
         &self,
         levels: &Levels,
@@ -64,8 +64,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Applies the Gauss-Newton method (5) to shims of any thickness. In every trial, the threaded adjusters bring
-    /// their values to the targets.
+    /// Finds the best shims of any thickness by the Gauss-Newton method, equation (5) of module `set_up`. In every trial, the
+    /// threaded adjusters bring their values to the targets.
     fn serve(
         &self,
         state: AdjustedSuspension,
@@ -88,8 +88,8 @@ impl Problem<'_> {
         })
     }
 
-    /// Returns the state with these shims after the threaded adjusters have brought their values to the targets: `X(z)`
-    /// of equation (2).
+    /// Returns the state with these shims after the threaded adjusters have brought their values to the targets: `X(z)` in
+    /// equation (2) of module `set_up`.
     fn with_threads(&self, amounts: &[f64], levels: &Levels) -> Result<End, SetUpError> {
         Ok(self.newton(self.state(amounts)?, &levels.exact, &levels.threads))
     }
@@ -142,8 +142,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Returns combinations of whole shims near the amounts of a state. They are the best ones by the linear model (6),
-    /// and the nearest combination.
+    /// Returns combinations of whole shims near the amounts of a state. They are the combinations with the smallest estimated
+    /// errors, and the nearest combination. The estimate is the linear model, equation (6) of module `set_up`.
     pub(super) fn neighbours(&self, real: &AdjustedSuspension, levels: &Levels) -> Vec<Vec<f64>> {
         let mut nearest = real.amounts.clone();
         let mut open = Vec::new();

@@ -63,8 +63,9 @@ struct Row<'c> {
     at: Option<Equilibrium>,
     /// States after the last state with a tangent, in order. They are not confirmed yet.
     pending: Vec<Pending>,
-    /// Unknowns of the last states, starting with the latest, and their number.
+    /// Unknowns of the last states, starting with the latest.
     points: [[f64; UNKNOWNS]; POINTS],
+    /// Number of states in `points`.
     known: usize,
     is_in_lane: bool,
 }
@@ -129,7 +130,8 @@ fn fits(case: &Case, other: &Case) -> bool {
 }
 
 impl Block<'_> {
-    /// Puts a row into a lane, with the inverse tangent of a state.
+    /// Puts a row of cases into a SIMD lane: copies the inverse tangent of the row's latest state into the lane. `factors` are
+    /// the LU factors of this tangent.
     fn enter(&mut self, lane: usize, factors: &Factors) {
         for (rows, row) in self.lanes.inverse.iter_mut().zip(factors.inverse()) {
             for (numbers, number) in rows.iter_mut().zip(row) {

@@ -105,9 +105,9 @@ impl<T: Scalar> Corners<T> {
         Ok(Corners::Apart([factors(0)?, factors(1)?]))
     }
 
-    /// Combines both sides of a body that carries both wheels, by equation (1). Afterwards, the left side in `sides` contains
-    /// all forces on the body, and the forces of the right side on the body are zero. If `bounds` is given, every motion
-    /// must have a stiffness.
+    /// Combines both sides of a body that carries both wheels, by equation (1) of this file. Afterwards, the left side in `sides`
+    /// contains all forces on the body, and the forces of the right side on the body are zero. If `bounds` (limits of the solver)
+    /// is given, every motion must have a stiffness. Otherwise the function returns an error.
     pub(super) fn joined(
         sides: &mut [SideEquations<T>; 2],
         bounds: Option<Bounds>,

@@ -122,7 +122,8 @@ pub(in super::super) struct AxleEquations<T: Valued> {
 pub(in super::super) enum Purpose {
     /// An equilibrium under loads.
     Balance,
-    /// Forces at the design load. Elastic parts contribute their stiffness, but no force.
+    /// Search for the forces of elastic parts at the design load. These forces are not known yet, so elastic parts contribute
+    /// only their stiffness. Springs contribute only their force.
     Preload,
     /// The step that adds derivatives to an equilibrium. In this step, the tangents are constants.
     Correction,

@@ -116,7 +116,8 @@ pub struct KcTest {
 }
 
 impl KcTest {
-    /// Returns true if the test has levels. Tests of motions have no levels.
+    /// Returns true if the test has levels (several load values from the largest negative to the largest positive load). Tests of
+    /// motions have no levels.
     pub(super) fn has_levels(&self) -> bool {
         !self.load.is_motion() && self.levels > 0
     }

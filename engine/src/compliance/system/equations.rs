@@ -120,7 +120,8 @@ impl<T: Valued> Equations<T> {
         }
     }
 
-    /// Solves equation (1) for the unknowns of a Newton step. `None` if the equations are singular in every SIMD lane.
+    /// Solves equation (1) of `system.rs` for the unknowns of a Newton step. `None` if the equations are singular in every SIMD
+    /// lane.
     #[inline(always)]
     pub(in crate::compliance) fn solution(&self) -> Option<[T; MOST]> {
         outlined!(
@@ -137,8 +138,8 @@ impl<T: Valued> Equations<T> {
         )
     }
 
-    /// Computes all unknowns from the unknowns of equation (1). If `is_rate` is true, the result contains the rates of
-    /// the unknowns along a motion in which the forces stay in balance.
+    /// Computes all unknowns of the parts from the unknowns of equation (1) of `system.rs`. If `is_rate` is true, the result
+    /// contains the rates of the unknowns along a motion in which the forces stay in balance.
     #[inline(always)]
     pub(in crate::compliance) fn step(&self, solution: &[T; MOST], is_rate: bool) -> Step<T> {
         let carrier: [T; 6] = array_of(|i| solution[i]);

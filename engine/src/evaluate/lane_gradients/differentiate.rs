@@ -78,8 +78,9 @@ pub(in crate::evaluate) struct Differentiating<'r, 't, B: SimdReal> {
     pub(super) rack: B,
     /// SIMD lanes whose poses the pose tracker has accepted so far.
     pub(super) accepted: B::Mask,
-    /// Number of all stations, and index of the first station (or group of stations in lanes) at this rack displacement.
+    /// Number of all stations.
     pub(super) count: usize,
+    /// Index of the first station at this rack displacement, or of the first group of stations in lanes.
     pub(super) first: usize,
     pub(super) task: Task<'t>,
     /// Weighted sum of squared deviations of the poses visited so far.

@@ -66,7 +66,7 @@ pub fn raises_its_joint(arm: Arm, design: &[Vector3<f64>]) -> bool {
 }
 
 impl<T: Real> ArmAngle<T> {
-    /// Equation (2).
+    /// Residual of the constraint, as a length: F in equation (2) of this file.
     #[inline]
     pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
         let arm = Turned::of(at);

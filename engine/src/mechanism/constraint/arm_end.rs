@@ -59,16 +59,16 @@ pub(crate) struct ArmEnd<T> {
     /// Point of the arm. For a joint, also the point of the knuckle.
     pub inner: PointId,
     pub outer: PointId,
-    /// Dimensions a, b and c.
+    /// Dimensions a, b and c of the arm in equation (1).
     place: [T; 3],
     kind: Kind<T>,
 }
 
 #[derive(Clone, Copy, Debug)]
 enum Kind<T> {
-    /// Number |d0|.
+    /// Length |d0| of the link in the design position.
     Link(RodLength<T>),
-    /// Vector n.
+    /// Direction n in which the joint holds the knuckle, normal to the line of both joints.
     Joint(Vector3<T>),
 }
 
@@ -193,7 +193,7 @@ impl<T: Real> ArmEnd<T> {
         at.mechanism.arms[self.arm.0].outer
     }
 
-    /// Position P of (1). A separate function, because it is rarely used.
+    /// Position P of the point on the arm, equation (1). A separate function, because it is rarely used.
     #[inline(always)]
     fn on_arm(&self, at: &Configuration<T>) -> Vector3<T> {
         outlined!(
@@ -213,7 +213,7 @@ impl<T: Real> ArmEnd<T> {
         front + axis * a + radius * b + axis.cross(radius) * c
     }
 
-    /// Force g of (3) or (4).
+    /// Force g at the outer end: equation (3) for a link, (4) for a joint.
     #[inline(always)]
     fn push(&self, at: &Configuration<T>) -> Vector3<T> {
         match self.kind {
@@ -222,14 +222,14 @@ impl<T: Real> ArmEnd<T> {
         }
     }
 
-    /// Product M u of (2) with a vector u.
+    /// Displacement M u of the point of the arm if the arm's outer joint moves by u, equation (2).
     #[inline(always)]
     fn moved(&self, axis: Vector3<T>, u: Vector3<T>) -> Vector3<T> {
         let [_, b, c] = self.place;
         u.across(axis) * b + axis.cross(u) * c
     }
 
-    /// Force h of (5): -M^T g.
+    /// Force h at the arm's outer joint that is equivalent to a force -g at the point of the arm: -M^T g.
     #[inline(always)]
     fn passed(&self, axis: Vector3<T>, g: Vector3<T>) -> Vector3<T> {
         let [_, b, c] = self.place;
@@ -244,7 +244,7 @@ impl<T: Real> ArmEnd<T> {
         [push, self.passed(axis, push)]
     }
 
-    /// Equation (3) or (4).
+    /// Residual of the constraint, as a length: F in equation (3) for a link, in (4) for a joint.
     #[inline(always)]
     pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
         let d = at.carried(self.outer) - self.on_arm(at);
@@ -254,7 +254,8 @@ impl<T: Real> ArmEnd<T> {
         }
     }
 
-    /// Adds `weight` times (5). The derivatives with respect to hardpoints are those of a design.
+    /// Adds the derivatives of the residual, equation (5), times `weight` to the sink. The derivatives with respect to hardpoints
+    /// are those of a design.
     #[inline(always)]
     pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let push = self.push(at) * weight;
@@ -268,7 +269,7 @@ impl<T: Real> ArmEnd<T> {
         }
     }
 
-    /// Equation (6).
+    /// Rates of the constraint's force and moment along a motion of the knuckle, equation (6) of this file.
     #[inline(always)]
     pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         outlined!(

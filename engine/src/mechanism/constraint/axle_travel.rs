@@ -53,7 +53,7 @@ pub(crate) fn heights_at_rest<T: Real>(
 /// Travel of a rigid axle, as a function of the pose.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TravelRow<T> {
-    /// Both wheel centres, each with its factor in (1).
+    /// Both wheel centres, each with the factor of its height in equation (1).
     centres: [(PointId, f64); 2],
     /// Heights from which z_n and z_f count.
     zeros: [T; 2],
@@ -86,7 +86,7 @@ impl<T: Real> TravelRow<T> {
         self.centres[1].0
     }
 
-    /// Travel in a pose: (1) without r.
+    /// Travel in a pose: equation (1) of this file without the prescribed value r.
     #[inline(always)]
     pub(crate) fn value(&self, at: &Configuration<T>) -> T {
         let [(near, near_factor), (far, far_factor)] = self.centres;
@@ -103,7 +103,7 @@ impl<T: Real> TravelRow<T> {
         }
     }
 
-    /// Adds `weight` times (2), without dr.
+    /// Adds the derivatives of the travel, equation (2) of this file without dr, times `weight` to the sink.
     #[inline(always)]
     pub(crate) fn push(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let zero = weight.zero();
@@ -117,7 +117,7 @@ impl<T: Real> TravelRow<T> {
         }
     }
 
-    /// Equation (4).
+    /// Rates of the constraint's force and moment along a motion of the knuckle, equation (4) of this file.
     #[inline(always)]
     pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         let mut wrench = Wrench::zero(at.rack);
@@ -140,13 +140,13 @@ impl<T: Real> TravelRow<T> {
         wrench
     }
 
-    /// Equation (1).
+    /// Residual of the constraint, as a length: F in equation (1) of this file.
     #[inline(always)]
     pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
         self.value(at) - at.rack
     }
 
-    /// Adds `weight` times (2).
+    /// Adds the derivatives of the residual, equation (2) of this file, times `weight` to the sink.
     #[inline(always)]
     pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         self.push(at, weight, sink);

@@ -55,7 +55,7 @@ impl<T: Real> RodLength<T> {
         }
     }
 
-    /// Equation (1).
+    /// Residual of the constraint, as a length: F in equation (1) of this file.
     #[inline(always)]
     pub(super) fn residual(&self, d: Vector3<T>) -> T {
         (d.norm_squared().scaled(0.5) - self.half_squared) * self.scale
@@ -84,14 +84,14 @@ pub(crate) struct Link<T> {
 }
 
 impl<T: Real> Link<T> {
-    /// Equation (1).
+    /// Residual of the constraint, as a length: F in equation (1) of this file.
     #[inline(always)]
     pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
         self.length
             .residual(at.carried(self.outer) - at.grounded(self.inner))
     }
 
-    /// Adds `weight` times (2).
+    /// Adds the derivatives of the residual, equation (2) of this file, times `weight` to the sink.
     #[inline(always)]
     pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let (inner, outer) = (self.inner, self.outer);
@@ -102,7 +102,7 @@ impl<T: Real> Link<T> {
         push_hardpoints([inner, outer], at, weight, sink);
     }
 
-    /// Equation (4).
+    /// Rates of the constraint's force and moment along a motion of the knuckle, equation (4) of this file.
     #[inline(always)]
     pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         let lever = at.pose.rotation.apply(at.designed_lever(self.outer));
@@ -122,7 +122,8 @@ impl<T: Real> Link<T> {
         }
     }
 
-    /// Rates by equations (4) and (5). A separate function, because it is rarely used.
+    /// Rates of force and moment by equations (4) and (5), for a mount that moves opposite to the knuckle. A separate function,
+    /// because it is rarely used.
     #[inline(always)]
     fn opposite_rate(
         &self,

@@ -87,14 +87,14 @@ impl<T: Real> Pinned<T> {
         }
     }
 
-    /// Equation (1).
+    /// Residual of the constraint, as a length: F in equation (1) of this file.
     #[inline(always)]
     pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
         let carried = at.pose.origin + at.pose.rotation.apply(self.lever);
         self.direction.dot(carried - at.designed(self.point))
     }
 
-    /// Adds `weight` times (2).
+    /// Adds the derivatives of the residual, equation (2) of this file, times `weight` to the sink.
     #[inline(always)]
     pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let along = self.direction * weight;
@@ -105,7 +105,7 @@ impl<T: Real> Pinned<T> {
         sink.hardpoint(at.mechanism.origin, -in_knuckle);
     }
 
-    /// Equation (4).
+    /// Rates of the constraint's force and moment along a motion of the knuckle, equation (4) of this file.
     #[inline(always)]
     pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         let lever = at.pose.rotation.apply(self.lever);

@@ -91,14 +91,14 @@ impl<T: Real> Moving<T> {
 }
 
 impl<T: Real> RockerEnd<T> {
-    /// Equation (1).
+    /// Residual of the constraint, as a length: F in equation (1) of this file.
     #[inline(always)]
     pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
         self.length
             .residual(at.point(self.outer) - at.point(self.inner))
     }
 
-    /// Adds `weight` times the differential of (1).
+    /// Adds the derivatives of the residual (1) times `weight` to the sink.
     #[inline(always)]
     pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let weight = weight * self.length.scale;
@@ -108,7 +108,8 @@ impl<T: Real> RockerEnd<T> {
         push_hardpoints([self.inner, self.outer], at, weight, sink);
     }
 
-    /// Rates (4) of the row. A separate function, because it is large and rarely used.
+    /// Rates of the constraint's force and moment along a motion of the knuckle, by equation (4). A separate function, because it
+    /// is large and rarely used.
     #[inline(always)]
     pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         outlined!(

@@ -78,14 +78,14 @@ impl<T: Real> StrutLine<T> {
         [across_first, across_second]
     }
 
-    /// Equation (1).
+    /// Residual of the constraint, as a length: F in equation (1) of this file.
     #[inline(always)]
     pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
         let gap = at.grounded(self.top) - at.pose.origin;
         at.pose.rotation.apply(self.normal).dot(gap) - self.offset
     }
 
-    /// Adds `weight` times (2), with the slide (3).
+    /// Adds the derivatives of the residual, equation (2) with the slide c of (3), times `weight` to the sink.
     #[inline(always)]
     pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let StrutLine { top, normal, .. } = *self;
@@ -102,7 +102,7 @@ impl<T: Real> StrutLine<T> {
         sink.hardpoint(self.lower, -by_direction);
     }
 
-    /// Equation (5).
+    /// Rates of the constraint's force and moment along a motion of the knuckle, equation (5) of this file.
     #[inline(always)]
     pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         let gap = at.grounded(self.top) - at.pose.origin;

@@ -115,7 +115,7 @@ impl Assessment {
         self.violation_of(equalities, levels, |_| true)
     }
 
-    /// Returns the largest violation among selected rows and the levels.
+    /// Returns the largest violation among selected constraint rows and the levels (limits of a norm of residuals).
     pub fn violation_of(
         &self,
         equalities: usize,

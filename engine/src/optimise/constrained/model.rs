@@ -18,9 +18,9 @@ use nalgebra::DVector;
 
 /// Damping relative to the largest pivot. It prevents moves in directions that change neither goal nor rows.
 const DAMPING: f64 = 1e-7;
-/// Factor by which damping increases if the method did not solve a solvable quadratic program, and the largest number of such
-/// increases.
+/// Factor by which damping increases if the method did not solve a solvable quadratic program.
 const MORE_DAMPING: f64 = 100.0;
+/// Largest number of such increases of the damping.
 const DAMPINGS: usize = 3;
 /// Largest number of quadratic programs for one step in the search for the weights of all levels.
 const PROGRAMS: usize = 300;
@@ -55,8 +55,9 @@ pub(super) struct ConvexModel<'a> {
     /// Tolerance of each level. A level counts as met if log(norm / level) is at most its tolerance.
     met: Vec<f64>,
     goal: Squares,
-    /// Number of residuals of the goal, and their norm.
+    /// Number of residuals of the goal.
     residuals: usize,
+    /// Norm of the residuals of the goal.
     norm: f64,
     /// Sum of squares of the residuals of each level.
     held: Vec<Squares>,
@@ -67,13 +68,15 @@ pub(super) struct ConvexModel<'a> {
     speaks: Vec<bool>,
     /// Number of equalities among the rows that a step can violate.
     kept_equalities: usize,
-    /// Number of quadratic programs that may still be solved for this step, and their damping relative to the largest
-    /// pivot.
+    /// Number of quadratic programs that may still be solved for this step.
     programs: usize,
+    /// Damping of these quadratic programs, relative to the largest pivot.
     damping: f64,
-    /// Indices, normals and offsets of the rows that a step can violate.
+    /// Indices of the constraint rows that a step can violate.
     kept: Vec<usize>,
+    /// Normals of these rows, one after another.
     kept_normals: Vec<f64>,
+    /// Offsets of these rows.
     kept_offsets: Vec<f64>,
     lower: Vec<f64>,
     upper: Vec<f64>,
@@ -84,13 +87,15 @@ pub(super) struct ConvexModel<'a> {
     /// Point at which the relaxed rows are satisfied.
     relaxed: Vec<f64>,
     step: Vec<f64>,
-    /// Multipliers of rows, bounds (negative at a lower bound) and levels, from the last quadratic program.
+    /// Multipliers of the constraint rows, from the last quadratic program.
     row_multipliers: Vec<f64>,
+    /// Multipliers of the bounds, negative at a lower bound.
     bound_multipliers: Vec<f64>,
+    /// Multipliers of the levels (limits of a norm of residuals).
     level_multipliers: Vec<f64>,
-    /// Weight of each level's squares in the next quadratic program.
+    /// Weight of the squared residuals of each level (limit of a norm) in the next quadratic program.
     weights: Vec<f64>,
-    /// Last multipliers of the levels. The next search starts from them.
+    /// Multipliers of the levels from the last search. The next search starts from these values.
     last_weights: Vec<Option<f64>>,
     curvature: Curvature,
     /// Normals and offsets of the rows that were active (at their limits) in the previous step. Curvature is added in the
@@ -319,7 +324,7 @@ impl<'a> ConvexModel<'a> {
         held
     }
 
-    /// Solves the quadratic program, with the weighted squares of the levels added.
+    /// Solves the quadratic program. Its objective includes the squared residuals of each level, times the weight of the level.
     fn program(&mut self, curved: bool) -> Outcome {
         let n = self.half.len();
         let weighed = || {

@@ -52,7 +52,7 @@ const STUCK: f64 = 1e-4;
 pub struct ConstrainedFit {
     /// Values of the variables, within their bounds.
     pub x: DVector<f64>,
-    /// Goal, levels and rows at `x`.
+    /// Residuals of the goal, of the levels (limits of a norm) and of the constraint rows at `x`.
     pub at: Assessment,
     /// Largest violation at `x` among the levels and the rows that some variable changes.
     pub violation: f64,
@@ -146,15 +146,16 @@ struct SequentialConvex<'a> {
     record: FitRecord<'a>,
     equalities: usize,
     levels: Vec<f64>,
-    /// Limits of the rows, and the rows in use. The set of rows in use is `None` before the run has begun.
+    /// Absolute values of the limits of the constraint rows.
     limits: Vec<f64>,
+    /// Constraint rows in use. `None` before the run has begun.
     movable: Option<Movable>,
     model: ConvexModel<'a>,
     current: Assessment,
     trial: Assessment,
     trial_x: DVector<f64>,
-    /// Rows at the latest refused trials near the current point. The slopes of these rows are the slopes on the other sides
-    /// of a kink.
+    /// Constraint rows, linearised at the latest refused trial points near the current point. At a kink, these rows have the
+    /// slopes on its other sides.
     beside: Vec<Linearisation>,
     /// Distance that the current point has moved since `beside` was last cleared, in half ranges.
     gone: f64,

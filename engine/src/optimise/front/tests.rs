@@ -191,7 +191,7 @@ fn a_straight_front_has_its_slope_everywhere() {
 #[test]
 fn a_front_ends_at_the_minima_of_each_goal() {
     let traced = traced(&[[-5.0, 5.0]; 2], [2, 3], &[&[0.4, 1.1]], |x| {
-        // The constant residual sets the least value of a goal to 1 or 2.
+        // The constant residual, 1 or 2, is the only one left at a goal's minimum. So it is the smallest value of the goal.
         let aim =
             |from: [f64; 2], rest: f64| [way_from(x, from), vec![(rest, vec![0.0; 2])]].concat();
         [aim([-1.0, 0.0], 1.0), aim([2.0, 1.0], 2.0)].concat()

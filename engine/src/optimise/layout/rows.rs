@@ -9,9 +9,11 @@ use crate::study::{Limited, Optimise};
 #[derive(Clone, Copy, Debug)]
 pub(in crate::optimise) struct Check {
     pub part: usize,
-    /// Row of the lower limit and row of the upper limit. An equality has only a row in `equal`.
+    /// Index of the row of the lower limit. `None` without this limit.
     pub lower: Option<usize>,
+    /// Index of the row of the upper limit. `None` without this limit.
     pub upper: Option<usize>,
+    /// Index of the row of an equality, which has no other row.
     pub equal: Option<usize>,
 }
 

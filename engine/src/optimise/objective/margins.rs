@@ -33,7 +33,7 @@ impl Objective<'_> {
         self.margins_here(x, into)
     }
 
-    /// Assesses the design to which the wheels have been moved, like [`Objective::margins`].
+    /// Assesses the present design, like [`Objective::margins`]: the points in `self.wheel` and `self.right`.
     fn margins_here(
         &mut self,
         x: &DVector<f64>,

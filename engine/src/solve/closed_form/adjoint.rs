@@ -51,8 +51,9 @@ pub(crate) struct Adjoint<'a, T> {
     ball_joint_velocity: Vector3<T>,
     turn: Vector3<T>,
     d: Vector3<T>,
-    /// Vector l along the tie rod, and the same vector rotated back to the design position.
+    /// Vector l along the tie rod.
     tie_rod: Vector3<T>,
+    /// Vector l, rotated back to the design position with the knuckle.
     tie_rod_in_knuckle: Vector3<T>,
     /// Cross product t x l.
     tie_rod_moment: Vector3<T>,
@@ -87,8 +88,9 @@ struct Legs<T> {
     front: Vector3<T>,
     rear: Vector3<T>,
     outer: Vector3<T>,
-    /// Centre of the joint's circle, and 1/rho^2.
+    /// Centre of the circle on which the outer joint moves.
     centre: Vector3<T>,
+    /// Inverse squared radius of this circle, 1/rho^2.
     inverse_square: T,
     /// Unit vector along the axis, front to rear, divided by the length of the axis.
     axis: Vector3<T>,

@@ -71,8 +71,9 @@ pub(crate) struct ByLinkage {
     size: f64,
     /// Determinants of A and S in the base design.
     determinants: [f64; 2],
-    /// Derivatives of the unknowns with respect to travel and to the rack, in the base design.
+    /// Derivatives of the unknowns with respect to travel, in the base design.
     by_travel: [f64; UNKNOWNS],
+    /// Derivatives of the unknowns with respect to the rack, in the base design.
     by_rack: [f64; UNKNOWNS],
 }
 

@@ -143,8 +143,9 @@ impl CornerTracker<'_> {
 struct Tracking<'t, 'm> {
     tracker: &'t CornerTracker<'m>,
     design: &'t [Vector3<f64>],
-    /// Index of the rack displacement, and the displacement.
+    /// Index of the rack displacement.
     number: usize,
+    /// Rack displacement.
     rack: f64,
     /// Receives the poses by station. Empty if poses are not requested.
     into: &'t mut [Result<Pose<f64>, Rejection>],

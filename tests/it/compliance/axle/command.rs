@@ -189,8 +189,9 @@ fn check_warns_about_the_right_wheel() {
     );
 }
 
-/// If all mounts of a subframe are on one line, only their torsional stiffness holds the subframe against rotation about
-/// this line. At the design load, this rotation carries no torque, so the program refuses such mounts.
+/// If all mounts of a subframe are on one line, only their torsional stiffness holds the subframe against rotation about this
+/// line. The forces at the design load are computed without torsional stiffness. Then nothing holds the subframe, so the program
+/// refuses such mounts.
 #[test]
 fn mounts_on_one_line_do_not_hold_the_subframe() {
     let directory = tempfile::tempdir().unwrap();

@@ -6,8 +6,8 @@ use super::ConvexModel;
 /// Largest relative deviation from a level that counts as met. For a high level the deviation must be even smaller: at most a
 /// tenth of the largest violation that still counts as satisfied.
 pub(super) const LEVEL_MET: f64 = 1e-7;
-/// Number of repeated moves of one end of a bracket after which the excess at the other end counts half each time (Illinois
-/// method).
+/// Number of moves of the same end of a bracket, one after another. From then on, each move halves the function value (`excess`)
+/// at the other end (Illinois method).
 const PATIENCE: usize = 4;
 /// Largest number of weights tried in one search for the multiplier of a level.
 const SECANTS: usize = 30;

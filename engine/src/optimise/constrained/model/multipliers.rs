@@ -6,7 +6,7 @@ use super::super::KEPT;
 use super::super::solver::RESOLUTION;
 use super::{ConvexModel, Settled};
 
-/// Relative distance from a level up to which the level binds.
+/// Relative difference between a norm of residuals and its limit (level) up to which the limit counts as active.
 const BINDING_LEVEL: f64 = 1e-6;
 /// Distance from a bound, in half ranges, up to which a variable counts as at the bound.
 const ON_BOUND: f64 = 1e-12;

@@ -17,8 +17,9 @@ pub(super) struct Trials {
     pub negligible: f64,
     /// Number of trials.
     pub count: usize,
-    /// Number of evaluations, and number of evaluations without a result.
+    /// Number of evaluations.
     pub evaluations: u32,
+    /// Number of evaluations without a result.
     pub infeasible: u32,
     /// Reason of the last evaluation without a result.
     pub obstacle: Option<Infeasible>,
@@ -30,7 +31,7 @@ struct Step {
     length: f64,
     /// Predicted reduction of the goal.
     predicted: f64,
-    /// True if the current point is an optimum of the model.
+    /// True if the current point is the optimum of the convex model, so no step improves the model.
     is_balanced: bool,
 }
 

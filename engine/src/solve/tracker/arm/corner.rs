@@ -18,9 +18,11 @@ pub(in crate::solve::tracker) struct ArmCorner<'w, 'd, B, V> {
     pub(super) visitor: &'w mut V,
     /// Derivative of the half-angle tangent with respect to the drive, for the corrections.
     pub(super) slope: B,
-    /// Result of the last correction: new state, step taken, and travel error before and after it.
+    /// State after the last correction.
     pub(super) state: ArmState<B>,
+    /// Step of the last correction.
     pub(super) step: B,
+    /// Travel error before and after the last correction.
     pub(super) missed: [B; 2],
 }
 

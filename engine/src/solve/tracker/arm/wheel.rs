@@ -16,9 +16,9 @@ pub(in crate::solve::tracker) struct ArmWheel<'w, 'd, B> {
     pub(super) tolerance: f64,
     /// State of the last linearisation or correction.
     pub(super) state: ArmState<B>,
-    /// Results of the last linearisation: the remaining error of travel, and the derivative of the unknown (the half-angle
-    /// tangent) with respect to travel.
+    /// Travel error that remained at the last linearisation.
     pub(super) missed: B,
+    /// Derivative of the unknown (the half-angle tangent) with respect to travel, from the last linearisation.
     pub(super) by_travel: B,
 }
 

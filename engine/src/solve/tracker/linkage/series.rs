@@ -26,8 +26,8 @@ impl<B: SimdReal> SeriesAdjoint<'_, B> {
     }
 }
 
-/// Computes the Jacobian of the closure equations as a Taylor series in the travel, and prepares its inverse. This is a
-/// separate function (see `Outlined`).
+/// Computes the Jacobian of the closure equations as a Taylor series in the travel, and prepares its inverse. A separate function
+/// (see `Outlined`) keeps this code out of its callers.
 struct FormingSeries<'p, B> {
     closure: &'p Closure<Jet<B, 2>>,
     at: &'p Configuration<'p, Jet<B, 2>>,

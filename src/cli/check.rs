@@ -246,7 +246,7 @@ fn swept(study: &Study, sweep: &Sweep) -> String {
 pub(super) fn one_by_one(plan: &SweepPlan) -> Option<String> {
     let why = plan.worker().ok()?.not_in_lanes()?;
     let mut text = format!(
-        "Its designs are solved one by one instead of several at once in SIMD lanes: {}",
+        "The sweep solves designs one by one, not several at once in SIMD lanes: {}",
         why.describe()
     );
     let quantities = plan.axle_quantities().iter();

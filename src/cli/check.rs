@@ -214,7 +214,7 @@ fn scattered(study: &Study, tolerance: &Tolerance) -> String {
     if let Some(why) = problem.and_then(|problem| problem.not_in_lanes()) {
         let why = why.describe();
         text += &format!(
-            " Its builds are solved one by one instead of several at once in SIMD lanes: {why}."
+            " The program solves builds one by one, not several at once in SIMD lanes: {why}."
         );
     }
     text

@@ -214,7 +214,7 @@ fn scattered(study: &Study, tolerance: &Tolerance) -> String {
     if let Some(why) = problem.and_then(|problem| problem.not_in_lanes()) {
         let why = why.describe();
         text += &format!(
-            " Its builds are solved one by one instead of several at once in SIMD lanes: {why}."
+            " The program solves builds one by one, not several at once in SIMD lanes: {why}."
         );
     }
     text
@@ -246,7 +246,7 @@ fn swept(study: &Study, sweep: &Sweep) -> String {
 pub(super) fn one_by_one(plan: &SweepPlan) -> Option<String> {
     let why = plan.worker().ok()?.not_in_lanes()?;
     let mut text = format!(
-        "Its designs are solved one by one instead of several at once in SIMD lanes: {}",
+        "The sweep solves designs one by one, not several at once in SIMD lanes: {}",
         why.describe()
     );
     let quantities = plan.axle_quantities().iter();

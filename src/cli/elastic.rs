@@ -199,7 +199,7 @@ fn doubts(study: &Study, parts: &Compliance, wheel: &str) -> Vec<String> {
             _ => continue,
         };
         doubts.push(format!(
-            "{wheel}{} has a bushing and {} has none: the latter is a rigid ball joint",
+            "{wheel}{} has a bushing, but {} has none and is a rigid ball joint",
             mechanism.name(one),
             mechanism.name(other)
         ));

@@ -400,13 +400,13 @@ fn say_loss(before: &Study, after: &Study, rounded: &Rounded, free: &[bool]) {
             "{rounded_to}; the study has no targets, so the change of the misfit is not known\n"
         )),
         Some(loss) => {
-            let ordinary = loss
-                .ordinary
-                .map_or("no curve".to_owned(), |misfit| format!("{misfit:.4}"));
+            let ordinary = loss.ordinary.map_or("no curves".to_owned(), |misfit| {
+                format!("misfit {misfit:.4}")
+            });
             let otherwise = match loss.otherwise {
                 0 => "each coordinate rounded to its nearest multiple".to_owned(),
                 count => format!(
-                    "rounding to the nearest multiples gives {ordinary}, so the next multiple on the other side is used for {}",
+                    "the nearest multiples would give {ordinary}, so the multiple on the other side is used for {}",
                     counted(count, "coordinate")
                 ),
             };

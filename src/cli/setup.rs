@@ -98,8 +98,8 @@ fn print(output: &Output, summary: &SetUpSummary) -> Result<(), Stop> {
             .text_only("\ntarget values: results with computed and with rounded adjustments\n\n")?;
         output.text_only(&results.text(width))?;
         output.text_only(
-            "\nAllowed error: half a step of the shims, half a sixteenth of a turn of the \
-             threads. ride_height_change is positive if the car becomes higher.\n",
+            "\nAllowed error: the effect of half a shim step and of 1/32 turn of each \
+             thread. ride_height_change is positive if the car becomes higher.\n",
         )?;
     }
     for s in summary.not_met() {

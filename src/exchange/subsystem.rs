@@ -145,7 +145,7 @@ fn other_angle(
     let own = angles[ANGLES.iter().position(|known| known == name)?];
     ((own - found).abs() > SAME).then(|| {
         format!(
-            "line {line}: {name} is unchanged. It is {found} deg in the file, but {} deg in the study: change it in the new file",
+            "line {line}: the export does not change {name}: {found} deg in the file, {} deg in the study. Correct it in the new file",
             shortest(own)
         )
     })

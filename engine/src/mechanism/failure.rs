@@ -358,7 +358,7 @@ impl Failure {
             }
             Failure::Singular => "the pose is singular: it has no derivatives".to_owned(),
             Failure::Toggle(rod) => format!(
-                "the {rod} is at toggle there or nearer to the design position: it cannot turn {} any further",
+                "the {rod} is at toggle there, or between there and the design position: it cannot turn {} any further",
                 rod.turns()
             ),
             Failure::Uncertified(reason) => format!("the pose is not certified: {reason}"),

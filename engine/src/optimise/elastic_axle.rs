@@ -75,7 +75,7 @@ struct Rows<'a> {
 /// Makes the error for a position of the axle that is not on level pads. Axles with elastic parts support level pads only.
 fn for_rigid_axles_only(placement: Placement, unit: &str) -> Infeasible {
     Infeasible::Refused(format!(
-        "this position is available for rigid axles only: {placement} ({unit})"
+        "this position is available only for axles without elastic parts: {placement} ({unit})"
     ))
 }
 

@@ -194,7 +194,7 @@ impl<'a> Tuner<'a> {
             }
             _ => Objective::new(self.suspension, variables, layout),
         };
-        made.expect("the same design was accepted before")
+        made.expect("this design was accepted earlier in the run")
     }
 
     fn fulfilment(&self, evaluation: &Linearisation) -> Fulfilment {

@@ -265,7 +265,7 @@ impl<'a> YieldSearch<'a> {
         let (assembled, variables) = (&self.assembled, &goals.variables);
         let scatter = self.scatter;
         let builds = Objective::of_builds(assembled, variables, layout, scatter, width);
-        let builds = builds.expect("the same design was accepted before");
+        let builds = builds.expect("this design was accepted earlier in the run");
         SmoothYield::new(builds, residual)
     }
 

@@ -44,7 +44,7 @@ pub(super) fn formulation(
         let error = problems.add(text.span(), message);
         error.related(section.span(), "the elastic parts");
         error.help(
-            "formulation = \"knuckle_pose\" solves elastic parts; it is used without [solver]",
+            "formulation = \"knuckle_pose\" solves elastic parts; it is the default if [solver] is missing",
         );
         return None;
     }

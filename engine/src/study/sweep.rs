@@ -170,7 +170,7 @@ fn check_solver(
         (
             &file.solver.formulation,
             "[sweep] needs formulation = \"knuckle_pose\", which gives the same values faster",
-            "it is used without [solver]",
+            "remove [solver]: the program then uses \"knuckle_pose\"",
         )
     } else if by_theta {
         (

@@ -27,7 +27,7 @@ impl<'s> Swept<'s> {
         match self {
             Swept::Suspension(plan) => {
                 let worker = plan.worker();
-                let worker = worker.expect("the same design was accepted before");
+                let worker = worker.expect("this design was accepted earlier in the run");
                 SweptWorker::Suspension(Box::new(worker))
             }
             Swept::Car(plan) => SweptWorker::Car(plan.worker()),

@@ -81,7 +81,7 @@ pub(super) fn problem<'a>(
             return (Vec::new(), with_rounding(band.between));
         };
         let output = reads.iter().position(|read| *read == value);
-        let output = output.expect("the values of all bands are among the outputs");
+        let output = output.expect("`reads` contains the value of every band");
         let is_figure = matches!(value, KcValue::Figure { .. });
         let places: Vec<usize> = match band.at {
             Some(at) => stations.at(at).into_iter().collect(),

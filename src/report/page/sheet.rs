@@ -38,8 +38,8 @@ pub fn set_up_page(wheels: &[SetUpSummary]) -> String {
         sections.push(titled("Steps", note, steps));
         let results = summary.results();
         if !results.is_empty() {
-            let note = "Allowed error: half a step of the shims, half a sixteenth of a turn of \
-                        the threads. Band: target value with its allowed error. Grey dot: before. \
+            let note = "Allowed error: the effect of half a shim step and of 1/32 turn of each \
+                        thread. Band: target value with its allowed error. Grey dot: before. \
                         Blue dot: after the rounded steps.";
             let missed: String = summary
                 .not_met()

@@ -135,7 +135,7 @@ fn axles_are_swept() {
     );
     let further = "outputs.characteristics=[\"roll_centre_migration_lateral\", \"steer\"]";
     let (said, _) = run(&["check", file, "--set", further], 0);
-    let words = "one by one instead of several at once in SIMD lanes: lanes do not support a requested output: roll_centre_migration_lateral.";
+    let words = "one by one, not several at once in SIMD lanes: lanes do not support a requested output: roll_centre_migration_lateral.";
     let said = one_line(&said);
     assert!(said.contains(words), "{said}");
     swept(&[

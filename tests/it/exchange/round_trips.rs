@@ -265,8 +265,9 @@ fn unchanged_parts_of_a_subsystem_are_listed() {
         found.contains("without a hardpoint in the study, unchanged: subframe_front"),
         "{found}"
     );
-    let differs =
-        format!("camber_angle is unchanged. It is 0.75 deg in the file, but {camber:?} deg");
+    let differs = format!(
+        "the export does not change camber_angle: 0.75 deg in the file, {camber:?} deg in the study"
+    );
     assert!(
         found.contains(&differs) && !found.contains("toe_angle"),
         "{found}"

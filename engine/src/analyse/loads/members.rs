@@ -38,9 +38,9 @@ impl Carried {
             | Carried::DragLink
             | Carried::TieRod => "tension",
             Carried::Beam(force) => force.positive(),
-            Carried::Force(_, Axis::X) => "on the wheel carrier along +x",
-            Carried::Force(_, Axis::Y) => "on the wheel carrier along +y",
-            Carried::Force(_, Axis::Z) => "on the wheel carrier along +z",
+            Carried::Force(_, Axis::X) => "force on the wheel carrier along +x",
+            Carried::Force(_, Axis::Y) => "force on the wheel carrier along +y",
+            Carried::Force(_, Axis::Z) => "force on the wheel carrier along +z",
             Carried::Support(Support::Spring(_)) | Carried::FarSupport(Support::Spring(_)) => {
                 "compression"
             }

@@ -258,9 +258,9 @@ impl Resolver<'_> {
         let [_, nouns] = moves.nouns();
         let (range, written) = match (own.range, own.percent) {
             (Some(list), None) => (range(list, nouns, self.problems)?, list.span()),
-            (None, Some(_)) if !moves.points().is_empty() => {
-                let message = "the key \"percent\" is for rates and values of the car; a hardpoint needs \"range\", \
-                               in the length unit";
+            _ if !moves.points().is_empty() => {
+                let message = "a hardpoint needs \"range\", in the length unit; the key \"percent\" is for rates and \
+                               values of the car";
                 return self.problems.refuse(place, message);
             }
             (None, Some(part)) => {

@@ -50,7 +50,10 @@ pub(super) fn evaluate(study: &Study, layout: &TargetLayout, x: &DVector<f64>) -
 /// The largest deviation of a target is at one of its stations, also if all deviations are 0.
 #[test]
 fn a_target_without_deviation_names_one_of_its_stations() {
-    let rolls = ("roll = { from = -3.0, to = 3.0, steps = 7 }", "roll = [1.0, -3.0, 3.0]");
+    let rolls = (
+        "roll = { from = -3.0, to = 3.0, steps = 7 }",
+        "roll = [1.0, -3.0, 3.0]",
+    );
     let study = study("macpherson_axle_front", &[rolls]);
     let layout = layout(&study);
     let residuals = DVector::zeros(layout.residuals());

@@ -302,8 +302,12 @@ pub(super) fn moments([n, s1, s2, s3, s4]: [f64; 5]) -> [f64; 3] {
     let m2 = (s2 / n - mean * mean).max(0.0);
     let m4 = s4 / n - mean * (4.0 * s3 / n - mean * (6.0 * s2 / n - 3.0 * mean * mean));
     let square = m2 * n / (n - 1.0);
-    let error = (variance_of_square(n, m2, m4).max(0.0) / (4.0 * square)).sqrt();
-    [mean, square.sqrt(), error]
+    let mut variance = variance_of_square(n, m2, m4);
+    // The estimate of a few builds may be negative. (`f64::max` would replace NaN by 0.)
+    if variance < 0.0 {
+        variance = 0.0;
+    }
+    [mean, square.sqrt(), (variance / (4.0 * square)).sqrt()]
 }
 
 /// Fewest builds with a standard error of the standard deviation.

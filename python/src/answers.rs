@@ -327,11 +327,8 @@ pub(crate) fn compare<'py>(
             designs.push(compared.map_err(|why| format!("{label}: {why}"))?);
         }
         let comparison = Comparison::of(&designs)?;
-        let mut topologies: Vec<String> =
-            designs.iter().filter_map(|d| d.topology.clone()).collect();
-        topologies.dedup();
         let labels: Vec<String> = studies.iter().map(|(label, _)| label.clone()).collect();
-        let page = comparison_page(&comparison, &topologies, &labels);
+        let page = comparison_page(&comparison, &labels);
         let files = vec![
             ("comparison.csv", comparison.csv()),
             ("moved.csv", comparison.moved_table().csv(None).into_bytes()),

@@ -232,23 +232,26 @@ pub(crate) fn sweep_into(
     if let Some(given) = given {
         own.sweep = Some(given);
     }
-    let out = directory.to_str().ok_or_else(|| {
+    // `-` would mean standard output.
+    let out = directory.to_str().filter(|out| *out != "-");
+    let out = out.ok_or_else(|| {
         let name = directory.display();
         failure(format!(
-            "{name}: expected a directory whose name is UTF-8 text"
+            "{name}: expected a directory other than -, whose name is UTF-8 text"
         ))
     })?;
     let mut arguments = vec![
         "sweep".to_owned(),
         // Suppresses printing, because a Python function does not print.
         "--quiet".to_owned(),
-        study.file_name(),
         format!("--out={out}"),
     ];
     if let Some((part, parts)) = part {
         arguments.push(format!("--shard={}/{parts}", part + 1));
     }
     arguments.extend(threads.map(|threads| format!("--threads={threads}")));
+    // The name of a study may begin with a hyphen.
+    arguments.extend(["--".to_owned(), study.file_name()]);
     let done = command(py, || hardpoint::cli::sweep_study(&own, &arguments))?;
     done.map_err(|reason| match reason {
         NotDone::Incomplete(text) => PyOSError::new_err(text),

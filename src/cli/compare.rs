@@ -65,10 +65,8 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
         });
     }
     let comparison = Comparison::of(&designs).map_err(Stop::wrong_input)?;
-    let mut topologies: Vec<String> = designs.iter().filter_map(|d| d.topology.clone()).collect();
-    topologies.dedup();
     let files = arguments.sources.iter().map(|p| p.display().to_string());
-    let page = comparison_page(&comparison, &topologies, &files.collect::<Vec<_>>());
+    let page = comparison_page(&comparison, &files.collect::<Vec<_>>());
     write(
         arguments,
         &arguments.sources,

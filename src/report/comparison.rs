@@ -69,6 +69,9 @@ pub struct Compared {
 pub struct Comparison {
     /// Labels of the designs.
     pub labels: Vec<String>,
+    /// Topologies of the designs, each once.
+    #[serde(skip)]
+    pub topologies: Vec<String>,
     /// Columns of the motion, which together identify a station.
     pub motion: Vec<StationColumn>,
     /// Common stations, each with a value for every column of the motion.
@@ -123,6 +126,17 @@ struct OwnOutput {
     unit: String,
     /// Values of each design at its own stations. `None` if the design does not have the column.
     values: Vec<Option<Vec<Option<f64>>>>,
+}
+
+/// Topologies of the designs in their order, each once.
+fn topologies(designs: &[Compared]) -> Vec<String> {
+    let mut topologies: Vec<String> = Vec::new();
+    for topology in designs.iter().filter_map(|design| design.topology.as_ref()) {
+        if !topologies.contains(topology) {
+            topologies.push(topology.clone());
+        }
+    }
+    topologies
 }
 
 impl Comparison {
@@ -187,6 +201,7 @@ impl Comparison {
         let stations: Vec<_> = stations.collect();
         Ok(Comparison {
             labels: designs.iter().map(|design| design.label.clone()).collect(),
+            topologies: topologies(designs),
             motion: motion.described(&stations),
             stations,
             outputs,

@@ -98,7 +98,7 @@ fn points_of_one_design_are_named() {
         sentences,
         ["Hardpoints only in b: spring_upper, spring_lower"]
     );
-    assert!(comparison_page(&comparison, &[], &[]).contains(&sentences[0]));
+    assert!(comparison_page(&comparison, &[]).contains(&sentences[0]));
 }
 
 /// A rack at -1 mm in axes with y to the right is at the same position as a rack at 1 mm with y to the left.
@@ -202,4 +202,16 @@ fn stations_of_an_axle_over_time_are_told_apart() {
     let rise = &rise.unwrap().values;
     assert_eq!(rise[0], [20.0, 10.0, 0.0, -10.0, -20.0].map(Some));
     assert_eq!(rise[0], rise[1]);
+}
+
+/// The page of designs with the topologies A, B and A names each topology once.
+#[test]
+fn each_topology_is_named_once() {
+    let csv = "travel_mm,camber_deg,status\n0,1,ok\n";
+    let mut designs = ["a", "b", "c"].map(|label| design(label, LengthUnit::Millimetre, csv));
+    for (design, topology) in designs.iter_mut().zip(["strut", "five_link", "strut"]) {
+        design.topology = Some(topology.to_owned());
+    }
+    let comparison = Comparison::of(&designs).unwrap();
+    assert_eq!(comparison.topologies, ["strut", "five_link"]);
 }

@@ -172,8 +172,8 @@ fn controls(moving: &[String]) -> String {
     )
 }
 
-/// Page that compares several designs. `topologies` lists their topologies, each once.
-pub fn comparison_page(comparison: &Comparison, topologies: &[String], files: &[String]) -> String {
+/// Page that compares several designs.
+pub fn comparison_page(comparison: &Comparison, files: &[String]) -> String {
     let partial: String = comparison
         .partial
         .iter()
@@ -215,7 +215,7 @@ pub fn comparison_page(comparison: &Comparison, topologies: &[String], files: &[
         study: &comparison.labels.join(" · "),
         about: format!(
             "{}, compare · hardpoint {}",
-            topologies.join(", ").replace('_', " "),
+            comparison.topologies.join(", ").replace('_', " "),
             env!("CARGO_PKG_VERSION")
         ),
         facts: vec![

@@ -170,9 +170,7 @@ fn every_value_is_the_reference_s() {
                 });
             }
             for (name, quantity, scale) in &quantities {
-                // The reference has no ratio of steer angles straight ahead, and neither has the program.
                 let Some(expected) = expected(name) else {
-                    assert!(quantity.value(&read.state).is_err(), "{label} {name}");
                     continue;
                 };
                 // The reference keeps both travels constant where the case gives them; the program keeps roll angle and
@@ -200,7 +198,15 @@ fn every_value_is_the_reference_s() {
                 compared += 1;
             }
         }
-        assert!(compared >= 13 * 48, "{name}: {compared}");
+        // Straight ahead, the reference has no values of the five quantities of a turn. With given travels of both wheels, it has
+        // no values of eleven quantities of roll and heave.
+        let missing = if name == "macpherson_front" {
+            9 * 5 + 4 * 11
+        } else {
+            7 * 5
+        };
+        let states = case["states"].as_array().unwrap().len();
+        assert_eq!(compared, states * quantities.len() - missing, "{name}");
         println!("{name}: {:e} {}", worst.0, worst.1);
         assert!(worst.0 < 1e-12, "{name}: {:e} {}", worst.0, worst.1);
     }

@@ -245,7 +245,7 @@ fn poses_of_axle(
     Ok(of_wheels)
 }
 
-/// Values of a station, or the reason why it has none. `unit` and `frame` are those of the study, for the reason.
+/// Values of a station, or the reason why it has none. The reason uses `unit` and `frame` of the study.
 fn values_of(station: &Station, unit: LengthUnit, frame: Frame) -> Result<Vec<f64>, String> {
     if let Status::Failed(failure) = station.status {
         return Err(failure.describe(unit, frame));

@@ -291,7 +291,8 @@ pub(crate) fn swept_design(py: Python<'_>, study: &Study, number: u64) -> PyResu
 }
 
 /// All positions in which the parts of the design can be assembled at a travel and a rack displacement, as CSV. Travel and rack
-/// displacement are in the study's length unit and axes. Also returns descriptions of the regions in which the search could not decide.
+/// displacement are in the study's length unit and axes. Also returns descriptions of the regions in which the search
+/// could not decide.
 #[pyfunction]
 pub(crate) fn assemblies<'py>(
     py: Python<'py>,

@@ -254,8 +254,8 @@ fn values_of(station: &Station, unit: LengthUnit, frame: Frame) -> Result<Vec<f6
     values.map_err(|_| "the wheel has no angles".to_owned())
 }
 
-/// Pose of a wheel from `values`: camber and toe in degrees, and the position of its centre. The position is in the unit and the axes
-/// (`frame`) of the study.
+/// Pose of a wheel from `values`: camber and toe in degrees, and the position of its centre. The position is in the unit and the
+/// axes (`frame`) of the study.
 fn pose(outgoing: &Outgoing<'_>, side: Side, frame: Frame, values: &[f64]) -> WheelPose {
     let [camber, toe, x, y, z] = values[..] else {
         unreachable!("two angles and a point were requested")

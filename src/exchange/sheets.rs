@@ -12,8 +12,8 @@ use crate::model::AxlePosition;
 /// Reads the points of a workbook. `wanted` is the name of the requested sheet, and `axle` is the requested axle.
 ///
 /// # Errors
-/// No sheet has points, or the named sheet has none. Several sheets have points, and none is named. The only sheet with points is for
-/// the other axle.
+/// No sheet has points, or the named sheet has none. Several sheets have points, and none is named. The only sheet with points is
+/// for the other axle.
 pub(super) fn of_workbook(
     bytes: Vec<u8>,
     wanted: Option<&str>,

@@ -190,9 +190,10 @@ def export(
 ) -> list[str]:
     """Writes a study or a run to the file `out` for other tools, in a `unit` and a `frame`. Returns a line for each loss or
     omission. `to` is "csv", "xlsx", "adams", "optimumk", "assetto", "dxf", "stl", "bus" or "toml"; the default follows the
-    ending of the file name (`.sub` is Adams/Car, `.ini` is Assetto Corsa, `.bus` is a bushing's property file). `into` is a subsystem file; its copy receives the points. `design` is the
-    number of a design of a sweep (from 0), and `round` is a length. `curves` and `names` ("adams", "altair") apply to "csv".
-    `travel`, `rack` (as "-30..30") and `grow` apply to "stl", and `bushing` (its hardpoint) to "bus"."""
+    ending of the file name (`.sub` is Adams/Car, `.ini` is Assetto Corsa, `.bus` is a bushing's property file). `into` is a
+    subsystem file; its copy receives the points. `design` is the number of a design of a sweep (from 0), and `round` is a length.
+    `curves` and `names` ("adams", "altair") apply to "csv". `travel`, `rack` (as "-30..30") and `grow` apply to "stl", and
+    `bushing` (its hardpoint) to "bus"."""
     ending = Path(out).suffix.lower().removeprefix(".")
     kind = to or {"sub": "adams", "ini": "assetto"}.get(ending, ending)
     if not kind:

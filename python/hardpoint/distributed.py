@@ -1,8 +1,9 @@
 """Sweeps on many workers. Any executor with `submit()` works: Dask (`client.get_executor()`), dask-jobqueue,
 `concurrent.futures`, or a short adapter.
 
-The directory is the result. It consists of parts of 131,072 designs. Each part is written under a temporary name with its
-statistics, and renamed when complete; no results pass through the driver. The bytes of a part do not depend on its worker.
+The directory is the result. It consists of parts of 131,072 designs (in some sweeps of elastic parts 1,024). Each part is
+written under a temporary name with its statistics, and renamed when complete; no results pass through the driver. The bytes
+of a part do not depend on its worker.
 If a worker, node or driver stops, only the current part is lost. Run the same call again: it skips complete parts.
 Sweeps of cars are not available here.
 

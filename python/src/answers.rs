@@ -290,8 +290,9 @@ pub(crate) fn swept_design(py: Python<'_>, study: &Study, number: u64) -> PyResu
     Study::of(py.detach(|| own.read_again(&file, &text)))
 }
 
-/// All positions in which the parts of the design can be assembled at a travel and a rack displacement (in the study's length unit
-/// and axes), as CSV. Also returns descriptions of the regions in which the search could not decide.
+/// All positions in which the parts of the design can be assembled at a travel and a rack displacement, as CSV. Travel and rack
+/// displacement are in the study's length unit and axes. Also returns descriptions of the regions in which the search
+/// could not decide.
 #[pyfunction]
 pub(crate) fn assemblies<'py>(
     py: Python<'py>,

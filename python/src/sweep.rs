@@ -327,7 +327,8 @@ fn solve_block(
     (rows, curves)
 }
 
-/// Number of parts of a study's sweep. A part has 131,072 designs or slightly fewer.
+/// Number of parts of a study's sweep. A part has 131,072 designs, or 1,024 in some sweeps of elastic parts. The last part has
+/// fewer.
 #[pyfunction]
 pub(crate) fn sweep_parts(py: Python<'_>, study: &Study) -> PyResult<u64> {
     let sweep = own_sweep(study)?;

@@ -27,11 +27,10 @@
 //! on the front axle. The file `car.ini` in the same folder has the mass.
 
 use super::assetto_axle::{self, End, Link};
-use super::axes::{Axes, Declared};
 use super::decimals::LARGEST;
 use super::source::{bytes_of, decoded};
 use super::table::{AxleFigures, CarFigures, Figure, Kind, Marks, Mass, NamedPoint, PointTable};
-use crate::model::{AxlePosition, FrameConvention, LengthUnit, Topology};
+use crate::model::{AxlePosition, Topology};
 use std::path::Path;
 
 /// Keys of points with their hardpoints. An axle uses only the keys of its `TYPE`; the import lists the others as left out.
@@ -133,12 +132,7 @@ pub(super) fn points_of(path: &Path, text: &str) -> Result<PointTable, String> {
     let file = assignments(text);
     file.check_links()?;
     let axles = [("FRONT", AxlePosition::Front), ("REAR", AxlePosition::Rear)];
-    let mut table = PointTable {
-        unit: Some(super::unit::FileUnit::of(LengthUnit::Metre)),
-        has_fixed_unit: true,
-        declared: Declared::whole(Axes::of(FrameConvention::Iso8855)),
-        ..PointTable::default()
-    };
+    let mut table = PointTable::in_metres();
     for (name, axle) in axles {
         if file.entries.iter().any(|entry| entry.section == name) {
             file.axle(name, axle, &mut table)?;
@@ -410,7 +404,7 @@ impl File<'_> {
                 ignored.join(", ")
             ));
         }
-        // Without TRACK, the line is that of TYPE, which every axle of a known kind has.
+        // Every axle of a known kind has a TYPE, so its line replaces a missing line of TRACK.
         let line = self.entry(name, "TRACK").or(self.entry(name, "TYPE"));
         let line = line.map_or(0, |entry| entry.line);
         let centre = [ahead, half_track, 0.0];

@@ -210,6 +210,13 @@ impl Declared {
         Ok(both)
     }
 
+    /// Axes of a convention of studies by its name, such as `iso8855`. `None` for other names.
+    pub(super) fn named(name: &str) -> Option<Self> {
+        let mut all = FrameConvention::ALL.into_iter();
+        let known = all.find(|convention| convention.name() == name)?;
+        Some(Declared::whole(Axes::of(known)))
+    }
+
     /// Axes, if the file states all of them.
     pub(super) fn axes(self) -> Option<Axes> {
         let way = |coordinate| match coordinate {

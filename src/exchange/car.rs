@@ -22,7 +22,7 @@ pub struct ImportedCar {
     pub missing: Vec<String>,
 }
 
-/// Imports both axles from a file's points. `options` are those of the front and the rear axle; `origin` names the file in
+/// Imports both axles from a file's points. `options` has the options of the front and the rear axle; `origin` names the file in
 /// comments.
 ///
 /// # Errors
@@ -120,8 +120,8 @@ fn wheel_centre(axle: &Imported) -> [f64; 3] {
     centre.map_or([0.0; 3], |h| Axes::of(axle.frame).to_iso(h.position))
 }
 
-/// True if the points of both axles have the same origin. Then their wheel centres are a wheelbase apart along x. With an origin of its
-/// own, each axle has its wheel centre near x = 0. `wheelbase` is the value of the file.
+/// True if the points of both axles have the same origin. Then their wheel centres are a wheelbase apart along x. With an origin of
+/// its own, each axle has its wheel centre near x = 0. `wheelbase` is the value of the file.
 fn have_one_origin(front: &Imported, rear: &Imported, wheelbase: Option<f64>) -> bool {
     let apart = ahead(front) - ahead(rear);
     match wheelbase {

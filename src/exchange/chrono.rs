@@ -15,13 +15,10 @@
 //! spring, or the ends of the damper if there is no spring. In Chrono, the axis of a MacPherson strut is the axis of the spring. As
 //! in studies, `Camber Angle (deg)` is positive with the top outward, and `Toe Angle (deg)` with the front inward.
 
-use super::axes::{Axes, Declared};
 use super::chrono_vehicle;
 use super::figure_names::figure;
 use super::map::{Node, place, position};
 use super::table::{Figure, Kind, Marks, NamedPoint, PointTable};
-use super::unit::FileUnit;
-use crate::model::{FrameConvention, LengthUnit};
 
 /// A hardpoint, and a list of parts with locations that can give it. The first location of the list that the file contains is
 /// used.
@@ -170,12 +167,7 @@ pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
     let Some(template) = text(root, "Template").filter(|_| is_suspension) else {
         return Ok(None);
     };
-    let mut table = PointTable {
-        unit: Some(FileUnit::of(LengthUnit::Metre)),
-        has_fixed_unit: true,
-        declared: Declared::whole(Axes::of(FrameConvention::Iso8855)),
-        ..PointTable::default()
-    };
+    let mut table = PointTable::in_metres();
     let topology = match template {
         "DoubleWishbone" | "DoubleWishboneReduced" => "double_wishbone",
         "MacPhersonStrut" => "macpherson",

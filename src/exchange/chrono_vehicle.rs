@@ -12,13 +12,11 @@
 //! | spring rate | `Spring Coefficient` |
 //! | spring force | rate * (`Free Length` - length in the file) + `Preload` |
 
-use super::axes::{Axes, Declared};
 use super::chrono::{entry, location, points_of, text};
 use super::map::{Node, of_json, position};
 use super::source::{bytes_of, decoded};
 use super::table::{AxleFigures, CarFigures, Kind, Mass, PointTable, SpringFigures};
-use super::unit::FileUnit;
-use crate::model::{AxlePosition, FrameConvention, LengthUnit};
+use crate::model::AxlePosition;
 use std::path::{Component, Path, PathBuf};
 
 /// An axle of the vehicle.
@@ -65,11 +63,8 @@ pub(super) fn read(path: &Path, root: &Node) -> Result<Option<PointTable>, Strin
         car.mass = None;
     }
     let mut table = PointTable {
-        unit: Some(FileUnit::of(LengthUnit::Metre)),
-        has_fixed_unit: true,
-        declared: Declared::whole(Axes::of(FrameConvention::Iso8855)),
         car: Some(car),
-        ..PointTable::default()
+        ..PointTable::in_metres()
     };
     let ends = [AxlePosition::Front, AxlePosition::Rear];
     for (own, end) in axles.into_iter().zip(ends) {

@@ -44,8 +44,8 @@ pub(super) fn name_of(axle: AxlePosition) -> &'static str {
     }
 }
 
-/// Chooses the axle and the wheel. Without `--side`, the left wheel is chosen if the file has points of it, else the right one. If the file
-/// states no side, the side stays open.
+/// Chooses the axle and the wheel. Without `--side`, this is the left wheel if the file has points of it, else the right wheel. If
+/// the file states no side, the side stays open.
 ///
 /// # Errors
 /// The file has two axles and none is chosen, it lacks the chosen one, or it states another topology.

@@ -72,6 +72,20 @@ impl Decimals {
             Cell::Unusable(what) => Err(format!("expected a number, found {what}")),
         }
     }
+
+    /// True if a cell is a number in this notation, with or without a unit.
+    pub(super) fn is_number(self, cell: &Cell) -> bool {
+        self.number(cell).is_ok()
+    }
+}
+
+/// True if a cell is a number with a decimal point or a decimal comma, with or without a unit.
+pub(super) fn is_number(cell: &Cell) -> bool {
+    match cell {
+        Cell::Number(_) => true,
+        Cell::Text(text) => plain_number(text, true).is_ok(),
+        Cell::Unusable(_) => false,
+    }
 }
 
 /// Columns of the header that applies to a row: the last header above it. The first header also applies to the rows above it.
@@ -116,11 +130,6 @@ fn has_decimal_comma(sheet: &Sheet) -> bool {
 /// # Errors
 /// Only some coordinates have a unit, or their units differ.
 fn unit_of_cells(sheet: &Sheet, headers: &[(u32, Columns)]) -> Result<Option<FileUnit>, String> {
-    let is_number = |cell: &Cell| match cell {
-        Cell::Number(_) => true,
-        Cell::Text(text) => plain_number(text, true).is_ok(),
-        Cell::Unusable(_) => false,
-    };
     // A row with one number, such as an angle, is a value of the wheel.
     let is_point = |row: u32| {
         let mut triples = columns_at(headers, row).triples.iter();

@@ -245,7 +245,7 @@ fn poses_of_axle(
     Ok(of_wheels)
 }
 
-/// Values of a station, or the reason why it has none. `unit` and `frame` are those of the study, for the reason.
+/// Values of a station, or the reason why it has none. The reason uses `unit` and `frame` of the study.
 fn values_of(station: &Station, unit: LengthUnit, frame: Frame) -> Result<Vec<f64>, String> {
     if let Status::Failed(failure) = station.status {
         return Err(failure.describe(unit, frame));
@@ -254,8 +254,8 @@ fn values_of(station: &Station, unit: LengthUnit, frame: Frame) -> Result<Vec<f6
     values.map_err(|_| "the wheel has no angles".to_owned())
 }
 
-/// Pose of a wheel from its camber and toe in degrees and the position of its centre in the unit and the axes of the study
-/// (`frame`).
+/// Pose of a wheel from `values`: camber and toe in degrees, and the position of its centre. The position is in the unit and the
+/// axes (`frame`) of the study.
 fn pose(outgoing: &Outgoing<'_>, side: Side, frame: Frame, values: &[f64]) -> WheelPose {
     let [camber, toe, x, y, z] = values[..] else {
         unreachable!("two angles and a point were requested")

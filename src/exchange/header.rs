@@ -3,7 +3,7 @@
 
 use super::axes::{Coordinate, Declared, Way};
 use super::cell::{Cell, Sheet};
-use super::decimals::plain_number;
+use super::decimals::{is_number, plain_number};
 use super::names::{cut, marks_of};
 use super::table::Marks;
 use super::unit::FileUnit;
@@ -374,13 +374,9 @@ pub(super) fn without_header(sheet: &Sheet, rows: &[u32]) -> Option<Columns> {
         let [(name, Cell::Text(text)), (x, _), (y, _), (z, _)] = cells else {
             return None;
         };
-        let numbers = cells[1..].iter().all(|(_, cell)| match cell {
-            Cell::Number(_) => true,
-            Cell::Text(text) => plain_number(text, true).is_ok(),
-            Cell::Unusable(_) => false,
-        });
+        let has_numbers = cells[1..].iter().all(|(_, cell)| is_number(cell));
         let is_name = plain_number(text, true).is_err();
-        (numbers && is_name && [*x, *y, *z] == [name + 1, name + 2, name + 3]).then_some(*name)
+        (has_numbers && is_name && [*x, *y, *z] == [name + 1, name + 2, name + 3]).then_some(*name)
     };
     let mut fitting = rows.iter().filter_map(|row| fits(*row));
     let name = fitting.next()?;

@@ -3,19 +3,19 @@
 //! The following three texts give the same point: `{"LCA front": [1, 2, 3]}`,
 //! `{"lower arm": {"front": {"x": 1, "y": 2, "z": 3}}}` and `[{"name": "LCA front", "x": 1, "y": 2, "z": 3}]`. The name of a
 //! point consists of the keys that lead to three numbers. A key that is a wheel or an axle (`left`, `FL`, `front_axle`) applies
-//! to all points below it. In a table with x, y and z, the entries `side`, `corner` and `axle` give the wheel and the axle, and
-//! `unit` gives the unit of lengths. The importer skips keys with unknown words, such as a car's name, lists of other lengths,
+//! to all points below it. In a table with x, y and z, the entries `side`, `corner` and `axle` give the wheel and the axle. The
+//! entry `unit` gives the unit of lengths. The importer skips keys with unknown words, such as a car's name, lists of other lengths,
 //! texts and truth values. A single number is a value with a name. [`chrono`] reads suspensions of Project Chrono.
 
 use super::angle_unit::AngleUnit;
-use super::axes::{Axes, Declared};
+use super::axes::Declared;
 use super::figure_names::figure;
 use super::names::{KNOWN_MARKS, Words, cut, marks_of, marks_of_entry, marks_of_title, side_of};
 use super::roles::{self, Letters};
-use super::table::{Figure, Marks, NamedPoint, PointTable};
+use super::table::{Figure, Marks, NamedPoint, PointTable, StatedMarks};
 use super::unit::{FileUnit, KNOWN_UNITS};
 use super::{chrono, hub_face};
-use crate::model::{FrameConvention, Topology};
+use crate::model::Topology;
 use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
 use std::fmt;
 
@@ -196,7 +196,7 @@ struct Reader {
 impl Reader {
     fn visit<'n>(&mut self, node: &'n Node, keys: &mut Vec<&'n str>) -> Result<(), String> {
         if let Some(position) = position(node) {
-            return self.point(Ok(position), keys, (Marks::default(), false));
+            return self.point(Ok(position), keys, StatedMarks::default());
         }
         match node {
             Node::Number(number) => {
@@ -213,7 +213,7 @@ impl Reader {
             Node::Text(text) => self.word(text, keys)?,
             Node::List(nodes) => {
                 if let Some(reason) = fault(nodes).filter(|_| names_hardpoint(keys)) {
-                    return self.point(Err(reason), keys, (Marks::default(), false));
+                    return self.point(Err(reason), keys, StatedMarks::default());
                 }
                 if nodes.iter().any(|node| matches!(node, Node::Number(_))) {
                     self.value_missing(keys, "a list");
@@ -270,38 +270,37 @@ impl Reader {
         names_hardpoint(keys).then_some(Err(reason))
     }
 
-    /// Wheel and axle in the entries of a point, and true if the point is for both wheels. Also reads the unit of lengths.
+    /// Wheel and axle in the entries of a point. Also reads the unit of lengths.
     fn remarks<'n>(
         &mut self,
         entries: &'n [(String, Node)],
         keys: &mut Vec<&'n str>,
-    ) -> Result<(Marks, bool), String> {
-        let (mut marks, mut both) = (Marks::default(), false);
+    ) -> Result<StatedMarks, String> {
+        let mut stated = StatedMarks::default();
         for (key, node) in entries {
             let Node::Text(text) = node else {
                 continue;
             };
             keys.push(key);
             if is_any(key, &["side", "corner", "axle"]) {
-                let (found, is_for_both) = marks_of_entry(text).ok_or_else(|| {
+                let found = marks_of_entry(text).ok_or_else(|| {
                     format!("{}: expected {KNOWN_MARKS}, found {text:?}", place(keys))
                 })?;
-                marks = marks.or(found);
-                both |= is_for_both;
+                stated.add(found);
             } else if names_unit(keys) {
                 self.word(text, keys)?;
             }
             keys.pop();
         }
-        Ok((marks, both))
+        Ok(stated)
     }
 
-    /// Adds a point. `own` are the wheel and the axle in its entries, and a flag that is true if the point is for both wheels.
+    /// Adds a point. `stated` are the wheel and the axle in its entries.
     fn point(
         &mut self,
         position: Result<[f64; 3], String>,
         keys: &[&str],
-        (own, both): (Marks, bool),
+        stated: StatedMarks,
     ) -> Result<(), String> {
         let points = &mut self.table.points;
         if points.len() == MOST_POINTS {
@@ -310,15 +309,15 @@ impl Reader {
         let is_side = |key: &&&str| side_of(key).is_some();
         let words: Vec<&str> = keys.iter().filter(|key| !is_side(key)).copied().collect();
         let (read_as, of_keys) = meaning(keys);
-        let mut marks = own.or(of_keys);
-        if both {
+        let mut marks = stated.marks.or(of_keys);
+        if stated.mirrored {
             marks.side = None;
         }
         points.push(NamedPoint {
             name: words.join(" "),
             read_as,
             marks,
-            mirrored: both,
+            mirrored: stated.mirrored,
             position: position.map_err(|reason| format!("{}: {reason}", place(keys))),
             has_number: true,
             body: None,
@@ -334,13 +333,7 @@ impl Reader {
                 let unit = FileUnit::named(text.trim()).ok_or_else(|| {
                     format!("{}: expected {KNOWN_UNITS}, found {text:?}", place(keys))
                 })?;
-                if self.table.unit.is_some_and(|known| known != unit) {
-                    return Err(format!(
-                        "{}: the unit differs from the unit above",
-                        place(keys)
-                    ));
-                }
-                self.table.unit = Some(unit);
+                self.table.state_unit(unit, &place(keys))?;
             }
             _ if names_angle_unit(keys) => {
                 let unit = AngleUnit::named(text.trim()).ok_or_else(|| {
@@ -349,10 +342,7 @@ impl Reader {
                 self.table.angle_unit = Some(unit);
             }
             Some("frame") => {
-                let mut all = FrameConvention::ALL.into_iter();
-                let known = all.find(|frame| frame.name() == text);
-                let declared = known.map(|known| Declared::whole(Axes::of(known)));
-                let declared = declared.unwrap_or_else(|| in_words(text));
+                let declared = Declared::named(text).unwrap_or_else(|| in_words(text));
                 if declared.is_empty() {
                     return Err(format!(
                         "{}: the frame is {text:?}; expected iso8855, sae_j670, x_rear or the \
@@ -360,10 +350,10 @@ impl Reader {
                         place(keys)
                     ));
                 }
-                self.declare(declared, keys)?;
+                self.table.declare(declared, &place(keys))?;
             }
             Some("axes" | "coordinates" | "coordinate_system" | "convention") => {
-                self.declare(in_words(text), keys)?;
+                self.table.declare(in_words(text), &place(keys))?;
             }
             _ => self.value_missing(keys, &format!("{text:?}")),
         }
@@ -379,11 +369,6 @@ impl Reader {
                 place(keys)
             ));
         }
-    }
-
-    fn declare(&mut self, declared: Declared, keys: &[&str]) -> Result<(), String> {
-        self.table.declared = self.table.declared.and(declared, &place(keys))?;
-        Ok(())
     }
 }
 

@@ -5,7 +5,7 @@
 //! that are not in the table stay unknown, because the importer never guesses from similarity. [`super::roles`] also recognises
 //! the wheel, the axle and the body that a name states.
 
-use super::table::Marks;
+use super::table::{Marks, StatedMarks};
 use crate::model::{AxlePosition, Side, Topology};
 
 /// Longest name, in bytes. A longer text is not a name.
@@ -278,12 +278,19 @@ pub(super) fn marks_of_title(text: &str) -> Option<Marks> {
     (!marks.is_empty()).then_some(marks)
 }
 
-/// Wheel and axle in an entry such as "left", "FL" or "rear", and true if the entry means both wheels. `None` for other texts.
-pub(super) fn marks_of_entry(text: &str) -> Option<(Marks, bool)> {
+/// Wheel and axle in an entry such as "left", "FL", "both" or "rear". `None` for other texts.
+pub(super) fn marks_of_entry(text: &str) -> Option<StatedMarks> {
+    let one = |marks: Marks| StatedMarks {
+        marks,
+        mirrored: false,
+    };
     match cut(text).join(" ").as_str() {
-        "left right" | "both" | "symmetric" | "l r" => Some((Marks::default(), true)),
-        "single" | "centre" | "center" | "" => Some((Marks::default(), false)),
-        _ => marks_of_title(text).map(|marks| (marks, false)),
+        "left right" | "both" | "symmetric" | "l r" => Some(StatedMarks {
+            marks: Marks::default(),
+            mirrored: true,
+        }),
+        "single" | "centre" | "center" | "" => Some(StatedMarks::default()),
+        _ => marks_of_title(text).map(one),
     }
 }
 

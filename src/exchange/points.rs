@@ -6,15 +6,14 @@ mod unit_line;
 mod values;
 
 use super::angle_unit::{is_unit, of_line};
-use super::axes::{Axes, Declared};
+use super::axes::Declared;
 use super::cell::{Cell, Sheet};
 use super::decimals::{Decimals, plain_number};
 use super::figure_names::{FigureKind, figure};
 use super::header::{self, Columns, Triple, header, text};
 use super::names::{KNOWN_MARKS, cut, marks_of_entry, marks_of_title, side_of};
-use super::table::{Figure, Marks, NamedPoint, PointTable};
+use super::table::{Figure, Marks, NamedPoint, PointTable, StatedMarks};
 use super::unit::{FileUnit, KNOWN_UNITS};
-use crate::model::FrameConvention;
 use crate::report::unit_in_words;
 use unit_line::{unit_above, unit_below, unit_row, unknown_above, without_brackets};
 use values::has_digit;
@@ -25,17 +24,14 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
     let mut table = PointTable::default();
     // Each header applies to the rows below it.
     let mut headers: Vec<(u32, Columns)> = Vec::new();
-    for (place, row) in rows.iter().enumerate() {
-        let above = place.checked_sub(1).map(|place| rows[place]);
+    for (number, row) in rows.iter().enumerate() {
+        let above = number.checked_sub(1).map(|above| rows[above]);
         if let Some(found) = header(sheet, *row, above)? {
-            if found.unit.is_some() && table.unit.is_some() && found.unit != table.unit {
-                return Err(format!(
-                    "{}: the unit differs from that of the table above",
-                    sheet.row_place(*row)
-                ));
+            let place = sheet.row_place(*row);
+            if let Some(unit) = found.unit {
+                table.state_unit(unit, &place)?;
             }
-            table.unit = table.unit.or(found.unit);
-            table.declared = table.declared.and(found.declared, &sheet.row_place(*row))?;
+            table.declare(found.declared, &place)?;
             names_beside::refuse(sheet, *row, &found.columns)?;
             table.notes.extend(found.note);
             headers.push((*row, found.columns));
@@ -127,7 +123,7 @@ impl Rows<'_> {
         let texts: Vec<&str> = sheet.row(row).filter_map(|(_, cell)| text(cell)).collect();
         let has_number = sheet
             .row(row)
-            .any(|(_, cell)| self.decimals.number(cell).is_ok());
+            .any(|(_, cell)| self.decimals.is_number(cell));
         let Some(columns) = self.columns.clone() else {
             if !self.value_beside(row, |name| figure(name).is_some()) {
                 self.value_missing(row);
@@ -147,7 +143,7 @@ impl Rows<'_> {
         }
         let own_name = sheet.cell(row, columns.name);
         let decimals = self.decimals;
-        let is_number = |cell: &Cell| decimals.number(cell).is_ok();
+        let is_number = |cell: &Cell| decimals.is_number(cell);
         if (filled == 0 || own_name.is_some_and(is_number))
             && self.value_beside(row, |name| marks_of_title(name).is_none())
         {
@@ -189,9 +185,9 @@ impl Rows<'_> {
     fn line(&mut self, row: u32, texts: &[&str]) -> Result<bool, String> {
         // The lines above the first point of a table without a header state units and axes, as above a header.
         let is_above = self.last_title.is_none() && self.table.points.is_empty();
-        let unit = unit_below(texts);
-        if let Some(unit) = unit {
-            self.stated_unit(row, unit)?;
+        if let Some(unit) = unit_below(texts) {
+            let place = self.sheet.row_place(row);
+            self.table.state_unit(unit, &place)?;
         } else if is_above && texts.len() < 4 {
             self.value_missing(row);
         } else {
@@ -211,9 +207,9 @@ impl Rows<'_> {
     ) -> Result<(), String> {
         self.check_decimals(row)?;
         self.frame(row, columns)?;
-        let marks = self.marks(row, columns)?;
+        let stated = self.marks(row, columns)?;
         let decimals = self.decimals;
-        let is_number = |cell: &Cell| decimals.number(cell).is_ok();
+        let is_number = |cell: &Cell| decimals.is_number(cell);
         let alone = |cells: &[Option<&Cell>; 3]| {
             cells.iter().flatten().count() <= 1
                 && (cells[0].is_some() || cells.iter().all(Option::is_none))
@@ -231,7 +227,7 @@ impl Rows<'_> {
         };
         let is_value = is_figure || numbers.iter().all(has_unit);
         if numbers.iter().all(alone) || (is_value && most == 1) {
-            return self.figures(row, name, columns, numbers, marks.0);
+            return self.figures(row, name, columns, numbers, stated.marks);
         }
         if is_figure && most == 2 {
             let place = self.sheet.row_place(row);
@@ -239,17 +235,18 @@ impl Rows<'_> {
             self.table.left_out.push(line);
             return Ok(());
         }
-        self.points(row, name, (columns, numbers), marks)
+        self.points(row, name, columns, numbers, stated)
     }
 
-    /// Adds the points of a row, one for each group of coordinates with numbers. `marks` are the wheel and the axle that the row
-    /// names, and a flag that is true if the row applies to both wheels.
+    /// Adds the points of a row, one for each group of coordinates with numbers. `stated` are the wheel and the axle in the cells
+    /// of the row.
     fn points(
         &mut self,
         row: u32,
         name: &str,
-        (columns, numbers): (&Columns, &[[Option<&Cell>; 3]]),
-        (by_words, both): (Marks, bool),
+        columns: &Columns,
+        numbers: &[[Option<&Cell>; 3]],
+        stated: StatedMarks,
     ) -> Result<(), String> {
         let sheet = self.sheet;
         let unit = columns.unit.and_then(|column| sheet.cell(row, column));
@@ -260,22 +257,17 @@ impl Rows<'_> {
             if cells.iter().all(Option::is_none) {
                 continue;
             }
-            let found = triple.marks.or(by_words);
-            let mut found = if both {
-                found
-            } else {
-                found.or(self.of_section(name))
-            };
-            if both {
-                found.side = None;
-                found.axle = found.axle.or(self.section.axle);
+            let marks = triple.marks.or(stated.marks);
+            let mut marks = marks.or(self.of_section(name));
+            if stated.mirrored {
+                marks.side = None;
             }
             let body = columns.body.and_then(|column| sheet.cell(row, column));
             self.table.points.push(NamedPoint {
                 name: name.to_owned(),
                 read_as: name.to_owned(),
-                marks: found,
-                mirrored: both,
+                marks,
+                mirrored: stated.mirrored,
                 has_number: cells.iter().copied().flatten().any(has_digit),
                 position: self.position(row, triple, cells),
                 body: body.and_then(text).map(str::to_owned),
@@ -331,20 +323,15 @@ impl Rows<'_> {
         if !is_above {
             return Ok(());
         }
+        let place = self.sheet.row_place(row);
         for line in texts {
-            let declared = Declared::in_text(line);
-            let place = self.sheet.row_place(row);
-            self.table.declared = self.table.declared.and(declared, &place)?;
+            self.table.declare(Declared::in_text(line), &place)?;
         }
         if self.table.unit.is_none() {
             self.table.unit = unit_above(texts);
         }
-        if let Some(unknown) = unknown_above(texts) {
-            let place = self.sheet.row_place(row);
-            let known = &mut self.table.unknown_unit;
-            *known = known
-                .take()
-                .or(Some(format!("{place}: the unit is {unknown:?}")));
+        if let (None, Some(unknown)) = (&self.table.unknown_unit, unknown_above(texts)) {
+            self.table.unknown_unit = Some(format!("{place}: the unit is {unknown:?}"));
         }
         Ok(())
     }
@@ -354,20 +341,7 @@ impl Rows<'_> {
         let place = self.sheet.row_place(row);
         let found = FileUnit::named(without_brackets(word))
             .ok_or_else(|| format!("{place}: the unit is {word:?}; expected {KNOWN_UNITS}"))?;
-        self.stated_unit(row, found)
-    }
-
-    /// Stores the unit of a row. Refuses a unit that differs from that of other rows.
-    fn stated_unit(&mut self, row: u32, found: FileUnit) -> Result<(), String> {
-        let place = self.sheet.row_place(row);
-        if self.table.unit.is_some_and(|known| known != found) {
-            return Err(format!(
-                "{place}: the unit {} differs from the unit above",
-                found.symbol
-            ));
-        }
-        self.table.unit = Some(found);
-        Ok(())
+        self.table.state_unit(found, &place)
     }
 
     /// Reads a row that names the part on which the point of another row is mounted, as in OptimumKinematics.
@@ -393,15 +367,12 @@ impl Rows<'_> {
             return Ok(());
         };
         let place = self.sheet.place(row, column);
-        let mut all = FrameConvention::ALL.into_iter();
-        let known = text(cell).and_then(|text| all.find(|convention| convention.name() == text));
-        let Some(known) = known else {
+        let Some(declared) = text(cell).and_then(Declared::named) else {
             return Err(format!(
                 "{place}: the frame is {}; expected iso8855, sae_j670 or x_rear",
                 shown(cell)
             ));
         };
-        let declared = Declared::whole(Axes::of(known));
         if self.table.declared.and(declared, &place).is_err() {
             return Err(format!("{place}: the frame changes within the table"));
         }
@@ -409,25 +380,23 @@ impl Rows<'_> {
         Ok(())
     }
 
-    /// Wheel and axle in a row's own cells, and true if the row applies to both wheels.
-    fn marks(&self, row: u32, columns: &Columns) -> Result<(Marks, bool), String> {
-        let mut marks = Marks::default();
-        let mut both = false;
+    /// Wheel and axle in the cells of a row.
+    fn marks(&self, row: u32, columns: &Columns) -> Result<StatedMarks, String> {
+        let mut stated = StatedMarks::default();
         for column in &columns.marks {
             let Some(cell) = self.sheet.cell(row, *column) else {
                 continue;
             };
-            let (found, is_for_both) = text(cell).and_then(marks_of_entry).ok_or_else(|| {
+            let found = text(cell).and_then(marks_of_entry).ok_or_else(|| {
                 format!(
                     "{}: the wheel or axle is {}; expected {KNOWN_MARKS}",
                     self.sheet.place(row, *column),
                     shown(cell)
                 )
             })?;
-            marks = marks.or(found);
-            both |= is_for_both;
+            stated.add(found);
         }
-        Ok((marks, both))
+        Ok(stated)
     }
 
     fn position(

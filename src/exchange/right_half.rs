@@ -57,8 +57,9 @@ pub(super) fn own(
     Ok(found)
 }
 
-/// Describes the points of the other wheel that differ from the mirror images of the imported wheel's points. `None` if the file has
-/// no other wheel, or mirror images within rounding errors. `picked` are the points as written in the file, and `unit` is their unit.
+/// Describes the points of the other wheel that differ from the mirror images of the imported wheel's points. `None` if the file
+/// has no other wheel, or mirror images within rounding errors. `picked` are the points as written in the file, and `unit` is their
+/// unit.
 pub(super) fn differs(
     named: &[Named<'_>],
     corner: Corner,

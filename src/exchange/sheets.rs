@@ -12,8 +12,8 @@ use crate::model::AxlePosition;
 /// Reads the points of a workbook. `wanted` is the name of the requested sheet, and `axle` is the requested axle.
 ///
 /// # Errors
-/// No sheet has points, the named sheet has no points, several sheets have points and none is named, or the only sheet with
-/// points is that of the other axle.
+/// No sheet has points, or the named sheet has none. Several sheets have points, and none is named. The only sheet with points is
+/// for the other axle.
 pub(super) fn of_workbook(
     bytes: Vec<u8>,
     wanted: Option<&str>,
@@ -94,8 +94,7 @@ fn read(book: &workbook::Workbook, number: usize) -> Result<Option<PointTable>, 
     points::read(&sheet)
 }
 
-/// Points of both axles of a workbook that has one sheet with points for each axle, according to the names of the sheets. `None` for
-/// other workbooks.
+/// Points of both axles of a workbook whose sheet names show one sheet with points for each axle. `None` for other workbooks.
 ///
 /// # Errors
 /// One of the two sheets cannot be read, or the sheets state different units or axes.

@@ -30,8 +30,7 @@ pub fn read(
     of_bytes(path, all_bytes(path)?, sheet, axle)
 }
 
-/// Points of both axles of a car. If `sheet` is `None` and a workbook has one sheet for each axle, the result has the points of both
-/// sheets.
+/// Points of both axles of a car. Without `sheet`, a workbook with one sheet for each axle gives the points of both sheets.
 ///
 /// # Errors
 /// The file has no readable points, it has points of one axle only, or the sheets of both axles contradict each other.
@@ -73,14 +72,13 @@ fn of_bytes(
     sheet: Option<&str>,
     axle: Option<AxlePosition>,
 ) -> Result<PointTable, Refusal> {
-    let is_workbook = is_workbook(&bytes);
-    if !is_workbook && let Some(sheet) = sheet {
+    if is_workbook(&bytes) {
+        return sheets::of_workbook(bytes, sheet, axle);
+    }
+    if let Some(sheet) = sheet {
         return Err(Refusal::Wrong(format!(
             "the file is not a workbook, so it has no sheet {sheet:?}"
         )));
-    }
-    if is_workbook {
-        return sheets::of_workbook(bytes, sheet, axle);
     }
     of_plain_file(path, &bytes).map_err(Refusal::Wrong)
 }

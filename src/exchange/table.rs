@@ -2,12 +2,12 @@
 
 use super::adams_bushings::AdamsBushing;
 use super::angle_unit::AngleUnit;
-use super::axes::Declared;
+use super::axes::{Axes, Declared};
 use super::figure_names::figure;
 use super::refusal::{Question, Refusal};
 use super::roles;
 use super::unit::FileUnit;
-use crate::model::{AxlePosition, Side, Topology};
+use crate::model::{AxlePosition, FrameConvention, LengthUnit, Side, Topology};
 
 /// Wheel and axle to which a part of a file belongs, if the file states them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -28,6 +28,22 @@ impl Marks {
     /// True if neither the wheel nor the axle is known.
     pub(super) fn is_empty(self) -> bool {
         self == Marks::default()
+    }
+}
+
+/// Wheel and axle of a point, as its row or its entries state them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct StatedMarks {
+    pub marks: Marks,
+    /// True if the point applies to the left wheel and, mirrored, to the right wheel.
+    pub mirrored: bool,
+}
+
+impl StatedMarks {
+    /// Adds the statement of another cell or entry.
+    pub(super) fn add(&mut self, other: StatedMarks) {
+        self.marks = self.marks.or(other.marks);
+        self.mirrored |= other.mirrored;
     }
 }
 
@@ -152,6 +168,40 @@ pub struct PointTable {
 }
 
 impl PointTable {
+    /// Empty table of a format that prescribes metres and the axes of ISO 8855.
+    pub(super) fn in_metres() -> Self {
+        PointTable {
+            unit: Some(FileUnit::of(LengthUnit::Metre)),
+            has_fixed_unit: true,
+            declared: Declared::whole(Axes::of(FrameConvention::Iso8855)),
+            ..PointTable::default()
+        }
+    }
+
+    /// Stores the unit of lengths that the file states at `place`.
+    ///
+    /// # Errors
+    /// The file stated another unit before.
+    pub(super) fn state_unit(&mut self, unit: FileUnit, place: &str) -> Result<(), String> {
+        if self.unit.is_some_and(|known| known != unit) {
+            return Err(format!(
+                "{place}: the unit {} differs from the unit above",
+                unit.symbol
+            ));
+        }
+        self.unit = Some(unit);
+        Ok(())
+    }
+
+    /// Stores the axes that the file states at `place`.
+    ///
+    /// # Errors
+    /// The file stated other axes before.
+    pub(super) fn declare(&mut self, declared: Declared, place: &str) -> Result<(), String> {
+        self.declared = self.declared.and(declared, place)?;
+        Ok(())
+    }
+
     /// Topology that the file states for an axle.
     ///
     /// # Errors
@@ -198,13 +248,13 @@ impl PointTable {
         let angle_units = self.angle_unit.zip(sheet.angle_unit);
         if units.is_some_and(|(a, b)| a != b) || angle_units.is_some_and(|(a, b)| a != b) {
             return Err(format!(
-                "{place}: its units differ from those of the other axle"
+                "{place}: its units differ from the units of the other axle"
             ));
         }
         self.unit = self.unit.or(sheet.unit);
         self.angle_unit = self.angle_unit.or(sheet.angle_unit);
         self.unknown_unit = self.unknown_unit.take().or(sheet.unknown_unit);
-        self.declared = self.declared.and(sheet.declared, place)?;
+        self.declare(sheet.declared, place)?;
         self.points
             .extend(sheet.points.into_iter().map(|mut point| {
                 point.marks.axle = Some(axle);

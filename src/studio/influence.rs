@@ -9,7 +9,7 @@ use crate::plan::Plan;
 use crate::study::Vehicle;
 
 /// Derivatives of the requested columns with respect to a coordinate at each station, in the column's unit per length unit. The
-/// stations are those of the curves at the same `curves_rack`.
+/// stations equal the stations of the curves at the same `curves_rack`.
 pub(super) fn influence(
     opened: &Opened,
     request: &InfluenceRequest,

@@ -4,9 +4,9 @@
 //! `hardpoint solve` writes them, with the mechanism in one position, and with the misfit. The answer also has the exact
 //! gradient of the misfit with respect to every coordinate. The page computes no pose, curve or misfit.
 //!
-//! The server stores the latest texts that it has read or edited, the latest tuning, a few report pages, and the running request
-//! of each page (`turns.rs`). The page keeps the design in progress. So several tabs do not disturb each other, and a stopped
-//! server loses no moved point.
+//! The server stores the latest texts that it has read or edited, the latest tuning, and a few report pages. It also stores the
+//! running request of each page (`turns.rs`). The page keeps the design in progress. So several tabs do not disturb each other, and
+//! a stopped server loses no moved point.
 //!
 //! The server accepts requests to a loopback address whose path begins with a token of 128 random bits. `Host` must be 127.0.0.1
 //! or localhost with the port of the server. `Origin` must be the same address. A GET request may have no `Origin`

@@ -1,6 +1,6 @@
 //! Rows with more numbers than the table has column titles.
 
-use super::{Cell, Rows};
+use super::Rows;
 
 impl Rows<'_> {
     /// Refuses a row that has more numbers than the table has column titles, if a comma in it is probably not a separator. The
@@ -41,7 +41,6 @@ impl Rows<'_> {
     /// title.
     fn is_usual_beyond(&self, last: u32) -> bool {
         const EXAMINED: usize = 100;
-        let is_number = |cell: &Cell| self.decimals.number(cell).is_ok();
         let (mut rows, mut beyond) = (0, 0);
         let next = |from: u32| {
             let mut cells = self.sheet.cells.range((from, 0)..);
@@ -49,7 +48,8 @@ impl Rows<'_> {
         };
         let first = std::iter::successors(next(0), |row| next(row.checked_add(1)?));
         for row in first.take(EXAMINED) {
-            let columns = self.sheet.row(row).filter(|(_, cell)| is_number(cell));
+            let columns = self.sheet.row(row);
+            let columns = columns.filter(|(_, cell)| self.decimals.is_number(cell));
             let columns: Vec<u32> = columns.map(|(column, _)| column).collect();
             rows += usize::from(columns.len() > 2);
             beyond += usize::from(columns.iter().any(|column| *column > last));

@@ -1,6 +1,6 @@
 use super::*;
 use crate::exchange::delimited;
-use crate::model::{LengthUnit, Side};
+use crate::model::{FrameConvention, LengthUnit, Side};
 
 fn table(text: &str) -> PointTable {
     read(&delimited::read(text).unwrap()).unwrap().unwrap()

@@ -1,4 +1,4 @@
-//! Units in the lines above a header and in the row below it.
+//! Units in lines above and below a header, and in the row of units below it.
 
 use super::super::cell::Cell;
 use super::super::header::text;

@@ -13,13 +13,12 @@ impl Rows<'_> {
         let (Some(Cell::Text(name)), Some(cell)) = (cells.next(), cells.next()) else {
             return false;
         };
-        let is_number = |cell: &Cell| self.decimals.number(cell).is_ok();
         let is_name = plain_number(name, true).is_err() && is_of_value(name);
         let (Ok(value), true) = (self.decimals.number(cell), is_name) else {
             return false;
         };
         let rest: Vec<&Cell> = cells.collect();
-        if rest.iter().any(|cell| is_number(cell)) {
+        if rest.iter().any(|cell| self.decimals.is_number(cell)) {
             return false;
         }
         let texts = rest.into_iter().filter_map(text);
@@ -72,9 +71,9 @@ impl Rows<'_> {
         let remark: Vec<&str> = remarks.filter_map(|(_, cell)| text(cell)).collect();
         let section = self.of_section(name);
         for (triple, cells) in columns.triples.iter().zip(numbers) {
-            let is_number = |cell: &Cell| self.decimals.number(cell).is_ok();
+            let is_number = |cell: &&Cell| self.decimals.is_number(cell);
             let filled = || cells.iter().flatten().copied();
-            let Some(cell) = filled().find(|cell| is_number(cell)).or(filled().next()) else {
+            let Some(cell) = filled().find(is_number).or(filled().next()) else {
                 continue;
             };
             let value = match self.decimals.number(cell) {

@@ -56,10 +56,10 @@ pub struct OwnRight {
     pub wheel: Option<Spanned<OwnAngles>>,
     /// Spring of the right wheel.
     pub spring: Option<Spanned<Spring>>,
-    /// Bushings whose rates differ from those of the left wheel.
+    /// Bushings whose rates differ from the rates at the left wheel.
     #[serde(default)]
     pub bushings: BTreeMap<Text, Spanned<OwnBushing>>,
-    /// Links whose stiffness differs from that of the left wheel.
+    /// Links whose stiffness differs from the stiffness at the left wheel.
     #[serde(default)]
     pub links: BTreeMap<Text, Spanned<LinkStiffness>>,
 }

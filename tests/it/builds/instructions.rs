@@ -50,8 +50,8 @@ fn effects_of_the_steps_add_up_to_the_rounded_set_up() {
     assert_eq!(is_inboard, change > 0.0, "{}", shim.instruction);
 }
 
-/// Instructions name the part relative to which a point moves. A ball joint and a bracket that move in the same direction
-/// change camber in opposite directions, because the ball joint moves relative to the wheel carrier.
+/// Instructions name the part relative to which a point moves. A ball joint moves relative to the wheel carrier, a
+/// bracket relative to the chassis. So the same direction has opposite effects on camber.
 #[test]
 fn shims_name_the_part_that_carries_the_point() {
     for (point, part, outboard_lowers_camber) in [

@@ -140,7 +140,7 @@ fn the_other_equations_give_the_reference_answers() {
 fn decimal(value: &Value) -> DoubleDouble {
     let text = value.as_str().unwrap();
     let high = number(value);
-    // Converts the digits in parts below 2^53, which are exact.
+    // Adds the digits from left to right, with the precision of two doubles.
     let (digits, exponent) = text.split_once('e').unwrap_or((text, "0"));
     let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
     let ten = DoubleDouble::from(10.0);

@@ -12,8 +12,9 @@
 use super::Linearisation;
 use super::layout::{Extremes, Leg, Part};
 
-/// Largest number of steps in a search.
-pub(super) const SEARCHES: usize = 8;
+/// Largest number of steps in a search. A smooth extreme takes three or four steps. The value can also have a kink there, or a
+/// jump of its second derivative, for example where the nearest face of a box changes. Such a search bisects.
+pub(super) const SEARCHES: usize = 32;
 /// Tolerance for the position of an extreme, as a share of the distance between stations. The error of the value is
 /// proportional to the square of the position error.
 const PLACED: f64 = 1e-9;
@@ -36,7 +37,10 @@ pub(super) struct Search {
     pub place: f64,
     /// True if the search has ended.
     pub is_found: bool,
+    /// Interval of the extreme. Each step moves one end to its position.
     ends: [f64; 2],
+    /// Length of the interval at the start.
+    span: f64,
     /// Latest position and slope.
     before: Option<(f64, f64)>,
     /// Estimate of the second derivative: first from the parabola through three stations, then from two slopes.
@@ -112,13 +116,15 @@ impl Search {
             place,
             is_found: false,
             ends,
+            span: ends[1] - ends[0],
             before: None,
             curvature,
             rise: -0.5 * curvature * away * away,
         })
     }
 
-    /// Makes a step with the slope at the current position. Returns true if the current position was close enough to the
+    /// Makes a step with the slope at the current position. The step stays within the interval of the extreme: if the secant
+    /// leaves the interval, the step goes to its middle. Returns true if the current position was close enough to the
     /// extreme, or if no further step is possible.
     pub(super) fn advance(&mut self, slope: f64) -> bool {
         if let Some((place, before)) = self.before
@@ -130,15 +136,71 @@ impl Search {
             }
         }
         let step = -slope / self.curvature;
-        if !step.is_finite() || step.abs() <= PLACED * (self.ends[1] - self.ends[0]) {
+        let close = PLACED * self.span;
+        if !step.is_finite() || step.abs() <= close {
+            return true;
+        }
+        // The curvature keeps its sign. So the extreme lies on the side of the step.
+        self.ends[usize::from(step < 0.0)] = self.place;
+        let [low, high] = self.ends;
+        if high - low <= close {
             return true;
         }
         self.before = Some((self.place, slope));
-        let next = (self.place + step).clamp(self.ends[0], self.ends[1]);
-        if next == self.place {
-            return true;
-        }
-        self.place = next;
+        let next = self.place + step;
+        self.place = if low < next && next < high {
+            next
+        } else {
+            0.5 * (low + high)
+        };
         false
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Searches the minimum of a function that is known at three stations. `f` returns value and slope.
+    fn minimum(stations: [f64; 3], f: impl Fn(f64) -> (f64, f64)) -> f64 {
+        let at = |k: usize| (stations[k], f(stations[k]).0);
+        let mut search = Search::about(1, 3, at, -1.0).unwrap();
+        for _ in 0..SEARCHES {
+            if search.advance(f(search.place).1) {
+                break;
+            }
+        }
+        search.place
+    }
+
+    /// The distance from a box has a jump of its second derivative where the nearest face changes. The parabola through the
+    /// stations then has its extreme on the wrong side of the middle station.
+    #[test]
+    fn a_jump_of_the_second_derivative_does_not_mislead_the_search() {
+        let f = |x: f64| {
+            let (steep, flat) = (x.min(6.0) - 6.0, x - 5.8);
+            (
+                0.05 * steep * steep + 0.0005 * flat * flat,
+                0.1 * steep + 0.001 * flat,
+            )
+        };
+        let found = minimum([0.0, 10.0, 20.0], f);
+        let exact = (0.1 * 6.0 + 0.001 * 5.8) / 0.101;
+        assert!((found - exact).abs() < 1e-3, "{found} {exact}");
+        assert!(f(found).0 - f(exact).0 < 1e-9);
+    }
+
+    /// In the middle of a box the distance has a kink.
+    #[test]
+    fn the_search_finds_a_kink() {
+        let f = |x: f64| {
+            if x < 9.3 {
+                (9.3 - x, -1.0)
+            } else {
+                (0.9 * (x - 9.3), 0.9)
+            }
+        };
+        let found = minimum([0.0, 10.0, 20.0], f);
+        assert!((found - 9.3).abs() < 1e-6, "{found}");
     }
 }

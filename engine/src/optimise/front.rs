@@ -207,7 +207,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             last.amounts[0] - first.amounts[0],
             first.amounts[1] - last.amounts[1],
         ];
-        if let Some(end) = single_end([first, last], extent, good) {
+        if let Some(end) = single_end([first, last], good) {
             return Traced {
                 points: vec![end.clone()],
                 breaks: Vec::new(),
@@ -374,14 +374,16 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
     }
 }
 
-/// Returns the only point of the Pareto front, if one criterion is equally good at both ends. The returned end is the one
-/// that is better in the other criterion.
-fn single_end([first, last]: [&Found; 2], extent: [f64; 2], good: f64) -> Option<&Found> {
-    let same = |k: usize, most: f64| extent[k] <= (NO_BETTER * most).max(good);
-    match (same(0, last.amounts[0]), same(1, first.amounts[1])) {
-        (true, _) => Some(last),
-        (false, true) => Some(first),
-        (false, false) => None,
+/// Returns the only point of the Pareto front, if one criterion is equally good at both ends. Values below `good` count as
+/// equal. The returned end is the one that is better in the other criterion.
+fn single_end([first, last]: [&Found; 2], good: f64) -> Option<&Found> {
+    let same = |low: f64, high: f64| high.max(good) - low.max(good) <= NO_BETTER * high.max(good);
+    if same(first.amounts[0], last.amounts[0]) {
+        Some(last)
+    } else if same(last.amounts[1], first.amounts[1]) {
+        Some(first)
+    } else {
+        None
     }
 }
 

@@ -3,7 +3,7 @@
 use super::super::test_problems::{Values, stated};
 use super::super::trade::{Criterion, Distance};
 use super::super::{Bounds, Control, Options};
-use super::{Found, Traced, Tracer};
+use super::{Found, Traced, Tracer, single_end};
 use nalgebra::DVector;
 
 /// Traces a Pareto front with this number of criteria. Each criterion has this number of residuals.
@@ -210,6 +210,21 @@ fn without_a_trade_there_is_one_point() {
     });
     assert_eq!(traced.points.len(), 1);
     assert!(traced.points[0].amounts.iter().all(|amount| *amount < 1e-5));
+}
+
+/// Values below the good value count as equal. Differences above it are a trade-off, even if they are smaller than the good value.
+#[test]
+fn only_good_values_count_as_equal() {
+    let found = |amounts: [f64; 2]| Found {
+        x: DVector::zeros(1),
+        amounts: amounts.to_vec(),
+        weights: vec![0.5; 2],
+    };
+    let [first, last] = [found([0.05, 0.9]), found([0.1, 0.3])];
+    assert_eq!(single_end([&first, &last], 0.1), Some(&last));
+    assert_eq!(single_end([&first, &last], 0.0), None);
+    let [first, last] = [found([1.4, 4.3]), found([1.7, 2.3])];
+    assert_eq!(single_end([&first, &last], 1.0), None);
 }
 
 /// Three criteria, the distances from three points. The Pareto front is the triangle of these points, and every part of the

@@ -49,8 +49,8 @@ fn bend(parts: &[&str], sigma: f64, station: usize, built: Built<'_>) -> Vec<f64
     all.map(|k| second(k) / (12.0 * h * h)).collect()
 }
 
-/// Asserts that the second-order terms of two parts with the standard deviation `sigma` equal those from finite differences, at
-/// the last station of the motion. The terms are unknown for outputs whose names contain one of the names `of_velocities`. Returns
+/// Asserts that the second-order terms of two parts with the standard deviation `sigma` equal finite differences, at the last
+/// station of the motion. The terms are unknown for outputs whose names contain one of the names `of_velocities`. Returns
 /// the number of outputs whose terms are much larger than rounding errors.
 pub fn assert_second_order(
     problem: &Problem<'_>,

@@ -144,8 +144,8 @@ impl<const N: usize> AxleSolver<'_, N> {
         }
     }
 
-    /// Returns true if both poses satisfy the closure equations at these driving travels within their rounding, and both contact
-    /// points have the same height on the rolled ground.
+    /// Returns true if both poses satisfy the closure equations at these driving travels, and both contact points have the same
+    /// height on the rolled ground. Differences within rounding are permitted.
     fn stands(&self, poses: &[Pose<f64>; 2], travels: [f64; 2], rack: f64, roll: f64) -> bool {
         let [left, right] = &self.corners;
         let closes =

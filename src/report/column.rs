@@ -336,7 +336,11 @@ mod tests {
                 "front_spring_rate",
                 "lbf_per_in",
             ),
-            ("rear_bar_rate_N_mm_per_rad", "rear_bar_rate", "N_mm_per_rad"),
+            (
+                "rear_bar_rate_N_mm_per_rad",
+                "rear_bar_rate",
+                "N_mm_per_rad",
+            ),
             ("front_spring_force_lbf", "front_spring_force", "lbf"),
             ("mass_lb", "mass", "lb"),
             ("brake_share_front", "brake_share_front", ""),

@@ -1,7 +1,7 @@
 //! Scatter of a car: `tolerance.csv`, `contributors.csv`, `summary.json` and tables.
 
 use crate::report::bands::nominal_outside;
-use crate::report::figure::as_written;
+use crate::report::figure::{as_written, finite};
 use crate::report::files::csv_of_rows;
 use crate::report::table::{Cell, Column, Table};
 use crate::report::text::counted;
@@ -81,11 +81,6 @@ struct CarBandRecord {
     high: Option<f64>,
     /// Fraction of the builds within the band.
     kept: f64,
-}
-
-/// Value without a negative zero. `None` if it is not finite.
-fn finite(value: f64) -> Option<f64> {
-    value.is_finite().then_some(value + 0.0)
 }
 
 /// Sentences about the bands of a car that its nominal design misses. Empty without tolerances, and if the nominal design cannot be

@@ -1,5 +1,6 @@
 //! Scatter of the values, in printed units.
 
+use super::super::figure::finite;
 use super::super::given_columns::GivenColumns;
 use super::super::shortest;
 use crate::model::Axis;
@@ -76,11 +77,6 @@ pub struct HistogramRecord {
 /// Default of [`ValueRecord::scatters`].
 fn scatters() -> bool {
     true
-}
-
-/// Value without a negative zero. `None` if it is not finite.
-fn finite(value: f64) -> Option<f64> {
-    value.is_finite().then_some(value + 0.0)
 }
 
 impl ValueRecord {

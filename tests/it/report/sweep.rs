@@ -54,7 +54,12 @@ fn variables_have_their_own_units() {
         { bushing = \"lower_arm_rear\", stiffness = \"y\", range = [0.5, 2.0], relative = true }, \
         { hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-5.0, 5.0] }] }";
     let outputs = "outputs.characteristics=[\"toe\"]";
-    let run = Run::of("sweep", "rates", &text, &["--set", variables, "--set", outputs]);
+    let run = Run::of(
+        "sweep",
+        "rates",
+        &text,
+        &["--set", variables, "--set", outputs],
+    );
     let data = run.data();
     for (k, words) in [
         ["spring_rate", "N/mm"],

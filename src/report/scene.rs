@@ -81,6 +81,20 @@ pub enum BodyKind {
     Knuckle,
 }
 
+impl BodyKind {
+    /// CSS class of the lines of a body in a picture.
+    pub(super) fn class(self) -> &'static str {
+        match self {
+            BodyKind::Arm => "arm",
+            BodyKind::Link => "link",
+            BodyKind::Strut => "strut",
+            BodyKind::Spring => "spring",
+            BodyKind::Rocker => "rocker",
+            BodyKind::Knuckle => "knuckle",
+        }
+    }
+}
+
 impl Scene {
     /// Drawing of a suspension.
     pub fn of(suspension: &Suspension) -> Scene {

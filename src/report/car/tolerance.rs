@@ -5,10 +5,10 @@ use crate::report::figure::{as_written, finite};
 use crate::report::files::csv_of_rows;
 use crate::report::table::{Cell, Column, Table};
 use crate::report::text::counted;
-use crate::report::tolerance_summary::percent;
+use crate::report::tolerance_summary::{LinearResult, percent};
 use crate::report::{figure, optional};
 use crate::study::CarStudy;
-use crate::tolerance::{CarBuilds, CarExpansion, CarProblem, HOLDS, PERCENTILES};
+use crate::tolerance::{CarBuilds, CarExpansion, CarProblem, PERCENTILES};
 use serde::Serialize;
 
 /// Results of `hardpoint tolerance` for a car.
@@ -250,14 +250,13 @@ impl CarToleranceSummary {
                 value.percentiles[2],
                 value.percentiles[4],
             ];
-            let words = match value.linear_holds {
-                Some(true) => "yes",
-                Some(false) if value.second_order.is_some_and(|s| s >= HOLDS) => "no: curved",
-                Some(false) => "no: builds differ",
-                None if value.nominal.is_none() || value.builds == 0 => "",
-                None if !value.scatters => "does not scatter",
-                None => "not known",
+            let linear = LinearResult {
+                holds: value.linear_holds,
+                second_order: value.second_order,
+                is_computed: value.nominal.is_some() && value.builds > 0,
+                scatters: value.scatters,
             };
+            let words = linear.in_words();
             let because = match value.linear_holds {
                 Some(true) => "",
                 _ => words,

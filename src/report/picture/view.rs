@@ -9,7 +9,7 @@ use crate::curves::Placement;
 use crate::report::chart::lettering::{Anchor, Lettering, Words};
 use crate::report::chart::mark::{number, path};
 use crate::report::record::{DesignRecord, Record};
-use crate::report::scene::{BodyKind, Scene, Sight};
+use crate::report::scene::{Scene, Sight};
 use crate::report::unit_in_words;
 use std::fmt::Write;
 
@@ -259,7 +259,7 @@ fn draw(
         );
     }
     for body in &scene.bodies {
-        let class = style.unwrap_or(class(body.kind));
+        let class = style.unwrap_or(body.kind.class());
         for line in &body.lines {
             let places = line.iter().filter_map(|point| pose.points.get(*point));
             path(svg, class, places.map(|p| projection.place(p)), false);
@@ -327,24 +327,13 @@ fn segments(scene: &Scene, pose: &Placement, projection: &Projection) -> Vec<[[f
     lines.chain(rims).collect()
 }
 
-fn class(kind: BodyKind) -> &'static str {
-    match kind {
-        BodyKind::Arm => "arm",
-        BodyKind::Link => "link",
-        BodyKind::Strut => "strut",
-        BodyKind::Spring => "spring",
-        BodyKind::Rocker => "rocker",
-        BodyKind::Knuckle => "knuckle",
-    }
-}
-
 /// Legend of the lines in a drawing, as an SVG group moved by `shift`.
 pub(super) fn key(record: &Record, shift: [f64; 2], lettering: &Lettering) -> String {
     let [across, down] = shift.map(number);
     let mut svg = format!("<g transform=\"translate({across} {down})\">\n");
     let mut kinds: Vec<(&str, String)> = Vec::new();
     for body in &record.scene.bodies {
-        let class = class(body.kind);
+        let class = body.kind.class();
         match kinds.iter_mut().find(|(known, _)| *known == class) {
             Some((_, names)) if !names.contains(&body.name) => {
                 *names += &format!(", {}", body.name);

@@ -79,7 +79,7 @@ pub(in crate::report) struct LinearResult {
 
 impl LinearResult {
     /// Validity in words: `yes`, or `no` with the reason. Empty if the value is not computed.
-    pub fn in_words(&self) -> &'static str {
+    pub(in crate::report) fn in_words(&self) -> &'static str {
         match self.holds {
             Some(true) => "yes",
             Some(false) if self.second_order.is_some_and(|s| s >= HOLDS) => "no: curved",

@@ -176,8 +176,8 @@ impl Component {
 }
 
 /// Words in the names of units that are not units of length.
-const UNIT_WORDS: [&str; 12] = [
-    "deg", "percent", "N", "kN", "lbf", "ft", "per", "rad", "s", "Hz", "g", "kg",
+const UNIT_WORDS: [&str; 13] = [
+    "deg", "percent", "N", "kN", "lbf", "ft", "per", "rad", "s", "Hz", "g", "kg", "lb",
 ];
 
 /// Parts of the names of test results whose unit is N/mm in every study.
@@ -331,6 +331,19 @@ mod tests {
                 "a_by_lateral_force_trail_100",
                 "N_m",
             ),
+            (
+                "front_spring_rate_lbf_per_in",
+                "front_spring_rate",
+                "lbf_per_in",
+            ),
+            (
+                "rear_bar_rate_N_mm_per_rad",
+                "rear_bar_rate",
+                "N_mm_per_rad",
+            ),
+            ("front_spring_force_lbf", "front_spring_force", "lbf"),
+            ("mass_lb", "mass", "lb"),
+            ("brake_share_front", "brake_share_front", ""),
         ] {
             assert_eq!(split_unit(name), (stem, unit));
         }

@@ -15,6 +15,11 @@ const WRITTEN_DIGITS: usize = 9;
 /// Differences up to this fraction of the inputs of a number are rounding errors. Rates are accurate to 1e-11.
 const ROUNDING: f64 = 1e-11;
 
+/// Value without a negative zero. `None` if it is not finite.
+pub(super) fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value + 0.0)
+}
+
 /// Formats with six significant digits, and at most nine decimals. Below 1e-5 and from 1e7, the number has an exponent.
 pub fn brief(value: f64) -> String {
     if value == 0.0 {

@@ -7,7 +7,7 @@ use super::choices::FrontRecord;
 use super::failures::FailureRange;
 use super::places::Places;
 use super::scene::Scene;
-use crate::curves::{Column, Curves, Frame, Influence};
+use crate::curves::{Column, Curves, Frame, Influence, Placement};
 use crate::plan::Plan;
 use crate::study::{Band, Drive, Study, Target, Wanted};
 use serde::{Deserialize, Serialize};
@@ -140,6 +140,17 @@ pub struct DesignRecord {
     pub failures: Vec<FailureRange>,
     /// Poses at some stations. Empty if they equal the poses of the last design.
     pub frames: Vec<Frame>,
+}
+
+impl DesignRecord {
+    /// Pose nearest to the design position. `None` if no pose is solved.
+    pub(super) fn nearest_pose(&self) -> Option<&Placement> {
+        let size = |frame: &Frame| frame.drive.abs() + frame.rack.abs();
+        let frames = self.frames.iter();
+        let solved = frames.filter_map(|frame| Some((size(frame), frame.pose.as_ref().ok()?)));
+        let nearest = solved.min_by(|a, b| a.0.total_cmp(&b.0));
+        nearest.map(|(_, pose)| pose)
+    }
 }
 
 /// A design to be recorded.

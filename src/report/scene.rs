@@ -81,6 +81,20 @@ pub enum BodyKind {
     Knuckle,
 }
 
+impl BodyKind {
+    /// CSS class of the lines of a body in a picture.
+    pub(super) fn class(self) -> &'static str {
+        match self {
+            BodyKind::Arm => "arm",
+            BodyKind::Link => "link",
+            BodyKind::Strut => "strut",
+            BodyKind::Spring => "spring",
+            BodyKind::Rocker => "rocker",
+            BodyKind::Knuckle => "knuckle",
+        }
+    }
+}
+
 impl Scene {
     /// Drawing of a suspension.
     pub fn of(suspension: &Suspension) -> Scene {
@@ -96,8 +110,8 @@ impl Scene {
         }
     }
 
-    /// Axes of the study that point to the right and up in a view: index of the axis, and 1 or -1 if the axis points that way or
-    /// the opposite way.
+    /// Axes of the study along the directions right and up of a view. Each has the index of the axis, and 1 if the axis points that
+    /// way or -1 if it points the opposite way.
     pub(super) fn axes(&self, sight: Sight) -> [(usize, f64); 2] {
         let [forward, outboard, up] = self.signs;
         // Sign of the car's left along the study's lateral axis. It follows from the other two axes, because both frames

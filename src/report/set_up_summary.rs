@@ -3,6 +3,7 @@
 mod effect;
 mod instruction;
 
+use super::figure::finite;
 use super::table::{Cell, Column, Table};
 use super::{brief, ends_at};
 use crate::ask::with_unit;
@@ -368,11 +369,6 @@ impl SetUpSummary {
     pub fn not_met(&self) -> impl Iterator<Item = &StaticRecord> {
         self.statics.iter().filter(|s| !(s.met && s.met_rounded))
     }
-}
-
-/// Value without a negative zero. `None` if it is not finite.
-fn finite(value: f64) -> Option<f64> {
-    value.is_finite().then_some(value + 0.0)
 }
 
 /// Record of the `k`-th adjustment of a study without its effect. `after` has the static values after the adjustment.

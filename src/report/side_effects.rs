@@ -163,8 +163,8 @@ pub fn visible_side_effects(effects: &[SideEffect]) -> Vec<SideEffect> {
     changed
 }
 
-/// Side effects that tables show: first all flagged ones, then other visible changes up to [`MOST_ROWS`]. Also returns the number of
-/// visible changes that are left out.
+/// Side effects that tables show: first all flagged ones, then other visible changes up to [`MOST_ROWS`]. Also returns the number
+/// of visible changes that are left out.
 pub fn shown_side_effects(effects: &[SideEffect]) -> (Vec<SideEffect>, usize) {
     let changed = visible_side_effects(effects);
     let flagged = changed.iter().filter(|e| e.flagged).count();

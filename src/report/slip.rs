@@ -66,8 +66,8 @@ impl Slip {
     }
 }
 
-/// Finite number with its decimal point moved by `places` to the right. The digits stay exactly the same. A multiplication by 10 could change them, because it is
-/// rounded.
+/// Finite number with its decimal point moved by `places` to the right. The digits stay exactly the same. A multiplication by 10
+/// could change them, because it is rounded.
 fn shifted(number: f64, places: i32) -> f64 {
     let text = format!("{number:e}");
     let (digits, exponent) = text.split_once('e').expect("scientific notation");

@@ -74,8 +74,8 @@ struct FailedStation {
 }
 
 impl SolveSummary {
-    /// Summarises curves. `design` has the curves of the design position alone. Without `design`, the values at the design come from
-    /// the station at the design position, if there is one.
+    /// Summarises curves. `design` has the curves of the design position alone. Without `design`, these values come from the
+    /// station at the design position, if there is one.
     pub fn of(study: &Study, curves: &Curves, design: Option<&Curves>) -> Self {
         let wheel = study.wheel();
         let stations = curves.stations.iter().enumerate();

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub(super) enum StationLabel {
-    /// A station in a study of one wheel: travel and rack in the study's length unit. An angle is `None` unless that angle drives the
+    /// A station in a study of one wheel: travel and rack in the study's length unit. An angle is `None` unless it drives the
     /// motion. `travel` is `None` if an angle drives the motion and the station has no pose.
     Corner {
         travel: Option<f64>,

@@ -12,11 +12,11 @@ use super::{brief, optional};
 use crate::assembly::AssemblyError;
 use crate::model::Side;
 use crate::study::AxleStudy;
-use crate::tolerance::{Expansion, HOLDS, MonteCarlo, PERCENTILES, Problem, Yields};
+use crate::tolerance::{Expansion, MonteCarlo, PERCENTILES, Problem, Yields};
 use serde::{Deserialize, Serialize};
-pub(super) use values::HistogramRecord;
 pub use values::ValueRecord;
 use values::values;
+pub(super) use values::{HistogramRecord, LinearResult};
 
 /// Explains the rows of [`ToleranceSummary::values_table`].
 pub const VALUES_NOTE: &str = "Each output has a row in the design position, and a row where its sigma is largest. \
@@ -263,14 +263,7 @@ impl ToleranceSummary {
             let mut shown: Vec<&ValueRecord> = rest.into_iter().collect();
             shown.extend(wide.filter(|wide| !wide.at_rest));
             for value in shown {
-                let words = match value.linear_holds {
-                    Some(true) => "yes",
-                    Some(false) if value.second_order.is_some_and(|s| s >= HOLDS) => "no: curved",
-                    Some(false) => "no: builds differ",
-                    None if value.nominal.is_none() || value.builds == 0 => "",
-                    None if !value.scatters => "does not scatter",
-                    None => "not known",
-                };
+                let words = value.linear_result().in_words();
                 let because = match value.linear_holds {
                     Some(true) => "",
                     _ => words,

@@ -45,12 +45,13 @@ const MOST_STEPS: usize = 30;
 /// Smallest fraction of a step in this search.
 const SHORTEST: f64 = 1e-3;
 
-/// Finds the height at which the spring has its length, by Newton's method. It begins with the state `at` at `height`. `step`
-/// returns the Newton step from a state, and `place` moves a state to a height. A step is halved if this fails, because the parts
-/// cannot be assembled at the height, or have no equilibrium there.
+/// Finds the height at which the spring has its length, by Newton's method. It begins with the state `at` at `height`. `size` is the
+/// size of the suspension. `step` returns the Newton step from a state, and `place` moves a state to a height. A step is halved if
+/// this fails, because the parts cannot be assembled at the height, or have no equilibrium there.
 pub(super) fn settle_height<S, E: From<AssemblyError>>(
     at: &mut S,
-    (mut height, size): (f64, f64),
+    mut height: f64,
+    size: f64,
     step: impl Fn(&S) -> Result<f64, E>,
     place: impl Fn(&mut S, f64) -> Result<(), E>,
 ) -> Result<(), E> {
@@ -126,7 +127,7 @@ impl Assembler {
             Ok((wanted - now) / by_height)
         };
         let place = |built: &mut Built, height: f64| self.rebuild(built, height);
-        settle_height(built, (0.0, self.suspension().size()), step, place)
+        settle_height(built, 0.0, self.suspension().size(), step, place)
     }
 
     /// Returns the length of the spring, and the derivative of this length along a direction of the parts. `rise` is the

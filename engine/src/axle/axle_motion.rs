@@ -2,7 +2,7 @@
 
 use super::solver::Placement;
 use super::{Axle, AxlePlan, Coordinate, Motion};
-use crate::curves::thinned::evenly;
+use crate::curves::thinned::{chosen, picked};
 use crate::study::{AxleStudy, TimeLaw};
 
 /// Rule that combines the values of the coordinates into stations.
@@ -131,16 +131,19 @@ impl AxleMotion {
             WheelMotion::Travels { left, right, .. } => vec![left, right],
         };
         lists.push(&mut thinned.racks);
+        // In a table of rows, every list keeps the same rows.
+        let rows = self.has_rows().then(|| chosen(&self.racks, most));
         // The longest lists are shortened most.
         lists.sort_by_key(|list| list.len());
         let mut share = most;
         for (rest, list) in (1..=lists.len()).rev().zip(lists) {
             let own = (share as f64).powf(1.0 / rest as f64) as usize;
-            *list = evenly(list, if self.has_rows() { most } else { own });
+            let kept = rows.clone().unwrap_or_else(|| chosen(list, own));
+            *list = picked(list, &kept);
             share /= list.len();
         }
         if let Some(angles) = &mut thinned.steering_wheel {
-            *angles = evenly(angles, thinned.racks.len());
+            *angles = picked(angles, &chosen(&self.racks, thinned.racks.len()));
         }
         thinned
     }
@@ -369,5 +372,43 @@ mod tests {
             ..motion
         };
         assert_eq!(rows.thinned(2000).stations(), 2000);
+    }
+
+    /// Each list has its value nearest to zero in another row. Stations of the thinned motion are still rows of the table, and
+    /// angles of the steering wheel still belong to their rack displacements.
+    #[test]
+    fn lists_of_a_thinned_motion_keep_the_same_rows() {
+        let from = |first: i32| -> Vec<f64> { (first..first + 12).map(f64::from).collect() };
+        let rows = AxleMotion {
+            wheels: WheelMotion::Travels {
+                left: from(-2),
+                right: from(-8),
+                on_plane: false,
+            },
+            racks: from(-5),
+            combine: Combine::Rows,
+            shows_rack: true,
+            steering_wheel: Some(from(-10)),
+            time: None,
+        };
+        let thinned = rows.thinned(8);
+        let WheelMotion::Travels { left, right, .. } = &thinned.wheels else {
+            panic!("the wheels have travels")
+        };
+        assert_eq!(thinned.racks, [-5.0, -4.0, -2.0, 0.0, 1.0, 2.0, 4.0, 6.0]);
+        let apart = |list: &[f64], by: f64| {
+            let pairs = list.iter().zip(&thinned.racks);
+            pairs.map(|(own, rack)| own - rack).all(|own| own == by)
+        };
+        assert!(apart(left, 3.0) && apart(right, -3.0));
+        let all = AxleMotion {
+            wheels: WheelMotion::Heave(vec![0.0]),
+            combine: Combine::All,
+            ..rows
+        };
+        for thinned in [thinned.clone(), all.thinned(8)] {
+            let angles = thinned.steering_wheel.expect("the motion has angles");
+            assert!(apart(&angles, -5.0), "{angles:?}");
+        }
     }
 }

@@ -164,13 +164,13 @@ impl<'a> CarSolver<'a> {
             ..self.rest_of(case)
         };
         if *case != rest {
-            return self.found(case);
+            return self.find(case);
         }
         let place = usize::from(case.setting.elastic_tyres);
         if let Some(known) = &self.rests[place] {
             return known.clone();
         }
-        let found = self.found(case);
+        let found = self.find(case);
         self.rests[place] = Some(found.clone());
         found
     }
@@ -183,7 +183,7 @@ impl<'a> CarSolver<'a> {
     }
 
     /// Finds the state of a case from the design position.
-    fn found(&mut self, case: &Case) -> Result<Equilibrium, NoEquilibrium> {
+    fn find(&mut self, case: &Case) -> Result<Equilibrium, NoEquilibrium> {
         if self.has_no_springs() {
             return Err(NoEquilibrium::Unsupported);
         }

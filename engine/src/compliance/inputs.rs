@@ -7,6 +7,7 @@ use super::law::Shape;
 use super::system::Hold;
 use super::wheel::{ElasticWheel, Equilibrium, HeldQuantity};
 use crate::axle::Law;
+use crate::mechanism::DesignFault;
 use crate::model::{Axis, PointId, Side, Suspension};
 use crate::number::{Tape, Tracked, Vector3};
 
@@ -64,6 +65,19 @@ pub struct AxleParameter {
     pub parameter: Parameter,
     /// Wheel that changes; `None` for both wheels.
     pub side: Option<Side>,
+}
+
+/// Reason why a design is refused if a rate is 0 or negative.
+pub(crate) const NOT_ABOVE_ZERO: &str = "the rate of an elastic part is not above 0";
+
+impl Parameter {
+    /// Checks a value of a parameter that varies. Only the tension of a link may be 0 or negative.
+    pub(crate) fn check(self, value: f64) -> Result<(), DesignFault> {
+        if value <= 0.0 && !matches!(self, Parameter::LinkPreload(_)) {
+            return Err(DesignFault::Elastic(NOT_ABOVE_ZERO.to_owned()));
+        }
+        Ok(())
+    }
 }
 
 impl From<Parameter> for AxleParameter {

@@ -55,6 +55,7 @@ pub use definition::{
 pub use derivatives::Tangent;
 pub use ends::{DrivingForce, EndCause, EquilibriumEnd, Event, LARGEST_FORCE};
 pub use fault::{AxleFault, ElasticFault, Lack, Motion, NoEquilibrium};
+pub(crate) use inputs::NOT_ABOVE_ZERO;
 pub use inputs::{AxleParameter, OnTape, Parameter};
 pub(crate) use kc::{AxleFigure, Conditions, Here};
 pub use kc::{

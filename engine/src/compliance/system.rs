@@ -2,9 +2,10 @@
 //!
 //! Unknowns are the shift and rotation of the carrier, and a force for each rigid joint. If the height of the wheel centre is
 //! held, the vertical force at the contact point is unknown as well. The program first eliminates the parts between body and
-//! carrier (`limb.rs`). Let A be the stiffness matrix of the carrier: the sum of the tangents (derivatives of the forces by the
-//! displacements) of all parts and loads. Let C be the rows of the rigid joints (transpose C'), and h the row of the height. Let
-//! q be the wrench of a vertical unit force at the contact point. A Newton step solves
+//! carrier (`limb.rs`). Let A be the stiffness matrix of the carrier: the sum of the tangents of all parts and loads. A
+//! tangent has the derivatives of forces with respect to displacements. Let C be the rows of the rigid
+//! joints (transpose C'), and h the row of the height. Let q be the wrench of a vertical unit force at the contact point. A Newton
+//! step solves
 //!
 //! ```text
 //! | A  C' -q | | du, w |     | unbalanced forces     |

@@ -12,14 +12,13 @@ impl Plan {
         let most = most / racks.len();
         let values = self.station_order.values();
         let kept = chosen(values, most);
-        let values: Vec<f64> = kept.iter().map(|k| values[*k]).collect();
         let time = self.time.as_ref().map(|law| TimeLaw {
-            times: kept.iter().map(|k| law.times[*k]).collect(),
+            times: picked(&law.times, &kept),
             ..law.clone()
         });
         Plan {
             time,
-            station_order: StationOrder::through(&values),
+            station_order: StationOrder::through(&picked(values, &kept)),
             racks,
             loads: Vec::new(),
             ..self.clone()
@@ -30,14 +29,16 @@ impl Plan {
 /// Selects at most `most` of the values, evenly spaced by index. From three values on, they include the first, the last and the one
 /// nearest to zero.
 pub fn evenly(values: &[f64], most: usize) -> Vec<f64> {
-    chosen(values, most)
-        .into_iter()
-        .map(|k| values[k])
-        .collect()
+    picked(values, &chosen(values, most))
+}
+
+/// Values with these indices.
+pub(crate) fn picked(values: &[f64], kept: &[usize]) -> Vec<f64> {
+    kept.iter().map(|k| values[*k]).collect()
 }
 
 /// Indices of the values that [`evenly`] selects, in rising order.
-fn chosen(values: &[f64], most: usize) -> Vec<usize> {
+pub(crate) fn chosen(values: &[f64], most: usize) -> Vec<usize> {
     let all = values.len();
     if all <= most {
         return (0..all).collect();

@@ -112,11 +112,8 @@ impl<'a> ElasticDesigns<'a> {
 
     /// Prepares the elastic wheel of a design, for its equilibria and tests.
     pub(super) fn run(&mut self, design: Design<'_>) -> Result<KcRun<'a>, DesignFault> {
-        if design.rates.iter().any(|rate| *rate <= 0.0) {
-            let reason = "the rate of an elastic part is not above 0".to_owned();
-            return Err(DesignFault::Elastic(reason));
-        }
         for (parameter, value) in self.of.rates.iter().zip(design.rates) {
+            parameter.check(*value)?;
             self.elastic.parts.set_rate(*parameter, *value);
         }
         let (suspension, parts) = (&self.of.suspension, &self.elastic.parts);

@@ -3,7 +3,7 @@
 use super::evaluator::{Design, Evaluator, FindsSlopes, SolvesOneByOne};
 use super::{AxleStations, Block, NotInLanes};
 use crate::axle::{AxleColumn, AxleRead, Equilibria, Quantity};
-use crate::compliance::{AxleCompliance, AxleParameter, Parameter};
+use crate::compliance::{AxleCompliance, AxleParameter};
 use crate::mechanism::{DesignFault, NoPose};
 use crate::study::AxleComplianceStudy;
 
@@ -60,11 +60,7 @@ impl<'a> OneByOne<'a> {
         let parameters = self.stations.elastic.as_ref();
         let parameters = parameters.map_or(&[][..], |own| &own.rates);
         for (parameter, value) in parameters.iter().zip(design.rates) {
-            let is_tension = matches!(parameter.parameter, Parameter::LinkPreload(_));
-            if *value <= 0.0 && !is_tension {
-                let reason = "the rate of an elastic part is not above 0".to_owned();
-                return Err(DesignFault::Elastic(reason));
-            }
+            parameter.parameter.check(*value)?;
             self.parts.set_rate(*parameter, *value);
         }
         let found = self.stations.axle.equilibria(design.wheels, &self.parts);

@@ -168,7 +168,7 @@ impl Given {
         (singles, pairs)
     }
 
-    /// Returns the point with this name. Panics if the study lacks it, so the name must be that of a required hardpoint.
+    /// Returns the point with this name. Panics if the study lacks it, so `name` must be a required hardpoint.
     pub(super) fn id(&self, name: &str) -> PointId {
         self.find(name).expect("a required hardpoint is given")
     }

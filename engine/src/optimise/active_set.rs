@@ -76,7 +76,7 @@ pub struct ActiveSet {
     basis: Vec<f64>,
     /// Triangle T of (1), column after column, n entries each.
     triangle: Vec<f64>,
-    /// Held constraints: those at their limits in the current step.
+    /// Held constraints, which are at their limits in the current step.
     held: Vec<Held>,
     /// Sign of each held constraint. Only equalities need a sign, because the normal of an equality may point in either
     /// direction.

@@ -9,7 +9,7 @@ use super::layout::{LimitedValue, StationGoals, TargetSample};
 use super::moved_wheel::WheelMoved;
 use super::{Infeasible, Linearisation};
 use crate::axle::{Axle, AxleSolver, Hold, Placement, Quantity};
-use crate::compliance::{AxleParameter, Parameter};
+use crate::compliance::{AxleParameter, NOT_ABOVE_ZERO, Parameter};
 use crate::evaluate::index_or_push;
 use crate::mechanism::{DesignFault, NoPose};
 use crate::model::PointId;
@@ -94,6 +94,11 @@ impl AxleLayout {
         stations.map(|station| (&station.goals, station.placement.rack()))
     }
 
+    /// Goals of each station.
+    pub(super) fn goals_mut(&mut self) -> impl Iterator<Item = &mut StationGoals> {
+        self.stations.iter_mut().map(|station| &mut station.goals)
+    }
+
     /// Highest order of derivatives with respect to travel and rack that the quantities need. It is one higher if the travels
     /// of some pose depend on the design.
     fn degree(&self) -> usize {
@@ -166,8 +171,7 @@ impl Moved<'_> {
         if scattered.all(|own| change(parts, own.of, own.change, own.is_relative)) {
             Ok(())
         } else {
-            let message = "the rate of an elastic part is not above 0";
-            Err(Infeasible::Refused(message.to_owned()))
+            Err(Infeasible::Refused(NOT_ABOVE_ZERO.to_owned()))
         }
     }
 }

@@ -268,8 +268,8 @@ impl RowsBeside for Rows<'_> {
                     place.map_or(0.0, |place| found.by[place])
                 };
                 along_variables(moved, &[None], by, slopes);
-                let value = (used[found.number], value);
-                station.goals.write(value, slopes, &mut into, &mut rows);
+                let of = used[found.number];
+                station.goals.write(of, value, slopes, &mut into, &mut rows);
             });
             if found.is_err() || missing {
                 let what = if missing {

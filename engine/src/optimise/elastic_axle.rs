@@ -119,8 +119,8 @@ impl RowsBeside for Rows<'_> {
                     place.map_or(0.0, |place| by[place])
                 };
                 along_variables(moved, sides, by, slopes);
-                let value = (used[number], value);
-                station.goals.write(value, slopes, &mut into, &mut rows);
+                let goals = &station.goals;
+                goals.write(used[number], value, slopes, &mut into, &mut rows);
             };
             let found = if moved.variables.is_empty() {
                 // Without variables, a build is only evaluated, so it needs no derivatives.

@@ -139,7 +139,7 @@ impl Beside {
     /// Goals of each station. They are mutable, so that the caller can weigh the targets and number the rows of the limits.
     fn goals_mut(&mut self) -> Vec<&mut StationGoals> {
         match self {
-            Beside::Axle(axle) => axle.stations.iter_mut().map(|own| &mut own.goals).collect(),
+            Beside::Axle(axle) => axle.goals_mut().collect(),
             Beside::Elastic(elastic) => elastic.goals_mut().collect(),
         }
     }

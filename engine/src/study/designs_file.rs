@@ -27,7 +27,7 @@ pub struct DesignTable {
     pub variables: Vec<SweepVariable>,
     /// Values, row by row.
     values: Vec<f64>,
-    /// SHA-256 digest of the file and of the moves that are not in it, or of the moves and the values if no file has them.
+    /// SHA-256 digest of the file and of the moves that are not in it. Without a file: digest of the moves and the values.
     pub digest: [u8; 32],
     /// True if the file has a column `design` with numbers other than 0, 1, 2 and so on.
     pub has_other_numbers: bool,

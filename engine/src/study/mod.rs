@@ -332,6 +332,19 @@ pub enum FileFormat {
     Parquet,
 }
 
+impl FileFormat {
+    /// All formats.
+    pub const ALL: [FileFormat; 2] = [FileFormat::Csv, FileFormat::Parquet];
+
+    /// Name in studies and in `sweep.json`. It is also the extension of result files.
+    pub fn name(self) -> &'static str {
+        match self {
+            FileFormat::Csv => "csv",
+            FileFormat::Parquet => "parquet",
+        }
+    }
+}
+
 /// Variable of a sweep: a number that moves one or several coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepVariable {

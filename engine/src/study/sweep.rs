@@ -191,7 +191,7 @@ pub(super) fn format(written: &Option<Text>, problems: &mut Problems) -> Option<
     let Some(text) = written else {
         return Some(FileFormat::Csv);
     };
-    let formats = [("csv", FileFormat::Csv), ("parquet", FileFormat::Parquet)];
+    let formats = FileFormat::ALL.map(|format| (format.name(), format));
     let format = choose(text, "format", &formats, problems)?;
     if format == FileFormat::Parquet && !cfg!(feature = "parquet") {
         let message = "this program was built without Parquet";

@@ -2,7 +2,7 @@
 
 use super::margins::{distinguish, margin_column, margin_columns};
 use super::record::{
-    CAR_BLOCKS_OF_PART, Kind, MoveRecord, OutputColumn, TargetColumn, VariableRecord, extension,
+    CAR_BLOCKS_OF_PART, Kind, MoveRecord, OutputColumn, TargetColumn, VariableRecord,
 };
 use super::rows::{Failing, Rows};
 use super::{ColumnFault, FORM, Samples, SweepRecord};
@@ -335,7 +335,7 @@ fn describe(study: &CarStudy, sweep: &CarSweep, targets: &[CarTarget]) -> SweepR
             constraints(study)
         },
         curves: false,
-        format: extension(sweep.format),
+        format: sweep.format.name().to_owned(),
     }
 }
 

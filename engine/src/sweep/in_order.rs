@@ -64,7 +64,7 @@ struct Queue<T, F, E> {
 struct QueueState<T, F, E> {
     /// Number of the next piece to start.
     next: u64,
-    /// End of the range: the number after that of the last piece.
+    /// End of the range: the number of the last piece plus 1.
     end: u64,
     /// Number of the first piece whose result has not been passed on. `waiting` holds the finished results from this
     /// piece on.

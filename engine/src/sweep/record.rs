@@ -5,7 +5,6 @@
 
 use crate::axle::Coordinate;
 use crate::evaluate::BLOCK;
-use crate::study::FileFormat;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -184,14 +183,6 @@ impl OutputColumn {
         let misfit = || OutputColumn::new("misfit".to_owned(), "misfit", Kind::Misfit, "");
         let misfit = (!names.is_empty()).then(misfit);
         names.iter().enumerate().map(deviation).chain(misfit)
-    }
-}
-
-/// Extension of the names of result files.
-pub(super) fn extension(format: FileFormat) -> String {
-    match format {
-        FileFormat::Csv => "csv".to_owned(),
-        FileFormat::Parquet => "parquet".to_owned(),
     }
 }
 

@@ -28,7 +28,7 @@ pub struct SweepStatistics {
     pub failures: Vec<FailureCount>,
     /// Range of each output.
     pub ranges: Vec<Option<OutputRange>>,
-    /// For each output, the number of solved designs that have a value of it. Older statistics do not have these numbers
+    /// Number of solved designs that have a value of each output. Older statistics do not have these numbers
     /// ([`SweepStatistics::are_of`]).
     #[serde(default)]
     pub solved_values: Vec<u64>,

@@ -62,8 +62,8 @@ impl Estimate {
     }
 
     /// Returns true if the linear result of a value that scatters is valid. The second-order term and the builds must confirm
-    /// it. `None` with fewer than four builds, if the linear result has no standard deviation, or if the builds do not refute it
-    /// but the second-order term is unknown.
+    /// it. `None` with fewer than four builds, or if the linear result has no standard deviation. Also `None` if the builds do
+    /// not refute the linear result, but the second-order term is unknown.
     pub fn holds(&self, spread: &Spread) -> Option<bool> {
         // So few builds have no standard error, so they cannot confirm the estimate.
         if spread.count < FEWEST {

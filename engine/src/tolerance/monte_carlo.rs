@@ -316,8 +316,8 @@ pub(super) const FEWEST: u64 = 4;
 /// Unbiased estimate of the variance of s^2 for `n` builds, from the second and the fourth central moment of the builds. NaN with
 /// fewer than [`FEWEST`] builds.
 ///
-/// With the cumulants c2 and c4 of a build, var(s^2) = c4 / n + 2 c2^2 / (n - 1). The k-statistic k4 has the mean c4, and k2 = s^2
-/// has the mean square c2^2 (n + 1) / (n - 1) + c4 / n. So (2 n k2^2 + (n - 1) k4) / (n (n + 1)) has the mean var(s^2).
+/// Let c2 and c4 be the cumulants of a build. Then var(s^2) = c4 / n + 2 c2^2 / (n - 1). The k-statistic k4 has the mean c4. The
+/// mean of k2^2, with k2 = s^2, is c2^2 (n + 1) / (n - 1) + c4 / n. So (2 n k2^2 + (n - 1) k4) / (n (n + 1)) has the mean var(s^2).
 fn variance_of_square(n: f64, m2: f64, m4: f64) -> f64 {
     if n < FEWEST as f64 {
         return f64::NAN;

@@ -101,8 +101,8 @@ impl<'s> CarResults<'s> {
         }
     }
 
-    /// Remarks on the static position, on lifted wheels and friction demands, on masses without a unit, and on values for which the
-    /// study of an axle and the study of the car differ.
+    /// Remarks on the static position, lifted wheels, friction demands and masses without a unit. Further remarks name values that
+    /// differ between the study of an axle and the study of the car.
     pub fn remarks(&self) -> Vec<String> {
         let study = self.study;
         let mut remarks = Vec::new();

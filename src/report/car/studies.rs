@@ -103,7 +103,7 @@ pub fn settings_of_car(
         let left = of("suspension.hardpoints", &axle.left);
         let name = axle.left.mechanism.name(at.point);
         let right = axle.right.as_ref().filter(|_| !axle.is_rigid());
-        let right = right.filter(|_| of_right_wheel(study, at.axle, "hardpoints", name).is_some());
+        let right = right.filter(|_| gives_right(study, at.axle, "hardpoints", name));
         let right = right.map(|wheel| of("axle.right.hardpoints", wheel));
         for setting in [left].into_iter().chain(right) {
             if !points.contains(&setting) {
@@ -136,7 +136,9 @@ fn wheelbase_edit(study: &CarStudy, wheelbase: f64, offset: Vector3<f64>) -> Str
 /// Edit of the right spring's rate, if the study of the axle gives it. A variable changes the rates of both springs by the same
 /// amount.
 fn right_spring_edit(study: &CarStudy, car: &Car, axle: usize) -> Option<String> {
-    of_right_wheel(study, axle, "spring", "rate")?;
+    if !gives_right(study, axle, "spring", "rate") {
+        return None;
+    }
     let [_, right] = car.axles[axle].setup.springs.as_ref()?;
     let Law::Linear { rate, .. } = right.spring else {
         return None;
@@ -148,9 +150,11 @@ fn right_spring_edit(study: &CarStudy, car: &Car, axle: usize) -> Option<String>
     ))
 }
 
-/// Value of a key in `[axle.right.SECTION]` of the study of an axle. `None` if the study does not give it.
-fn of_right_wheel(study: &CarStudy, axle: usize, section: &str, key: &str) -> Option<toml::Value> {
-    let written: toml::Table = study.axles[axle].text.parse().ok()?;
-    let right = written.get("axle")?.get("right")?;
-    right.get(section)?.get(key).cloned()
+/// True if the study of an axle gives this key in `[axle.right.SECTION]`.
+fn gives_right(study: &CarStudy, axle: usize, section: &str, key: &str) -> bool {
+    let written = study.axles[axle].text.parse::<toml::Table>().ok();
+    let right = written
+        .as_ref()
+        .and_then(|own| own.get("axle")?.get("right"));
+    right.is_some_and(|right| right.get(section).is_some_and(|own| own.get(key).is_some()))
 }

@@ -1,14 +1,14 @@
 //! Scatter of a car: `tolerance.csv`, `contributors.csv`, `summary.json` and tables.
 
 use crate::report::bands::nominal_outside;
-use crate::report::figure::as_written;
+use crate::report::figure::{as_written, finite};
 use crate::report::files::csv_of_rows;
 use crate::report::table::{Cell, Column, Table};
 use crate::report::text::counted;
-use crate::report::tolerance_summary::percent;
+use crate::report::tolerance_summary::{LinearResult, percent};
 use crate::report::{figure, optional};
 use crate::study::CarStudy;
-use crate::tolerance::{CarBuilds, CarExpansion, CarProblem, HOLDS, PERCENTILES};
+use crate::tolerance::{CarBuilds, CarExpansion, CarProblem, PERCENTILES};
 use serde::Serialize;
 
 /// Results of `hardpoint tolerance` for a car.
@@ -81,11 +81,6 @@ struct CarBandRecord {
     high: Option<f64>,
     /// Fraction of the builds within the band.
     kept: f64,
-}
-
-/// Value without a negative zero. `None` if it is not finite.
-fn finite(value: f64) -> Option<f64> {
-    value.is_finite().then_some(value + 0.0)
 }
 
 /// Sentences about the bands of a car that its nominal design misses. Empty without tolerances, and if the nominal design cannot be
@@ -255,14 +250,13 @@ impl CarToleranceSummary {
                 value.percentiles[2],
                 value.percentiles[4],
             ];
-            let words = match value.linear_holds {
-                Some(true) => "yes",
-                Some(false) if value.second_order.is_some_and(|s| s >= HOLDS) => "no: curved",
-                Some(false) => "no: builds differ",
-                None if value.nominal.is_none() || value.builds == 0 => "",
-                None if !value.scatters => "does not scatter",
-                None => "not known",
+            let linear = LinearResult {
+                holds: value.linear_holds,
+                second_order: value.second_order,
+                is_computed: value.nominal.is_some() && value.builds > 0,
+                scatters: value.scatters,
             };
+            let words = linear.in_words();
             let because = match value.linear_holds {
                 Some(true) => "",
                 _ => words,

@@ -75,8 +75,9 @@ impl<'a> Words<'a> {
 /// Size of outlines divided by the size of text. The letters of DejaVu Sans are large for their nominal size. This ratio makes them
 /// look like the usual fonts for SVG.
 const OUTLINE_SHARE: f64 = 0.92;
-/// Size of small words in the style. [`LABEL_SIZE`] is the size of labels.
+/// Size of small words in the style.
 const SIZE: f64 = 12.0;
+/// Size of labels in the style.
 const LABEL_SIZE: f64 = 13.0;
 
 impl Lettering {

@@ -5,8 +5,8 @@ use crate::compliance::{AxialStiffness, Shape};
 use crate::study::Study;
 
 /// Table of the elastic parts of a study, one part per row. The rates of a bushing with a force curve are its slopes at zero
-/// deflection. For an axle, the rows are, in this order: bushings of the left wheel, mounts of the subframe, links of the left
-/// wheel, parts of the right wheel that differ, rack, steering column.
+/// deflection. For an axle, the order of the rows is: bushings of the left wheel, mounts of the subframe, links of the left
+/// wheel. Parts of the right wheel that differ, the rack and the steering column follow.
 pub fn elastic_parts(study: &Study) -> Table {
     let mut table = Table::new(["part", "elastic", "rates", "torsional rates", "unit"]);
     let u = study.wheel().length_unit.symbol();

@@ -102,20 +102,12 @@ fn verdict(tuning: &TuningSummary) -> String {
 
 fn bounds(tuning: &TuningSummary) -> String {
     let [active, all] = tuning.at_bounds();
-    let (class, words) = match active {
-        0 => ("note", format!("None of {all} variables is at a bound.")),
-        1 if all == 1 => (
-            "unmet",
-            "The variable is at a bound of its range.".to_owned(),
-        ),
-        1 => (
-            "unmet",
-            format!("1 of {all} variables is at a bound of its range."),
-        ),
-        n => (
-            "unmet",
-            format!("{n} of {all} variables are at a bound of their range."),
-        ),
+    let class = if active == 0 { "note" } else { "unmet" };
+    let words = match active {
+        0 => format!("None of {all} variables is at a bound."),
+        1 if all == 1 => "The variable is at a bound of its range.".to_owned(),
+        1 => format!("1 of {all} variables is at a bound of its range."),
+        n => format!("{n} of {all} variables are at a bound of their range."),
     };
     format!("<p class=\"{class}\">{words}</p>")
 }
@@ -150,19 +142,11 @@ fn margins(tuning: &TuningSummary) -> String {
     })
 }
 
-/// Pose of a design that is nearest to the design position. `None` if no pose is solved.
-fn nearest(design: &DesignRecord) -> Option<&Placement> {
-    let frames = design.frames.iter();
-    let solved = frames.filter_map(|f| Some((f.drive.abs() + f.rack.abs(), f.pose.as_ref().ok()?)));
-    let nearest = solved.min_by(|a, b| a.0.total_cmp(&b.0));
-    nearest.map(|(_, placement)| placement)
-}
-
 /// Pictures of the first and the last design, from the front and from the side. The first design is dashed, the last
 /// design has colours.
 fn pictures(record: &Record) -> String {
     let [Some(first), Some(last)] = [record.motion.designs.first(), record.motion.designs.last()]
-        .map(|design| design.and_then(nearest))
+        .map(|design| design.and_then(DesignRecord::nearest_pose))
     else {
         return String::new();
     };

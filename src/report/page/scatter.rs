@@ -385,6 +385,7 @@ mod tests {
         assert_eq!(of(Some(-1.0), None), "Cpk 1.00");
         assert_eq!(of(None, None), "");
     }
+
     /// A value that does not scatter can be equal to the only limit of its band. Every position of its picture is a number.
     #[test]
     fn a_value_at_its_limit_has_a_picture() {

@@ -5,11 +5,11 @@
 //! drawn.
 
 use super::labels::{Label, place_labels};
-use crate::curves::{Frame, Placement};
+use crate::curves::Placement;
 use crate::report::chart::lettering::{Anchor, Lettering, Words};
 use crate::report::chart::mark::{number, path};
-use crate::report::record::Record;
-use crate::report::scene::{BodyKind, Scene, Sight};
+use crate::report::record::{DesignRecord, Record};
+use crate::report::scene::{Scene, Sight};
 use crate::report::unit_in_words;
 use std::fmt::Write;
 
@@ -68,7 +68,7 @@ impl<'r> View<'r> {
             .motion
             .designs
             .iter()
-            .any(|d| nearest(&d.frames).is_some());
+            .any(|design| design.nearest_pose().is_some());
         let view = View {
             record,
             sight,
@@ -81,7 +81,7 @@ impl<'r> View<'r> {
     /// View as an SVG group, moved by `shift`.
     pub(super) fn svg(&self, shift: [f64; 2], lettering: &Lettering) -> String {
         let designs = self.record.motion.designs.iter();
-        let poses: Vec<&Placement> = designs.filter_map(|d| nearest(&d.frames)).collect();
+        let poses: Vec<&Placement> = designs.filter_map(DesignRecord::nearest_pose).collect();
         let Some((last, earlier)) = poses.split_last() else {
             return String::new();
         };
@@ -195,15 +195,6 @@ impl<'r> View<'r> {
     }
 }
 
-/// Pose nearest to the design position. `None` if no pose is solved.
-fn nearest(frames: &[Frame]) -> Option<&Placement> {
-    let size = |frame: &Frame| frame.drive.abs() + frame.rack.abs();
-    let solved = frames
-        .iter()
-        .filter_map(|frame| Some((size(frame), frame.pose.as_ref().ok()?)));
-    solved.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, p)| p)
-}
-
 /// Indices of the points in the drawing: all points that have a position.
 fn shown_points(scene: &Scene, pose: &Placement) -> Vec<usize> {
     (0..scene.points.len().min(pose.points.len())).collect()
@@ -268,7 +259,7 @@ fn draw(
         );
     }
     for body in &scene.bodies {
-        let class = style.unwrap_or(class(body.kind));
+        let class = style.unwrap_or(body.kind.class());
         for line in &body.lines {
             let places = line.iter().filter_map(|point| pose.points.get(*point));
             path(svg, class, places.map(|p| projection.place(p)), false);
@@ -336,24 +327,13 @@ fn segments(scene: &Scene, pose: &Placement, projection: &Projection) -> Vec<[[f
     lines.chain(rims).collect()
 }
 
-fn class(kind: BodyKind) -> &'static str {
-    match kind {
-        BodyKind::Arm => "arm",
-        BodyKind::Link => "link",
-        BodyKind::Strut => "strut",
-        BodyKind::Spring => "spring",
-        BodyKind::Rocker => "rocker",
-        BodyKind::Knuckle => "knuckle",
-    }
-}
-
 /// Legend of the lines in a drawing, as an SVG group moved by `shift`.
 pub(super) fn key(record: &Record, shift: [f64; 2], lettering: &Lettering) -> String {
     let [across, down] = shift.map(number);
     let mut svg = format!("<g transform=\"translate({across} {down})\">\n");
     let mut kinds: Vec<(&str, String)> = Vec::new();
     for body in &record.scene.bodies {
-        let class = class(body.kind);
+        let class = body.kind.class();
         match kinds.iter_mut().find(|(known, _)| *known == class) {
             Some((_, names)) if !names.contains(&body.name) => {
                 *names += &format!(", {}", body.name);
@@ -363,7 +343,7 @@ pub(super) fn key(record: &Record, shift: [f64; 2], lettering: &Lettering) -> St
         }
     }
     let last = record.motion.designs.last();
-    let pose = last.and_then(|design| nearest(&design.frames));
+    let pose = last.and_then(DesignRecord::nearest_pose);
     if pose.is_some_and(|pose| pose.steering_axis.is_some()) {
         kinds.push(("steering", "steering axis, down to the ground".to_owned()));
     }

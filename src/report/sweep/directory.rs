@@ -156,8 +156,8 @@ impl SweepDirectory {
 
     /// Record of a part with the statistics that this version computes. If the statistics have other dimensions, it sums them
     /// again from the rows. The number of levels grows with the number of designs ([`SweepStatistics::are_of`]), so it changes if
-    /// a sweep is extended. Other versions may also store fewer numbers. The new sums have the same bits as those of a sweep that
-    /// runs at once.
+    /// a sweep is extended. Other versions may also store fewer numbers. The new sums have the same bits as the sums of a
+    /// sweep that runs at once.
     fn renewed(&self, mut found: PartRecord) -> Result<PartRecord, NotARun> {
         let record = &self.record;
         if found.statistics.are_of(record) {

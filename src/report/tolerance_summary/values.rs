@@ -1,10 +1,11 @@
 //! Scatter of the values, in printed units.
 
+use super::super::figure::finite;
 use super::super::given_columns::GivenColumns;
 use super::super::shortest;
 use crate::model::Axis;
 use crate::study::AxleStudy;
-use crate::tolerance::{Expansion, MonteCarlo, PERCENTILES, Problem};
+use crate::tolerance::{Expansion, HOLDS, MonteCarlo, PERCENTILES, Problem};
 use serde::{Deserialize, Serialize};
 
 /// Scatter of an output at one position, in the unit of the output.
@@ -64,6 +65,32 @@ pub struct ValueRecord {
     pub(super) unit: String,
 }
 
+/// Validity of the linear result of a value.
+pub(in crate::report) struct LinearResult {
+    /// True if the linear result is accurate enough. `None` if this is unknown.
+    pub holds: Option<bool>,
+    /// Second-order term, as a fraction of the first-order variance. `None` if it is unknown.
+    pub second_order: Option<f64>,
+    /// True if the nominal design and at least one build have the value.
+    pub is_computed: bool,
+    /// False if the builds differ only by rounding errors.
+    pub scatters: bool,
+}
+
+impl LinearResult {
+    /// Validity in words: `yes`, or `no` with the reason. Empty if the value is not computed.
+    pub(in crate::report) fn in_words(&self) -> &'static str {
+        match self.holds {
+            Some(true) => "yes",
+            Some(false) if self.second_order.is_some_and(|s| s >= HOLDS) => "no: curved",
+            Some(false) => "no: builds differ",
+            None if !self.is_computed => "",
+            None if !self.scatters => "does not scatter",
+            None => "not known",
+        }
+    }
+}
+
 /// Histogram of a value, as printed numbers. Its bins have equal widths.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HistogramRecord {
@@ -78,12 +105,17 @@ fn scatters() -> bool {
     true
 }
 
-/// Value without a negative zero. `None` if it is not finite.
-fn finite(value: f64) -> Option<f64> {
-    value.is_finite().then_some(value + 0.0)
-}
-
 impl ValueRecord {
+    /// Validity of the linear result.
+    pub(super) fn linear_result(&self) -> LinearResult {
+        LinearResult {
+            holds: self.linear_holds,
+            second_order: self.second_order,
+            is_computed: self.nominal.is_some() && self.builds > 0,
+            scatters: self.scatters,
+        }
+    }
+
     /// Coordinates that give the position of the value, as cells of CSV files.
     pub(super) fn place(&self) -> impl Iterator<Item = String> + '_ {
         let of_wheel = self.travel.into_iter().chain(self.rack);

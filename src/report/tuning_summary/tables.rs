@@ -80,9 +80,9 @@ impl TuningSummary {
         table
     }
 
-    /// Table of the moves of the hardpoints along x, y and z, the largest first. `unit` is the symbol of the length unit. Points that
-    /// only turn or move along another direction are left out, and so are rates. Points that move together have one row with the
-    /// move of the first point. The table then has no distances.
+    /// Table of the moves of the hardpoints along x, y and z, the largest first. `unit` is the symbol of the length unit. Points
+    /// that only turn or move along another direction are left out, and so are rates. Points that move together have one row with
+    /// the move of the first point. The table then has no distances.
     pub fn moved_points(&self, unit: &str) -> Table {
         let mut moves: Vec<(&str, [f64; 3])> = Vec::new();
         for variable in &self.variables {

@@ -439,21 +439,6 @@ fn two_runs_of_kc_are_compared() {
     assert!(said.contains("runs of `hardpoint kc` only"), "{said}");
 }
 
-/// `kc` and `setup` make no pictures, so they have no option `--plots`.
-#[test]
-fn tests_and_set_ups_have_no_option_for_pictures() {
-    let directory = tempfile::tempdir().unwrap();
-    let study = study("double_wishbone_compliance.toml");
-    for command in ["kc", "setup"] {
-        let help = hardpoint(&[command, "--help"], directory.path());
-        assert!(!String::from_utf8_lossy(&help.stdout).contains("--plots"));
-        let refused = hardpoint(&[command, &study, "--plots", "pictures"], directory.path());
-        let said = String::from_utf8_lossy(&refused.stderr).into_owned();
-        assert_eq!(refused.status.code(), Some(2), "{said}");
-        assert!(said.contains("unexpected argument '--plots'"), "{said}");
-    }
-}
-
 /// Curves of a swept design contain its test results at every station, like the curves of `solve`.
 #[test]
 fn curves_of_a_sweep_have_figures_at_every_station() {

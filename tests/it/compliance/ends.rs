@@ -150,7 +150,7 @@ fn fine(wheel: &ElasticWheel, unit: &WheelLoads, held: HeldQuantity, step: f64, 
     reached
 }
 
-/// For random designs, the ends of equilibrium equal those of continuations in steps of 100 N. A continuation stops within 1e-5 N
+/// For random designs, equilibria end where continuations in steps of 100 N end. A continuation stops within 1e-5 N
 /// of the end; the bound is 1e-4 N plus rounding.
 #[test]
 fn ends_are_those_of_fine_continuations() {

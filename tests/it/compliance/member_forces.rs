@@ -239,7 +239,7 @@ fn printed_forces_balance_the_wheel_carrier() {
 }
 
 /// An arm without a spring transmits the forces of its bushings to the carrier. The printed forces of spring and links equal
-/// those of the equilibrium.
+/// the forces in the equilibrium.
 #[test]
 fn an_arm_passes_the_forces_of_its_bushings() {
     let given = Given::about(4000.0);
@@ -355,7 +355,7 @@ loads = [
 "#;
 
 /// At each wheel of an axle on a subframe that rotates, the tie rod tension balances load and joint forces, with its sign.
-/// The printed forces of bar, rack and bushings equal those of the equilibrium.
+/// The printed forces of bar, rack and bushings equal the forces in the equilibrium.
 #[test]
 fn forces_of_an_axle_balance_both_carriers() {
     let study = elastic(&with("subframe_axle_compliance.toml", AXLE_LOADS));

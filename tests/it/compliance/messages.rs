@@ -45,6 +45,19 @@ fn a_page_of_tests_needs_a_directory() {
     assert!(said.contains("--report needs a directory"), "{said}");
 }
 
+/// `kc` and `setup` make no pictures, so they have no option `--plots`.
+#[test]
+fn tests_and_set_ups_have_no_option_for_pictures() {
+    let directory = tempfile::tempdir().unwrap();
+    let study = study("double_wishbone_compliance.toml");
+    for command in ["kc", "setup"] {
+        let help = hardpoint(&[command, "--help"], directory.path());
+        assert!(!String::from_utf8_lossy(&help.stdout).contains("--plots"));
+        let said = refused(&[command, &study, "--plots", "pictures"], directory.path());
+        assert!(said.contains("unexpected argument '--plots'"), "{said}");
+    }
+}
+
 /// The program names a measured sheet that does not exist. It does not ask for the keys of a curve, because a sheet does
 /// not need them.
 #[test]

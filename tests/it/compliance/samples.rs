@@ -1,7 +1,6 @@
 //! Tests of sweeps, builds and limits of a wheel with elastic parts.
 
-use super::support::{elastic, with};
-use crate::support::larger;
+use super::support::{assert_printed_builds, elastic, with};
 use hardpoint::optimise::{Control, TargetLayout, assessed_at, tune};
 use hardpoint::study::Study;
 use hardpoint::sweep::SweepPlan;
@@ -226,32 +225,7 @@ fn printed_builds_are_the_builds() {
     let built = [0, 1].map(|number| elastic(&problem.built_text(number).unwrap()));
     assert!(rate(&built[0]) != rate(&study) && rate(&built[0]) != rate(&built[1]));
     let curves = built.map(|study| study.curves().unwrap());
-    let mut compared = 0;
-    for (output, column) in problem.outputs().iter().enumerate() {
-        assert_eq!(curves[0].columns[output].name, column.name);
-        for station in 0..problem.stations().count() {
-            let cell = problem.cell(output, station);
-            let spread = &found.spreads[cell];
-            // Test results have values in the design position only.
-            if spread.count == 0 {
-                continue;
-            }
-            let values = curves
-                .each_ref()
-                .map(|own| own.stations[station].value(output).unwrap());
-            let ends = [values[0].min(values[1]), larger(values[0], values[1])];
-            for (end, limit) in ends.into_iter().zip(spread.range) {
-                let limit = limit * column.factor();
-                assert!(
-                    is_same(end, limit),
-                    "{} {station}: {end} {limit}",
-                    column.name
-                );
-                compared += 1;
-            }
-            assert!((values[0] - values[1]).abs() > 1e-6, "{values:?}");
-        }
-    }
+    let compared = assert_printed_builds(&problem, &found, &curves, is_same);
     // Toe and camber at each station, and one test result; two builds.
     assert_eq!(compared, 2 * (2 * problem.stations().count() + 1));
 }

@@ -1,9 +1,12 @@
 //! Support for tests: studies of the repository with elastic parts, with more text at their end.
 
+use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::compliance::Compliance;
+use hardpoint::curves::Curves;
 use hardpoint::model::Suspension;
 use hardpoint::study::Study;
+use hardpoint::tolerance::{MonteCarlo, Problem};
 use std::path::Path;
 
 /// Text of a study of the repository, with more text at its end.
@@ -17,6 +20,42 @@ pub fn with(name: &str, more: &str) -> String {
 /// Study with elastic parts, read from its text.
 pub fn elastic(text: &str) -> Study {
     Study::elastic_from_text("case.toml", text, Path::new("")).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Asserts that smallest and largest value of an analysis with two builds are the values of these builds, and that the builds
+/// differ. `curves` are the curves of both builds as printed. Returns the number of compared values.
+pub fn assert_printed_builds(
+    problem: &Problem<'_>,
+    found: &MonteCarlo,
+    curves: &[Curves; 2],
+    is_same: impl Fn(f64, f64) -> bool,
+) -> usize {
+    let mut compared = 0;
+    for (output, column) in problem.outputs().iter().enumerate() {
+        for own in curves {
+            assert_eq!(own.columns[output].name, column.name);
+        }
+        for station in 0..problem.stations().count() {
+            let spread = &found.spreads[problem.cell(output, station)];
+            // Test results have values in the design position only.
+            if spread.count == 0 {
+                continue;
+            }
+            let value = |own: &Curves| own.stations[station].value(output).unwrap();
+            let [a, b] = curves.each_ref().map(value);
+            assert!(!is_same(a, b), "{} {station}: {a} {b}", column.name);
+            for (end, limit) in [a.min(b), larger(a, b)].into_iter().zip(spread.range) {
+                let limit = limit * column.factor();
+                assert!(
+                    is_same(end, limit),
+                    "{} {station}: {end} {limit}",
+                    column.name
+                );
+                compared += 1;
+            }
+        }
+    }
+    compared
 }
 
 /// Sample suspension of a topology with a drop link and an anti-roll bar, and its elastic parts.

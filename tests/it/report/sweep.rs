@@ -45,6 +45,35 @@ fn a_small_sweep_is_shown_whole() {
     assert!(!own.contains("unsafe-eval"));
 }
 
+/// The unit of a rate is not the length at its end. A factor has no unit.
+#[test]
+fn variables_have_their_own_units() {
+    let text = study("double_wishbone_compliance.toml");
+    let variables = "sweep={ method = \"sobol\", samples = 8, variables = [\
+        { rate = \"spring\", range = [60.0, 130.0] }, \
+        { bushing = \"lower_arm_rear\", stiffness = \"y\", range = [0.5, 2.0], relative = true }, \
+        { hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-5.0, 5.0] }] }";
+    let outputs = "outputs.characteristics=[\"toe\"]";
+    let run = Run::of(
+        "sweep",
+        "rates",
+        &text,
+        &["--set", variables, "--set", outputs],
+    );
+    let data = run.data();
+    for (k, words) in [
+        ["spring_rate", "N/mm"],
+        ["lower_arm_rear_stiffness_y_factor", ""],
+        ["tie_rod_inner_dz", "mm"],
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let column = &data["columns"][k];
+        assert_eq!([&column["title"], &column["unit"]], words, "{column}");
+    }
+}
+
 #[test]
 fn a_large_sweep_is_thinned_and_the_page_says_so() {
     let few = [

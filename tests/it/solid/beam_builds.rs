@@ -1,7 +1,7 @@
 //! Tests of builds of twist beams against an independent formulation (`built_beam.rs`).
 
 use super::built_beam::{HEAVE, Parts, ROLL, study, study_of};
-use super::differences::{assert_gradients, assert_second_order};
+use super::differences::{assert_gradients, assert_second_order, scatter_at, values_of};
 use super::own::{Point, mirror};
 use crate::support::larger;
 use crate::support::random::Random;
@@ -144,20 +144,10 @@ fn printed_builds_are_the_builds() {
     }
 }
 
-/// Half the width of the scatter range. The range is so narrow that the deviation of a part is known.
-const NARROW: f64 = 1e-13;
-
 /// Values of a beam whose parts deviate by these amounts, by output and station.
 fn built(motion: &str, steps: &[(&str, f64)]) -> Vec<Vec<f64>> {
-    let entry = |(part, step): &(&str, f64)| {
-        let [low, high] = [step - NARROW, step + NARROW];
-        format!("{{ {part}, limits = [{low:?}, {high:?}] }}")
-    };
-    let scatter: Vec<String> = steps.iter().map(entry).collect();
-    let scatter = format!(
-        "[tolerance]\nbuilds = 2\nscatter = [{}]\n",
-        scatter.join(", ")
-    );
+    let scatter = scatter_at(steps);
+    let scatter = format!("[tolerance]\nbuilds = 2\nscatter = [{scatter}]\n");
     let study = study(motion, &scatter);
     let problem = problem(&study);
     let Vehicle::Axle(both) = problem.built_vehicle(0).unwrap() else {
@@ -166,14 +156,7 @@ fn built(motion: &str, steps: &[(&str, f64)]) -> Vec<Vec<f64>> {
     let curves = hardpoint::axle::axle_curves(&both.axle, &both.plan)
         .unwrap()
         .curves;
-    let outputs = problem.outputs().iter().enumerate();
-    let values = outputs.map(|(k, output)| {
-        assert_eq!(output.name, curves.columns[k].name);
-        let stations = curves.stations.iter();
-        let values = stations.map(|station| station.value(k).unwrap_or(f64::NAN) / output.factor());
-        values.collect()
-    });
-    values.collect()
+    values_of(&problem, &curves)
 }
 
 const ENTRIES: [&str; 8] = [

@@ -1,7 +1,33 @@
 //! Support for tests of tolerances: gradients and second-order terms from finite differences between builds.
 
 use crate::compliance::support::fourth_order;
+use hardpoint::curves::Curves;
 use hardpoint::tolerance::{Expansion, Problem};
+
+/// Half the width of a scatter range. The range is so narrow that the deviation of a part is known.
+const NARROW: f64 = 1e-13;
+
+/// List of scattered parts, each with this deviation.
+pub fn scatter_at(steps: &[(&str, f64)]) -> String {
+    let entry = |(part, step): &(&str, f64)| {
+        let [low, high] = [step - NARROW, step + NARROW];
+        format!("{{ {part}, limits = [{low:?}, {high:?}] }}")
+    };
+    let entries: Vec<String> = steps.iter().map(entry).collect();
+    entries.join(", ")
+}
+
+/// Values of the curves of a build by output and station, in the units of the engine.
+pub fn values_of(problem: &Problem<'_>, curves: &Curves) -> Vec<Vec<f64>> {
+    let outputs = problem.outputs().iter().enumerate();
+    let values = outputs.map(|(k, output)| {
+        assert_eq!(output.name, curves.columns[k].name);
+        let stations = curves.stations.iter();
+        let values = stations.map(|station| station.value(k).unwrap_or(f64::NAN) / output.factor());
+        values.collect()
+    });
+    values.collect()
+}
 
 /// Values of a build by output and station, in the units of the engine. The arguments are parts with their deviations.
 type Built<'a> = &'a dyn Fn(&[(&str, f64)]) -> Vec<Vec<f64>>;
@@ -49,8 +75,8 @@ fn bend(parts: &[&str], sigma: f64, station: usize, built: Built<'_>) -> Vec<f64
     all.map(|k| second(k) / (12.0 * h * h)).collect()
 }
 
-/// Asserts that the second-order terms of two parts with the standard deviation `sigma` equal those from finite differences, at
-/// the last station of the motion. The terms are unknown for outputs whose names contain one of the names `of_velocities`. Returns
+/// Asserts that the second-order terms of two parts with the standard deviation `sigma` equal finite differences, at the last
+/// station of the motion. The terms are unknown for outputs whose names contain one of the names `of_velocities`. Returns
 /// the number of outputs whose terms are much larger than rounding errors.
 pub fn assert_second_order(
     problem: &Problem<'_>,

@@ -1,7 +1,7 @@
 //! Tests of tolerances of solid axles. First-order and second-order results are compared with builds that are solved one
 //! by one and with Monte Carlo analyses.
 
-use super::differences::{assert_gradients, assert_second_order};
+use super::differences::{assert_gradients, assert_second_order, scatter_at, values_of};
 use super::kinds::{KINDS, Kind};
 use hardpoint::axle::axle_curves;
 use hardpoint::study::Study;
@@ -11,8 +11,6 @@ use std::path::Path;
 
 const OUTPUTS: &str = r#""camber", "toe", "mean_steer", "track", "axle_steer", "pinion_angle", "axle_lateral", "roll_steer", "force_roll_centre_height", "anti_squat""#;
 const ROLL: &str = "roll = [-2.0, 0.0, 1.5]\nheave = [-20.0]\n";
-/// Half the width of the scatter range. The range is so narrow that the deviation of a part is known.
-const NARROW: f64 = 1e-13;
 
 fn problem(study: &Study) -> Problem<'_> {
     Problem::of(study, study.tolerance.as_ref().unwrap()).unwrap()
@@ -54,12 +52,7 @@ fn entries(kind: &Kind) -> Vec<&'static str> {
 /// Returns the values of an axle whose parts deviate by these amounts, in the order of outputs and stations. The axle is
 /// a build that is printed as a study.
 fn built(kind: &Kind, motion: &str, steps: &[(&str, f64)]) -> Vec<Vec<f64>> {
-    let entry = |(part, step): &(&str, f64)| {
-        let [low, high] = [step - NARROW, step + NARROW];
-        format!("{{ {part}, limits = [{low:?}, {high:?}] }}")
-    };
-    let scatter: Vec<String> = steps.iter().map(entry).collect();
-    let study = kind.study_of((&scatter.join(", "), "builds = 2\n"), motion, OUTPUTS);
+    let study = kind.study_of((&scatter_at(steps), "builds = 2\n"), motion, OUTPUTS);
     let problem = problem(&study);
     let text = problem.built_text(0).unwrap();
     let printed = Study::from_text("built.toml", &text, Path::new("."));
@@ -69,14 +62,7 @@ fn built(kind: &Kind, motion: &str, steps: &[(&str, f64)]) -> Vec<Vec<f64>> {
         .unwrap()
         .clone();
     let curves = axle_curves(&both.axle, &both.plan).unwrap().curves;
-    let outputs = problem.outputs().iter().enumerate();
-    let values = outputs.map(|(k, output)| {
-        assert_eq!(output.name, curves.columns[k].name);
-        let stations = curves.stations.iter();
-        let values = stations.map(|station| station.value(k).unwrap_or(f64::NAN) / output.factor());
-        values.collect()
-    });
-    values.collect()
+    values_of(&problem, &curves)
 }
 
 /// Gradients with respect to every part equal difference quotients (fourth order) of builds that are solved one by one.

@@ -62,10 +62,7 @@ fn what_fails_is_counted_and_left_empty() {
     let point =
         "lower_ball_joint_x,lower_ball_joint_y,lower_ball_joint_z\n120,360,195\n5,705,190\n";
     fs::write(bench.path("rows.csv"), point).unwrap();
-    let from = STUDY.find("method = \"latin").unwrap();
-    let to = STUDY.find("[optimise]").unwrap();
-    let file = [&STUDY[..from], "designs = \"rows.csv\"\n", &STUDY[to..]].concat();
-    fs::write(bench.path("study.toml"), file).unwrap();
+    fs::write(bench.path("study.toml"), study_of_file("rows.csv")).unwrap();
     bench.sweep("flat", &[]).code(1);
     let designs = bench.designs("flat");
     assert_eq!(designs.text("status"), ["degenerate", "ok"]);
@@ -132,10 +129,7 @@ fn only_solved_designs_are_ranked() {
 /// numbers differ.
 #[test]
 fn other_numbers_in_a_file_of_designs_are_reported() {
-    let from = STUDY.find("method = \"latin").unwrap();
-    let to = STUDY.find("[optimise]").unwrap();
-    let file = [&STUDY[..from], "designs = \"rows.csv\"\n", &STUDY[to..]].concat();
-    let bench = Bench::new(&file);
+    let bench = Bench::new(&study_of_file("rows.csv"));
     for (rows, differs) in [("7,1.0\n3,2.0\n", true), ("0,1.0\n1,2.0\n", false)] {
         fs::write(
             bench.path("rows.csv"),

@@ -257,10 +257,7 @@ fn mistakes_in_the_sweep_are_named() {
 
 #[test]
 fn mistakes_in_the_rows_of_designs_are_named() {
-    let (from, to) = ("method = \"latin_hypercube\"", "\n[optimise]");
-    let [from, to] = [from, to].map(|text| STUDY.find(text).unwrap());
-    let study = [&STUDY[..from], "designs = \"rows.csv\"\n", &STUDY[to..]].concat();
-    let bench = Bench::new(&study);
+    let bench = Bench::new(&study_of_file("rows.csv"));
     for (rows, phrases) in [
         (
             "tie_rod_inner_z\n1e13\n",
@@ -377,10 +374,7 @@ fn devices_are_no_inputs() {
     }
     let (_, error) = said(&bench.run(&["solve", "/dev/zero"]).code(2));
     assert!(error.contains("it is a device"), "{error}");
-    let from = STUDY.find("method = \"latin").unwrap();
-    let to = STUDY.find("[optimise]").unwrap();
-    let study = [&STUDY[..from], "designs = \"/dev/zero\"\n", &STUDY[to..]].concat();
-    fs::write(bench.path("study.toml"), study).unwrap();
+    fs::write(bench.path("study.toml"), study_of_file("/dev/zero")).unwrap();
     let (_, error) = said(&bench.run(&["sweep", "study.toml"]).code(2));
     assert!(error.contains("it is a device"), "{error}");
 }

@@ -52,6 +52,16 @@ targets = [
 ]
 "#;
 
+/// Study of the sweep whose designs come from a file.
+fn study_of_file(designs: &str) -> String {
+    let [from, to] = ["method = \"latin", "[optimise]"].map(|text| STUDY.find(text).unwrap());
+    format!(
+        "{}designs = \"{designs}\"\n{}",
+        &STUDY[..from],
+        &STUDY[to..]
+    )
+}
+
 /// Directory with a study, in which commands run.
 struct Bench(tempfile::TempDir);
 

@@ -290,7 +290,7 @@ impl<'a> Elastic<'a> {
             Ok(())
         };
         let size = assembler.suspension().size();
-        settle_height(&mut at, (height, size), step, place)?;
+        settle_height(&mut at, height, size, step, place)?;
         Ok(at)
     }
 

@@ -221,8 +221,8 @@ impl<'a, const N: usize> Corner<'a, N> {
         Ok(())
     }
 
-    /// Returns the failure if a travel is beyond a known end. `None` if the travel is within all known ends. Travel and rack
-    /// displacement are those of the closure equations ([`Corner::inner`]), because the travel moves outward from their zero.
+    /// Returns the failure if a travel is beyond a known end. `None` if the travel is within all known ends. The arguments
+    /// are travel and rack displacement as in the closure equations ([`Corner::inner`]): outward travels have a larger magnitude.
     fn beyond_an_end(&self, travel: f64, rack: f64) -> Option<Failure> {
         let is_beyond =
             |end: &&End| end.rack == rack && (travel - end.travel) * end.travel.signum() > 0.0;

@@ -144,19 +144,20 @@ impl<const N: usize> AxleSolver<'_, N> {
         }
     }
 
-    /// Returns true if both poses satisfy the closure equations at these driving travels within their rounding, and both contact
-    /// points have the same height on the rolled ground.
+    /// Returns true if both poses satisfy the closure equations at these driving travels, and both contact points have the same
+    /// height on the rolled ground. Differences within rounding are permitted.
     fn stands(&self, poses: &[Pose<f64>; 2], travels: [f64; 2], rack: f64, roll: f64) -> bool {
         let [left, right] = &self.corners;
-        let closes =
-            left.closes(&poses[0], travels[0], rack) && right.closes(&poses[1], travels[1], rack);
+        if !left.closes(&poses[0], travels[0], rack) || !right.closes(&poses[1], travels[1], rack) {
+            return false;
+        }
         let ground = Ground::rolled(roll);
         let height = |side: Side, ground: Ground<f64>| {
             let contact = self.contact(side, &poses[side as usize], ground);
             contact.dot(ground.normal())
         };
         let apart = height(Side::Left, ground) - height(Side::Right, ground.mirrored());
-        closes && apart.abs() <= OF_HEIGHTS * left.solver.length_rounding()
+        apart.abs() <= OF_HEIGHTS * left.solver.length_rounding()
     }
 
     /// Finds the position for one placement alone.

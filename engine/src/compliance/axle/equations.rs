@@ -136,8 +136,7 @@ impl<T: Scalar> SideEquations<T> {
         array_of(|i| self.coupling.corner_by[i][shared].scaled(mirror))
     }
 
-    /// Returns the derivative of the force `i` on the shared bodies with respect to the shared unknown `j`, in the axes
-    /// of the left wheel.
+    /// Derivative of the force `i` on the shared bodies with respect to the shared unknown `j`, in the left wheel's axes.
     fn own(&self, side: usize, i: usize, j: usize) -> T {
         self.coupling.own[i][j].scaled(sign(side, i) * sign(side, j))
     }

@@ -255,7 +255,7 @@ impl<T: Real> ArmEnd<T> {
     }
 
     /// Adds the derivatives of the residual, equation (5), times `weight` to the sink. The derivatives with respect to hardpoints
-    /// are those of a design.
+    /// are valid only for the equation of a design, not for built parts.
     #[inline(always)]
     pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let push = self.push(at) * weight;

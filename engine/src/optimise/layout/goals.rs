@@ -51,11 +51,12 @@ impl StationGoals {
         used
     }
 
-    /// Writes the residuals of a value into `into`, from the given row on, and the rows of its limits into `rows`. `slopes` are
-    /// the derivatives of the value with respect to the variables.
+    /// Writes the residuals of the value with the index `of` into `into`, from the given row on. Writes the rows of its limits into
+    /// `rows`. `slopes` are the derivatives of the value with respect to the variables.
     pub(in crate::optimise) fn write(
         &self,
-        (of, value): (usize, f64),
+        of: usize,
+        value: f64,
         slopes: &[f64],
         into: &mut Option<(&mut Linearisation, usize)>,
         rows: &mut Option<&mut Linearisation>,

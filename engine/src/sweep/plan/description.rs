@@ -3,7 +3,6 @@
 use super::*;
 use crate::study::Motion;
 use crate::sweep::digest_of;
-use crate::sweep::record::extension;
 
 /// Describes the sweep of a study. The columns of the outputs follow later.
 pub(super) fn describe(
@@ -63,7 +62,7 @@ pub(super) fn describe(
                 o.constraints.iter().map(|own| own.name.clone()).collect()
             }),
         curves: sweep.curves,
-        format: extension(sweep.format),
+        format: sweep.format.name().to_owned(),
     }
 }
 

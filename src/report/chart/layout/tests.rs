@@ -94,8 +94,8 @@ fn deviations_are_in_tolerances() {
     assert!(svg.contains("target ± 0.25 °"));
 }
 
-/// Both wheels share a chart. The strip compares each curve with the targets of its own wheel only. A target at other poses than
-/// those of the curves has no deviations. The remarks have the tolerance of every target.
+/// Both wheels share a chart. The strip compares each curve with the targets of its own wheel only. A target at other
+/// poses than the curves has no deviations. The remarks have the tolerance of every target.
 #[test]
 fn each_wheel_has_its_own_targets() {
     let at = |value: f64, tolerance: f64, column: Option<&str>| Wanted::Values {

@@ -2,22 +2,10 @@
 
 use super::shown;
 use crate::report::car::{CarRecord, CarStateRecord};
-use crate::report::scene::BodyKind;
 use std::fmt::Write;
 
 /// Width of a view. On a phone, one unit is one pixel.
 const WIDTH: f64 = 350.0;
-
-fn class(kind: BodyKind) -> &'static str {
-    match kind {
-        BodyKind::Arm => "arm",
-        BodyKind::Link => "link",
-        BodyKind::Strut => "strut",
-        BodyKind::Spring => "spring",
-        BodyKind::Rocker => "rocker",
-        BodyKind::Knuckle => "knuckle",
-    }
-}
 
 /// Scale of a view: picture units per length, position of the origin, and height of the picture.
 struct Scale {
@@ -92,7 +80,7 @@ pub(super) fn front(record: &CarRecord, state: &CarStateRecord, axle: usize) -> 
     for body in &record.scenes[axle].bodies {
         for run in &body.lines {
             let places = run.iter().filter_map(|point| points.get(*point));
-            let class = format!("line {}", class(body.kind));
+            let class = format!("line {}", body.kind.class());
             line(&mut svg, &class, places.map(|place| scale.at(flat(place))));
         }
     }

@@ -121,8 +121,7 @@ fn fixed_values(record: &SweepRecord) -> Option<String> {
     })
 }
 
-/// Sentence about designs that are not ranked because they are not solved everywhere, although their misfit is smaller than that of
-/// the best design.
+/// Sentence about designs with a smaller misfit than the best design. They are not ranked because they are not solved everywhere.
 fn unranked(record: &SweepRecord, statistics: &SweepStatistics) -> Option<String> {
     let everywhere = if record.is_of_car() {
         "in every load case"

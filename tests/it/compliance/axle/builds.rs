@@ -1,8 +1,7 @@
 //! Tests of builds of axles with elastic parts: scatter of both wheels and of shared parts, texts of builds, and derivatives.
 
 use super::support::{SUBFRAME, curves, difference, replaced, value_of, values};
-use crate::compliance::support::{elastic, with};
-use crate::support::larger;
+use crate::compliance::support::{assert_printed_builds, elastic, with};
 use hardpoint::curves::Curves;
 use hardpoint::tolerance::{Expansion, Problem, monte_carlo};
 use std::ops::ControlFlow;
@@ -94,25 +93,8 @@ fn printed_builds_are_the_builds() {
         assert!(text.starts_with("# Without [tolerance]"), "{text}");
         curves(&elastic(&text))
     });
-    let mut compared = 0;
-    for (output, column) in problem.outputs().iter().enumerate() {
-        assert_eq!(built[0].columns[output].name, column.name);
-        for station in 0..problem.stations().count() {
-            let spread = &found.spreads[problem.cell(output, station)];
-            if spread.count == 0 {
-                continue;
-            }
-            let values = built
-                .each_ref()
-                .map(|own| own.stations[station].value(output).unwrap());
-            let ends = [values[0].min(values[1]), larger(values[0], values[1])];
-            for (end, limit) in ends.into_iter().zip(spread.range) {
-                let off = (end - limit * column.factor()).abs();
-                assert!(off < 1e-9, "{} {station}: {off:e}", column.name);
-                compared += 1;
-            }
-        }
-    }
+    let is_same = |a: f64, b: f64| (a - b).abs() < 1e-9;
+    let compared = assert_printed_builds(&problem, &found, &built, is_same);
     // Toe of both wheels at three stations, and a test result of both wheels; two builds.
     assert_eq!(compared, 2 * (2 * 3 + 2));
     let toe = |curves: &Curves, side: &str| {

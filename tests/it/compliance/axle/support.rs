@@ -7,8 +7,8 @@ use hardpoint::study::Study;
 
 pub const SUBFRAME: &str = "subframe_axle_compliance.toml";
 
-/// Text of the subframe study with the motion `motion`. Hardpoints and rates of the right wheel differ from those of
-/// the left wheel.
+/// Text of the subframe study with the motion `motion`. Hardpoints and rates of the right wheel differ from the
+/// left wheel.
 pub fn asymmetric(motion: &str, more: &str) -> String {
     let text = with(SUBFRAME, more);
     let own = "[axle.right.hardpoints]\ntie_rod_outer = [-143.0, -683.0, 231.0]\nlower_arm_rear = [-196.0, -372.0, 201.0]\n\

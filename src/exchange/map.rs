@@ -1,11 +1,11 @@
 //! Points in JSON or YAML: a map from names to coordinates with any nesting.
 //!
-//! The following three texts give the same point: `{"LCA front": [1, 2, 3]}`,
-//! `{"lower arm": {"front": {"x": 1, "y": 2, "z": 3}}}` and `[{"name": "LCA front", "x": 1, "y": 2, "z": 3}]`. The name of a
-//! point consists of the keys that lead to three numbers. A key that is a wheel or an axle (`left`, `FL`, `front_axle`) applies
-//! to all points below it. In a table with x, y and z, the entries `side`, `corner` and `axle` give the wheel and the axle. The
-//! entry `unit` gives the unit of lengths. The importer skips keys with unknown words, such as a car's name, lists of other lengths,
-//! texts and truth values. A single number is a value with a name. [`chrono`] reads suspensions of Project Chrono.
+//! The following three texts give the same point: `{"LCA front": [1, 2, 3]}`, `{"lower arm": {"front": {"x": 1, "y": 2, "z": 3}}}`
+//! and `[{"name": "LCA front", "x": 1, "y": 2, "z": 3}]`. The name of a point consists of the keys that lead to three numbers. A
+//! key that is a wheel or an axle (`left`, `FL`, `front_axle`) applies to all points below it. In a table with x, y and z, the
+//! entries `side`, `corner` and `axle` give the wheel and the axle. The entry `unit` gives the unit of lengths. The importer skips
+//! keys with unknown words, such as a car's name, lists of other lengths, texts and truth values. A single number is a value with
+//! a name. [`chrono`] reads suspensions of Project Chrono.
 
 use super::angle_unit::AngleUnit;
 use super::axes::Declared;

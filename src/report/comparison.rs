@@ -2,6 +2,7 @@
 
 mod kc;
 mod moved;
+mod points;
 #[cfg(test)]
 mod tests;
 
@@ -15,35 +16,8 @@ use super::{counted, optional, resolution};
 use crate::model::{FrameConvention, LengthUnit};
 pub use kc::{ComparedKc, KcComparison};
 use moved::{Moved, PartialPoints, moved, partial_points};
+pub use points::{ComparedPoints, NamedPoints};
 use serde::Serialize;
-
-/// Points of a wheel by name.
-#[derive(Clone, Debug)]
-pub struct NamedPoints {
-    /// Names of the points, and their positions in the kernel's frame of the wheel.
-    pub points: Vec<(String, [f64; 3])>,
-    /// Signs that convert to the study's axes.
-    pub signs: [f64; 3],
-}
-
-/// Hardpoints of a design.
-#[derive(Clone, Debug)]
-pub enum ComparedPoints {
-    /// Points of one wheel, or of the left wheel if the right wheel of the axle is its mirror image.
-    OneWheel(NamedPoints),
-    /// Points of the left and the right wheel.
-    BothWheels([NamedPoints; 2]),
-}
-
-impl ComparedPoints {
-    /// Points of a wheel by its index. 0 is the left wheel.
-    fn wheel(&self, number: usize) -> &NamedPoints {
-        match self {
-            ComparedPoints::OneWheel(points) => points,
-            ComparedPoints::BothWheels(wheels) => &wheels[number],
-        }
-    }
-}
 
 /// A design in a comparison.
 #[derive(Clone, Debug)]

@@ -46,8 +46,8 @@ pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAns
 }
 
 /// Directions that leave the residuals (the rows of `goal`) unchanged, to first order. The columns of `goal` belong to the
-/// variables. `left` has the ranges of the variables relative to the present design. `points` is the number of points of the design.
-/// The name of a direction leaves out variables that move by at most a thousandth of their range.
+/// variables. `left` has the ranges of the variables relative to the present design. `points` is the number of points of the
+/// design. The name of a direction leaves out variables that move by at most a thousandth of their range.
 pub(super) fn unseen(
     goal: &Linearisation,
     variables: &[VariableOverview],

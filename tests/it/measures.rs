@@ -199,8 +199,8 @@ fn derivatives_are_slopes() {
     }
 }
 
-/// The angle of a ball joint has a kink at 0, in the design position. There it has no derivatives, although rounding gives the angle
-/// a value of about 1e-15. Near this position, the slopes on both sides are opposite.
+/// The angle of a ball joint has a kink at 0, in the design position. There it has no derivatives, although rounding gives the
+/// angle a value of about 1e-15. Near this position, the slopes on both sides are opposite.
 #[test]
 fn an_angle_of_zero_has_no_derivatives() {
     let joints = ["upper_ball_joint", "lower_ball_joint"];

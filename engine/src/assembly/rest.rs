@@ -45,9 +45,9 @@ const MOST_STEPS: usize = 30;
 /// Smallest fraction of a step in this search.
 const SHORTEST: f64 = 1e-3;
 
-/// Finds the height at which the spring has its length, by Newton's method. It begins with the state `at` at `height`. `size` is the
-/// size of the suspension. `step` returns the Newton step from a state, and `place` moves a state to a height. A step is halved if
-/// this fails, because the parts cannot be assembled at the height, or have no equilibrium there.
+/// Finds the height at which the spring has its length, by Newton's method. It begins with the state `at` at `height`. `size` is
+/// the size of the suspension. `step` returns the Newton step from a state, and `place` moves a state to a height. A step is
+/// halved if this fails, because the parts cannot be assembled at the height, or have no equilibrium there.
 pub(super) fn settle_height<S, E: From<AssemblyError>>(
     at: &mut S,
     mut height: f64,

@@ -4,8 +4,8 @@ use super::super::cell::Sheet;
 use super::super::header::{Columns, text};
 use super::super::names::cut;
 
-/// Refuses a table whose further sets of x, y and z have their own names, if these differ from the first names in the same rows. The
-/// rows of such a set belong to other points.
+/// Refuses a table whose further sets of x, y and z have their own names, if these differ from the first names in the same rows.
+/// The rows of such a set belong to other points.
 pub(super) fn refuse(sheet: &Sheet, header: u32, columns: &Columns) -> Result<(), String> {
     let is_title = |column: &u32| {
         let words = sheet.cell(header, *column).and_then(text).map(cut);

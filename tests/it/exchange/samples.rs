@@ -6,8 +6,8 @@ use hardpoint::model::FrameConvention;
 use hardpoint::study::{CarStudy, Study};
 use std::path::Path;
 
-/// The points of every sample come back from a table, a workbook and a subsystem with the same digits. Other tests check the formats
-/// that contain derived numbers: OptimumKinematics and Assetto Corsa.
+/// The points of every sample come back from a table, a workbook and a subsystem with the same digits. Other tests check the
+/// formats that contain derived numbers: OptimumKinematics and Assetto Corsa.
 #[test]
 fn every_sample_comes_back_with_the_same_digits() {
     let directory = tempfile::tempdir().unwrap();

@@ -163,7 +163,7 @@ pub fn visible_side_effects(effects: &[SideEffect]) -> Vec<SideEffect> {
     changed
 }
 
-/// Side effects that tables show: first all flagged ones, then other visible changes up to [`MOST_ROWS`]. Also returns the number
+/// Side effects that tables show: first all flagged ones, then other visible changes up to 10 rows. Also returns the number
 /// of visible changes that are left out.
 pub fn shown_side_effects(effects: &[SideEffect]) -> (Vec<SideEffect>, usize) {
     let changed = visible_side_effects(effects);

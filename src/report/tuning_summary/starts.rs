@@ -66,7 +66,7 @@ impl StartSummary {
 }
 
 /// Short summary of the starts. `best` is the start whose result the tuning keeps, with the misfit `least`. `None` if there are at
-/// most [`FEW_STARTS`] starts.
+/// most 8 starts.
 pub fn starts_in_words(starts: &[StartSummary], best: Option<usize>, least: f64) -> Option<String> {
     let all = starts.len();
     if all <= FEW_STARTS {

@@ -302,9 +302,11 @@ fn choice(run: &SweepRun) -> String {
     } else {
         "examples of every failure listed above, "
     };
+    let chosen = format!("{best}{front}{failures}");
+    let and = if chosen.is_empty() { "" } else { "and " };
     format!(
-        "<strong>{shown} of {} designs are shown:</strong> {best}{front}{failures}and those whose numbers are multiples \
-         of {}. {file} has all designs. The tables count all of them.",
+        "<strong>{shown} of {} designs are shown:</strong> {chosen}{and}the designs whose numbers are multiples of {}. \
+         {file} has all designs. The tables count all of them.",
         summary.done, run.choice.every
     )
 }

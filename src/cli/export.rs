@@ -24,7 +24,7 @@ pub(super) struct ExportArguments {
     /// Format of the file
     #[arg(long, value_enum)]
     pub(super) to: Target,
-    /// Unit of lengths in the file: mm, m or in [default: the study's, or that of the format]
+    /// Unit of lengths in the file: mm, m or in [default: the unit of the format or of the study]
     #[arg(long, value_parser = unit)]
     pub(super) unit: Option<LengthUnit>,
     /// Axes of the file: iso8855, sae_j670 or x_rear [default: the study's, or those of the format]

@@ -226,7 +226,7 @@ pub(super) struct SolvedAnswer {
 pub(super) enum Drawn {
     /// Drawing of one wheel.
     Wheel(Box<Frame>),
-    /// Drawing of one side of a car, or the reason why there is none.
+    /// Drawing of one side of a car, or the reason why it cannot be drawn.
     Side {
         pose: Result<Box<SidePlacement>, String>,
     },

@@ -78,7 +78,7 @@ impl<'a> CarSolver<'a> {
 
     /// Solves the car at rest with the tyres of a case (rigid or elastic).
     fn at_rest(&mut self, case: &Case) -> Result<(Case, Equilibrium), NoEquilibrium> {
-        let rest = self.rest_of(case);
+        let rest = self.rest_of(case, "static");
         let found = self.solve(&rest)?;
         Ok((rest, found))
     }

@@ -74,15 +74,7 @@ impl CarMember {
         match self.what {
             What::Link(..) | What::Rod(_) => "tension",
             What::Spring => "compression",
-            What::Point(_, Axis::X) | What::Joint(_, Axis::X) => {
-                "force on the wheel carrier along +x"
-            }
-            What::Point(_, Axis::Y) | What::Joint(_, Axis::Y) => {
-                "force on the wheel carrier along +y"
-            }
-            What::Point(_, Axis::Z) | What::Joint(_, Axis::Z) => {
-                "force on the wheel carrier along +z"
-            }
+            What::Point(_, axis) | What::Joint(_, axis) => axis.force_on_carrier(),
         }
     }
 }

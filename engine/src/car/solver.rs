@@ -159,11 +159,7 @@ impl<'a> CarSolver<'a> {
     /// Finds the state of a case. The solver keeps the state of the car at rest, because results of other cases are measured
     /// from it.
     pub fn solve(&mut self, case: &Case) -> Result<Equilibrium, NoEquilibrium> {
-        let rest = Case {
-            name: case.name.clone(),
-            ..self.rest_of(case)
-        };
-        if *case != rest {
+        if *case != self.rest_of(case, &case.name) {
             return self.find(case);
         }
         let place = usize::from(case.setting.elastic_tyres);
@@ -175,9 +171,10 @@ impl<'a> CarSolver<'a> {
         found
     }
 
-    /// Returns the case of the car at rest with the tyres of a case (rigid or elastic). Without tyre springs, both are the same.
-    pub(super) fn rest_of(&self, case: &Case) -> Case {
-        let mut rest = Case::at_rest("static");
+    /// Returns the case `name` of the car at rest, with the tyres of a case (rigid or elastic). Without tyre springs, both are the
+    /// same.
+    pub(super) fn rest_of(&self, case: &Case, name: &str) -> Case {
+        let mut rest = Case::at_rest(name);
         rest.setting.elastic_tyres = case.setting.elastic_tyres && self.car.tyres.is_some();
         rest
     }

@@ -59,9 +59,7 @@ impl ElasticMember {
             | MemberPart::ElasticRod(_)
             | MemberPart::Link(_)
             | MemberPart::RockerRod => "tension",
-            MemberPart::Joint(_, Axis::X) => "force on the wheel carrier along +x",
-            MemberPart::Joint(_, Axis::Y) => "force on the wheel carrier along +y",
-            MemberPart::Joint(_, Axis::Z) => "force on the wheel carrier along +z",
+            MemberPart::Joint(_, axis) => axis.force_on_carrier(),
             MemberPart::Force(..) => "on the arm, link or mount along the bushing's axis",
             MemberPart::Torque(..) => "on the arm, link or mount about the bushing's axis",
             MemberPart::Spring => "compression",

@@ -26,6 +26,15 @@ impl Axis {
     pub fn name(self) -> &'static str {
         ["x", "y", "z"][self as usize]
     }
+
+    /// Meaning of a positive force component along this axis on the wheel carrier, for columns of loads.
+    pub(crate) fn force_on_carrier(self) -> &'static str {
+        match self {
+            Axis::X => "force on the wheel carrier along +x",
+            Axis::Y => "force on the wheel carrier along +y",
+            Axis::Z => "force on the wheel carrier along +z",
+        }
+    }
 }
 
 impl<T> Index<Axis> for Vector3<T> {

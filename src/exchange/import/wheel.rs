@@ -41,7 +41,7 @@ pub(super) fn contact_radius(
 }
 
 /// Finds the loaded radius: a value of the file or the user, half of the tyre's diameter, or the distance of the contact point. A
-/// note names the source unless it is the first one, or states that there is none.
+/// note names the second or third source, or states that the file has no radius.
 pub(super) fn radius(
     contact: Option<(String, f64)>,
     is_optimum: bool,

@@ -130,7 +130,7 @@ impl SweepDirectory {
         directory.write("summary.json", (json + "\n").as_bytes())
     }
 
-    /// Reads the description of the sweep in a directory. An error if there is none.
+    /// Reads the description of the sweep in a directory. Returns an error if the directory has no sweep.
     pub fn read(path: &Path) -> Result<Self, NotARun> {
         Ok(SweepDirectory {
             path: path.to_owned(),

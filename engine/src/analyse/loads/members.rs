@@ -38,9 +38,7 @@ impl Carried {
             | Carried::DragLink
             | Carried::TieRod => "tension",
             Carried::Beam(force) => force.positive(),
-            Carried::Force(_, Axis::X) => "force on the wheel carrier along +x",
-            Carried::Force(_, Axis::Y) => "force on the wheel carrier along +y",
-            Carried::Force(_, Axis::Z) => "force on the wheel carrier along +z",
+            Carried::Force(_, axis) => axis.force_on_carrier(),
             Carried::Support(Support::Spring(_)) | Carried::FarSupport(Support::Spring(_)) => {
                 "compression"
             }

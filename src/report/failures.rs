@@ -1,6 +1,7 @@
 //! Failed stations: neighbours that failed for the same reason form one range.
 
 use super::figure::as_written;
+use super::ranges::ends;
 use super::station_label::place_in_words;
 use crate::curves::{Curves, Status};
 use crate::model::Suspension;
@@ -94,15 +95,11 @@ fn place(curves: &Curves, first: usize, last: usize) -> String {
     let Some(k) = along.flatten() else {
         return text;
     };
-    let [start, end] = [first, last].map(|station| curves.stations[station].at[k]);
-    let (Some(start), Some(end)) = (start, end) else {
+    let value = |station: usize| curves.stations[station].at[k];
+    let range = ends((first..=last).filter_map(value));
+    let (Some(start), Some(end), Some([low, high])) = (value(first), value(last), range) else {
         return text;
     };
-    let values = || (first..=last).filter_map(|station| curves.stations[station].at[k]);
-    let (low, high) = (
-        values().fold(start, f64::min),
-        values().fold(start, f64::max),
-    );
     let [from, to] = if end < start {
         [high, low]
     } else {

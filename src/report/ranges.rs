@@ -49,3 +49,9 @@ impl Range {
         table
     }
 }
+
+/// Smallest and largest of these values. `None` without values.
+pub(super) fn ends(values: impl Iterator<Item = f64> + Clone) -> Option<[f64; 2]> {
+    let low = values.clone().reduce(f64::min)?;
+    Some([low, values.reduce(f64::max)?])
+}

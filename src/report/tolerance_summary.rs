@@ -263,11 +263,8 @@ impl ToleranceSummary {
             let mut shown: Vec<&ValueRecord> = rest.into_iter().collect();
             shown.extend(wide.filter(|wide| !wide.at_rest));
             for value in shown {
-                let words = value.linear_result().in_words();
-                let because = match value.linear_holds {
-                    Some(true) => "",
-                    _ => words,
-                };
+                let linear = value.linear_result();
+                let words = linear.in_words();
                 // Numbers from builds, and the linear sigma, are rounded to the reliable digits of sigma.
                 let digits = value
                     .sigma_error
@@ -287,13 +284,13 @@ impl ToleranceSummary {
                     sampled(value.percentiles[2]),
                     sampled(value.percentiles[4]),
                 ];
-                let holds = Cell::in_words(value.linear_holds, words);
+                let holds = Cell::in_words(linear.holds, words);
                 let head = [Cell::from(output)].into_iter();
                 let places = value.travel.into_iter();
                 let places = places.chain(value.rack.filter(|_| rack_moves));
                 let places = places.chain(value.place.iter().copied()).map(Cell::from);
                 let cells = head.chain(places).chain(numbers);
-                table.push_row(cells.chain([holds, because.into()]));
+                table.push_row(cells.chain([holds, linear.because().into()]));
             }
         }
         table

@@ -86,6 +86,7 @@ pub fn settings_of_car(
     x: &[f64],
 ) -> Vec<String> {
     let ends = crate::car::AXLE_NAMES;
+    let rights = [0, 1].map(|axle| right_table(study, axle));
     let mut points = Vec::new();
     for at in variables
         .iter()
@@ -103,7 +104,7 @@ pub fn settings_of_car(
         let left = of("suspension.hardpoints", &axle.left);
         let name = axle.left.mechanism.name(at.point);
         let right = axle.right.as_ref().filter(|_| !axle.is_rigid());
-        let right = right.filter(|_| gives_right(study, at.axle, "hardpoints", name));
+        let right = right.filter(|_| gives(rights[at.axle].as_ref(), "hardpoints", name));
         let right = right.map(|wheel| of("axle.right.hardpoints", wheel));
         for setting in [left].into_iter().chain(right) {
             if !points.contains(&setting) {
@@ -136,7 +137,7 @@ fn wheelbase_edit(study: &CarStudy, wheelbase: f64, offset: Vector3<f64>) -> Str
 /// Edit of the right spring's rate, if the study of the axle gives it. A variable changes the rates of both springs by the same
 /// amount.
 fn right_spring_edit(study: &CarStudy, car: &Car, axle: usize) -> Option<String> {
-    if !gives_right(study, axle, "spring", "rate") {
+    if !gives(right_table(study, axle).as_ref(), "spring", "rate") {
         return None;
     }
     let [_, right] = car.axles[axle].setup.springs.as_ref()?;
@@ -150,11 +151,13 @@ fn right_spring_edit(study: &CarStudy, car: &Car, axle: usize) -> Option<String>
     ))
 }
 
-/// True if the study of an axle gives this key in `[axle.right.SECTION]`.
-fn gives_right(study: &CarStudy, axle: usize, section: &str, key: &str) -> bool {
-    let written = study.axles[axle].text.parse::<toml::Table>().ok();
-    let right = written
-        .as_ref()
-        .and_then(|own| own.get("axle")?.get("right"));
+/// Table `[axle.right]` in the study of an axle. `None` if the study has no such table.
+fn right_table(study: &CarStudy, axle: usize) -> Option<toml::Value> {
+    let written: toml::Table = study.axles[axle].text.parse().ok()?;
+    written.get("axle")?.get("right").cloned()
+}
+
+/// True if the table `[axle.right]` gives this key in `[axle.right.SECTION]`.
+fn gives(right: Option<&toml::Value>, section: &str, key: &str) -> bool {
     right.is_some_and(|right| right.get(section).is_some_and(|own| own.get(key).is_some()))
 }

@@ -256,16 +256,11 @@ impl CarToleranceSummary {
                 is_computed: value.nominal.is_some() && value.builds > 0,
                 scatters: value.scatters,
             };
-            let words = linear.in_words();
-            let because = match value.linear_holds {
-                Some(true) => "",
-                _ => words,
-            };
             let figure = |v: Option<f64>| Cell::from(v.map(|v| Cell::figure(v, &value.unit)));
             let head = [value.output.as_str().into(), value.case.as_str().into()];
             let cells = head.into_iter().chain(numbers.map(figure));
-            let holds = Cell::in_words(value.linear_holds, words);
-            table.push_row(cells.chain([holds, because.into()]));
+            let holds = Cell::in_words(linear.holds, linear.in_words());
+            table.push_row(cells.chain([holds, linear.because().into()]));
         }
         table
     }

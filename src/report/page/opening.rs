@@ -178,10 +178,10 @@ fn picture(scene: &Scene, designs: [&Placement; 2], sight: Sight) -> String {
     let centres = [Some(scene.wheel_centre), scene.right_wheel_centre];
     let centres = centres.into_iter().flatten();
     let centres = centres.map(|centre| flat(&designs[1].points[centre]));
-    // Each rim between two opposite corners of the rectangle around it.
-    let rims = centres.map(|[x, y]| [-1.0, 1.0].map(|by| [x + by * wide, y + by * radius]));
-    let rims: Vec<[[f64; 2]; 2]> = rims.collect();
-    for p in all.chain(rims.iter().copied().flatten()) {
+    let centres: Vec<[f64; 2]> = centres.collect();
+    // Two opposite corners of the rectangle around a rim.
+    let corners = |[x, y]: [f64; 2]| [-1.0, 1.0].map(|by| [x + by * wide, y + by * radius]);
+    for p in all.chain(centres.iter().copied().flat_map(corners)) {
         for k in 0..2 {
             low[k] = low[k].min(p[k]);
             high[k] = high[k].max(p[k]);
@@ -195,9 +195,9 @@ fn picture(scene: &Scene, designs: [&Placement; 2], sight: Sight) -> String {
         format!("{x:.1} {y:.1}")
     };
     let mut shapes = String::new();
-    for rim in rims.into_iter().filter(|_| radius > 0.0) {
+    for centre in centres.into_iter().filter(|_| radius > 0.0) {
         if wide > 0.0 {
-            let place = at([0, 1].map(|k| 0.5 * (rim[0][k] + rim[1][k])));
+            let place = at(centre);
             let (x, y) = place.split_once(' ').unwrap_or_default();
             let r = scale * radius;
             _ = write!(
@@ -205,7 +205,7 @@ fn picture(scene: &Scene, designs: [&Placement; 2], sight: Sight) -> String {
                 r#"<circle class="rim" cx="{x}" cy="{y}" r="{r:.1}"/>"#
             );
         } else {
-            let [a, b] = rim.map(&at);
+            let [a, b] = corners(centre).map(&at);
             _ = write!(shapes, r#"<path class="rim" d="M{a}L{b}"/>"#);
         }
     }

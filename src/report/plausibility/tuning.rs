@@ -1,6 +1,7 @@
 //! Warnings about the targets of a tuning.
 
 use crate::report::figure::brief;
+use crate::report::ranges::ends;
 use crate::study::{DriveRounding, Limit, Study, Target, Wanted};
 
 /// Largest plausible span of a target's points, relative to the span of the motion.
@@ -56,9 +57,4 @@ fn beyond_motion(study: &Study, target: &Target) -> Option<String> {
              part outside of the motion has no effect"
         )
     })
-}
-
-fn ends(values: impl Iterator<Item = f64> + Clone) -> Option<[f64; 2]> {
-    let low = values.clone().reduce(f64::min)?;
-    Some([low, values.reduce(f64::max)?])
 }

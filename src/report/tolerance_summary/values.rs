@@ -89,6 +89,14 @@ impl LinearResult {
             None => "not known",
         }
     }
+
+    /// Reason why the linear result is not accurate enough, or why this is unknown. Empty if it is accurate.
+    pub(in crate::report) fn because(&self) -> &'static str {
+        match self.holds {
+            Some(true) => "",
+            _ => self.in_words(),
+        }
+    }
 }
 
 /// Histogram of a value, as printed numbers. Its bins have equal widths.

@@ -168,8 +168,9 @@ pub(super) fn read(text: &str) -> Result<Subsystem, String> {
             "UNITS" => units(line, &mut subsystem).map_err(at)?,
             "SUBSYSTEM_HEADER" => {
                 let found = assignment(line).filter(|(key, _)| key == "TEMPLATE_NAME");
-                let found = found.map(|(_, template)| template);
-                subsystem.template = found.or(subsystem.template.take());
+                if let Some((_, template)) = found {
+                    subsystem.template = Some(template);
+                }
             }
             "HARDPOINT" => {
                 let row = row(line, number).map_err(at)?;

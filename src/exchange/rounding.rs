@@ -157,10 +157,12 @@ pub fn rounded(
 /// Distance of a constraint's value from the nearest limit, in the constraint's unit. Zero if the constraint is
 /// satisfied, infinite if it has no value.
 fn missed(own: &ConstraintMargin) -> f64 {
-    match own {
-        own if !own.is_violated => 0.0,
-        own if own.margin.is_nan() => f64::INFINITY,
-        own => -own.margin,
+    if !own.is_violated {
+        0.0
+    } else if own.margin.is_nan() {
+        f64::INFINITY
+    } else {
+        -own.margin
     }
 }
 

@@ -286,11 +286,7 @@ impl PointTable {
 
     /// True if the file has points or values that it assigns to a right wheel.
     pub(super) fn has_right_wheel(&self) -> bool {
-        let letters = roles::Letters::of_points(&self.points);
-        let of_points = self.points.iter().map(|point| {
-            let named = roles::marks(&point.read_as, letters);
-            point.marks.or(named).side
-        });
+        let of_points = self.marks_of_points().map(|marks| marks.side);
         let of_figures = self.figures.iter().map(|row| {
             let named = figure(&row.read_as).and_then(|(_, marks, _)| marks.side);
             row.marks.side.or(named)
@@ -306,11 +302,15 @@ impl PointTable {
             side: None,
             axle: *axle,
         });
+        roles::axles(kinds.chain(self.marks_of_points()))
+    }
+
+    /// Wheel and axle of each point: those that the file states, otherwise those in its name.
+    fn marks_of_points(&self) -> impl Iterator<Item = Marks> {
         let letters = roles::Letters::of_points(&self.points);
-        let of_names = self.points.iter().map(|point| {
+        self.points.iter().map(move |point| {
             let named = roles::marks(&point.read_as, letters);
             point.marks.or(named)
-        });
-        roles::axles(kinds.chain(of_names))
+        })
     }
 }

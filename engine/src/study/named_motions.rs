@@ -2,10 +2,8 @@
 
 use super::error::Problems;
 use super::resolve::Context;
-use super::value::Text;
 use super::{Drive, Motion, axle, file, motion};
 use crate::model::Suspension;
-use toml::Spanned;
 
 /// Named motions of one wheel. In a study of an axle, they are motions of its left wheel.
 pub(super) fn of_wheel(
@@ -37,14 +35,18 @@ fn has_rack_alone(motion: &file::Motion) -> bool {
     motion.rack.is_some() && motion.time.is_none() && drives.iter().all(|own| own.is_none())
 }
 
-/// Returns true if the motion of one wheel with this name has an error. This error is already reported.
-pub(super) fn is_refused(name: &str, context: &Context) -> bool {
-    let is_of_wheel = |(own, section): (&Text, &Spanned<file::Motion>)| {
+/// Returns true if the study has a motion of one wheel with this name, with or without errors.
+pub(super) fn is_of_wheel(name: &str, context: &Context) -> bool {
+    context.file.motions.iter().any(|(own, section)| {
         let moves_axle = context.axle.is_some() && axle::moves_axle(section.get_ref());
         own.get_ref() == name && !moves_axle
-    };
+    })
+}
+
+/// Returns true if the motion of one wheel with this name has an error. This error is already reported.
+pub(super) fn is_refused(name: &str, context: &Context) -> bool {
     let is_read = context.motions.iter().any(|own| own.0 == name);
-    !is_read && context.file.motions.iter().any(is_of_wheel)
+    !is_read && is_of_wheel(name, context)
 }
 
 /// Checks the names of all motions. Also checks drives and time laws of the motions of one wheel that have no errors.

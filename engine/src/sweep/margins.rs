@@ -23,18 +23,15 @@ pub(super) fn margin_columns(constraints: &[Constraint], prefix: &str) -> Vec<Ou
 pub(super) fn margin_column(name: &str, unit: &str, visible: Option<f64>) -> OutputColumn {
     let column = column_name(&format!("margin {name}"));
     let unit = &column_name(unit);
+    // The limits at the end of a name may already have the unit. Then the unit is not appended again.
+    let column = if column.ends_with(&format!("_{unit}")) {
+        column
+    } else {
+        with_unit(column, unit)
+    };
     OutputColumn {
-        // The limits at the end of a name may already have the unit. Then the unit is not appended again.
-        column: if column.ends_with(&format!("_{unit}")) {
-            column
-        } else {
-            with_unit(column, unit)
-        },
-        output: name.to_owned(),
-        kind: Kind::Margin,
-        unit: unit.to_owned(),
-        at_design: None,
         least: visible.map(|visible| -VIOLATED * visible),
+        ..OutputColumn::new(column, name, Kind::Margin, unit)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Motion of a target or a band of an axle.
 
-use super::super::axle::{AxleStudy, coordinates, moves_axle};
+use super::super::axle::{AxleStudy, coordinates};
 use super::super::error::Problems;
 use super::super::motion::list;
 use super::super::names::choose;
@@ -34,11 +34,7 @@ impl<'m> TargetMotion<'m> {
         if named_motions::is_refused(text.get_ref(), context) {
             return None;
         }
-        let sections = &context.file.motions;
-        let is_of_wheel = sections.iter().any(|(own, section)| {
-            own.get_ref() == text.get_ref() && !moves_axle(section.get_ref())
-        });
-        if is_of_wheel {
+        if named_motions::is_of_wheel(text.get_ref(), context) {
             let name = text.get_ref();
             let message = format!(
                 "the motion {name} moves the left wheel alone; a target or a band of an axle needs a motion of the axle"
@@ -60,7 +56,7 @@ impl<'m> TargetMotion<'m> {
             return problems.refuse(text.span(), message);
         }
         let (name, motion) = choose(text, "motion", &options, problems)?;
-        let mut sections = sections.iter();
+        let mut sections = context.file.motions.iter();
         let (_, section) = sections.find(|(own, _)| own.get_ref() == name)?;
         Some(TargetMotion {
             name: Some(name),

@@ -231,9 +231,10 @@ fn open(arguments: &SweepArguments, ready: &Ready<'_>) -> Result<Output, Stop> {
     files.extend(arguments.report.then(|| "report.html".to_owned()));
     let mut files: Vec<&str> = files.iter().map(String::as_str).collect();
     files.extend(kept_names);
-    let there = match arguments.resume {
-        true => SweepDirectory::read(destination.path()).ok(),
-        false => None,
+    let there = if arguments.resume {
+        SweepDirectory::read(destination.path()).ok()
+    } else {
+        None
     };
     if let Some(there) = there.as_ref().filter(|_| !arguments.force) {
         refuse_other_hypercube(&there.record, record, destination.path())?;

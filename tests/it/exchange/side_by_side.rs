@@ -1,6 +1,6 @@
 //! Tests of `hardpoint compare` with one design in different axes and units: `compare` finds no difference.
 
-use crate::support::larger;
+use crate::support::{larger, one_line};
 use assert_cmd::Command;
 use std::collections::BTreeMap;
 use std::fs;
@@ -219,7 +219,7 @@ fn a_set_up_is_compared_with_its_adjustments() {
 
     // `export` has no adjusted study, so it refuses the run.
     let [_, said] = run(at, &["export", "set_up", "--to", "csv"], 2);
-    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    let said = one_line(&said);
     assert!(said.contains("the points before the adjustments"), "{said}");
 }
 
@@ -333,7 +333,7 @@ fn studies_follow_the_drive_of_the_first_study() {
         ),
     ] {
         let [_, said] = run(at, &["compare", "angle.toml", other, "--out", "-"], 2);
-        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        let said = one_line(&said);
         assert!(said.contains(reason), "{said}");
     }
     // A run that contains its study is solved again over the motion of the first run. A run without its study cannot be
@@ -343,7 +343,7 @@ fn studies_follow_the_drive_of_the_first_study() {
     assert_same(at, ["travel.toml", "run"], 41, 9);
     fs::remove_file(at.join("run/study.toml")).unwrap();
     let [_, said] = run(at, &["compare", "run", "travel.toml", "--out", "-"], 2);
-    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    let said = one_line(&said);
     assert!(
         said.contains("the curves of run are over arm_angle_deg"),
         "{said}"
@@ -576,7 +576,7 @@ fn runs_with_other_stations_are_compared_at_all_stations_of_the_first() {
     );
     // The common stations are -20, 0, 20 and 40: `other` has multiples of 10, from -30 on.
     assert_eq!(few.lines().count(), 5, "{few}");
-    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    let said = one_line(&said);
     assert!(
         said.contains("cover only 4 common stations (first has 5, other has 10)"),
         "{said}"
@@ -585,7 +585,7 @@ fn runs_with_other_stations_are_compared_at_all_stations_of_the_first() {
     // the first.
     let three = ["compare", "first.toml", "other", "other.toml", "--out", "-"];
     let [_, said] = run(directory, &three, 0);
-    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    let said = one_line(&said);
     assert!(
         said.contains("(first has 5, other has 10, other.toml has 5)"),
         "{said}"

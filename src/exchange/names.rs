@@ -324,7 +324,7 @@ pub(super) fn cut(text: &str) -> Vec<String> {
     words
 }
 
-/// Spelt-out words in their order.
+/// Words of a point's name, in their order and without abbreviations.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Words {
     words: Vec<&'static str>,

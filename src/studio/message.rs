@@ -290,7 +290,7 @@ pub(super) struct TargetMisfit {
     pub column: String,
     /// Root mean square over the stations of the target.
     pub rms: f64,
-    /// Largest deviation, with its sign.
+    /// Largest deviation of the curve from the target, with its sign.
     pub worst: f64,
     /// Position of the largest deviation. `None` for a result of a load case.
     pub worst_at: Option<f64>,

@@ -31,12 +31,12 @@ const fn place(travel: usize, rack: usize) -> usize {
     degree * (degree + 1) / 2 + rack
 }
 
-/// A straight line in travel and rack.
+/// Direction of a straight line in the plane of travel and rack displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
-    /// Change of travel along the line.
+    /// Change of travel per unit of the line's parameter.
     pub travel: f64,
-    /// Change of the rack displacement along the line.
+    /// Change of the rack displacement per unit of the line's parameter.
     pub rack: f64,
 }
 

@@ -173,7 +173,7 @@ catalogue! {
         HeaveSpringForce, "heave_spring_force_{}", Force, "compressed", "force + rate (l0 - l)", [HeaveSpring], state, axle::heave_spring_force;
         HeaveSpringLength, "heave_spring_length_{}", Length, "always", "distance between the points heave_spring of both rockers", [HeaveSpring], state, axle::heave_spring_length;
         HeaveSpringTravel, "heave_spring_travel_{}", Length, "compressed", "length in the design position minus the present length", [HeaveSpring], state, axle::heave_spring_travel;
-        TBarTorque, "t_bar_torque_{}", Torque, "the left rocker is turned further", "k (rho_l - rho_r)", [TBar], state, axle::t_bar_torque;
+        TBarTorque, "t_bar_torque_{}", Torque, "the left rocker has turned further than the right", "k (rho_l - rho_r)", [TBar], state, axle::t_bar_torque;
         HeaveBarTorque, "heave_bar_torque_{}", Torque, "in the direction in which jounce turns it", "torque + k (rho_l + rho_r)", [HeaveBar], state, axle::heave_bar_torque;
         Downforce, "downforce_{}", Force, "down", "force of the air along -n", [Air], state, axle::downforce;
         RollSteerGradient, "roll_steer_gradient_{}", AnglePerG, "steers to the left as ay grows", "d mean_steer/d ay, rack held", [], rate, axle::roll_steer_gradient;

@@ -366,8 +366,8 @@ fn column<T: Real, U: Real, W: WheelParts<U>>(
     at.vector(|p| wheel.column(i, p).map(lift))
 }
 
-/// Returns the angular velocities of the carrier with respect to both coordinates of the power series, in the frame of
-/// the wheel's side. The second is zero if the wheels are independent (`is_rigid` is false). An angular velocity is half
+/// Returns the angular velocities of the carrier with respect to the two variables of the power series (the
+/// wheel's own and the other wheel's travel, or their mean and difference), in the frame of the wheel's side. The second is zero if the wheels are independent (`is_rigid` is false). An angular velocity is half
 /// the sum of the cross products of the columns of the rotation matrix with their derivatives.
 #[inline(always)]
 fn angular_velocities<T: Real, U: Real, W: WheelParts<U>>(

@@ -211,7 +211,7 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 impl CarSolver<'_> {
-    /// Increases the load from rest to a case, by equations (3) to (5).
+    /// Increases the load from zero (the car at rest on its wheels) to a load case, by equations (3) to (5) of this module.
     pub(super) fn along_load(&mut self, case: &Case) -> Result<Equilibrium, NoEquilibrium> {
         let rest = case.scaled(0.0);
         let start = self.start(&rest);

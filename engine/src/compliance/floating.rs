@@ -133,7 +133,8 @@ impl<T: Valued> Floating<T> {
         if at.balance_only {
             own_rows[1][1].add_product(self.spin, self.spin, like.one());
         }
-        // The derivatives with respect to the carrier are the force -f at p and the opposite torque.
+        // Derivatives of the link's equations with respect to motions of the carrier. On the carrier act the force -f at the
+        // link's end p, and the negative of the torque on the link.
         let carrier_by_link = [
             [k.negated(), k_arm.negated()],
             [

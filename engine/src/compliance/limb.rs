@@ -194,7 +194,7 @@ pub(super) fn joined<T: Copy>(first: Vector3<T>, second: Vector3<T>) -> [T; 6] {
 /// Values of the inner unknowns of a part.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LimbState<T> {
-    /// Position of the part. The solver uses the shift only for links with a bushing at each end.
+    /// Rotation and displacement of the part. The displacement is an unknown only for links with a bushing at each end.
     pub(super) placed: Placed<T>,
     /// Components of the force in an arm's ball joint at the body.
     pub(super) pivot: [T; 2],

@@ -222,7 +222,7 @@ impl<T: Scalar> Built<T> {
                     let rod = &mut self.system.rods[number];
                     if let Some([rate, tension]) = &mut rod.elastic {
                         let moved = shifted(&carrier, rod.joint);
-                        // The tension already contains the constant tension from the definition.
+                        // The tension already contains the preload that the study gives the rod.
                         *tension = *tension + *rate * rod.along.normalised().dot(moved);
                     }
                 }

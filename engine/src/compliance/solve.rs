@@ -74,8 +74,8 @@ pub(super) struct Stuck {
     /// Fraction of the change that the solver reached.
     pub(super) share: f64,
     pub(super) obstacle: Obstacle,
-    /// Last state on the path, with its inputs; `None` if the solver reached no fraction. External forces may hold a part of
-    /// the balance there.
+    /// Last state on the path, with its inputs; `None` if the solver reached no fraction. At this state, only the reached
+    /// part of the load acts; the remaining unbalanced force may not be zero.
     pub(super) last: Option<(State<f64>, Task<f64>)>,
 }
 

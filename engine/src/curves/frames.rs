@@ -66,7 +66,7 @@ pub struct OtherWheel {
     pub side_view_centre: Option<[f64; 3]>,
 }
 
-/// Turning geometry, seen from above: x and y in the body's axes.
+/// Turning geometry, seen from above: wheels, spin axes and centre of the turn. Each point is (x, y) in the body's axes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Turn {
     /// Rear and front end of the left and the right wheel.

@@ -20,7 +20,7 @@ impl SuspensionBuilder {
         for station in &solved.stations {
             if let Status::Failed(failure) = station.status {
                 return Err(BuildError::Design(format!(
-                    "the design position has no pose: {}",
+                    "the mechanism cannot be assembled in its design position: {}",
                     failure.describe(suspension.length_unit, suspension.frame)
                 )));
             }

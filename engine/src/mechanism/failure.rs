@@ -182,7 +182,7 @@ pub struct Toggle {
     pub rod: Rod,
 }
 
-/// Reason why a pose could not be certified.
+/// Reason why the proof fails that exactly one exact pose is near a computed pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unproven {
     /// The pose is singular, or singular within double precision.

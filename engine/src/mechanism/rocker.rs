@@ -217,7 +217,7 @@ impl<T: Real> Configuration<'_, T> {
         self.mechanism.body(rocker.first) == Body::Knuckle
     }
 
-    /// Position in the base of a rocker: y of (12).
+    /// Position of the point `now` relative to the base of a rocker, in the axes of the base: y of equation (12).
     #[inline(always)]
     fn in_base(&self, rocker: Rocker, now: Vector3<T>) -> Vector3<T> {
         if self.is_on_axle(rocker) {

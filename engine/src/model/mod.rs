@@ -116,9 +116,9 @@ pub enum Constraint {
     /// A hinge: the knuckle rotates about the line through two chassis points. Removes five degrees of freedom. The knuckle
     /// is then the arm itself.
     Revolute {
-        /// A chassis point of the axis.
+        /// First chassis point on the axis of the hinge.
         first: PointId,
-        /// A second chassis point of the axis.
+        /// Second chassis point on the axis of the hinge.
         second: PointId,
     },
     /// A ball joint at the body: the knuckle rotates about a chassis point. Removes three degrees of freedom.

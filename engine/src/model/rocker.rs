@@ -38,7 +38,7 @@ pub enum Rod {
     Pullrod,
     /// Rotates the lever of an anti-roll bar.
     DropLink,
-    /// Upper link of a Watt linkage, which rotates its rocker.
+    /// Upper link of a Watt linkage. The link rotates the linkage's rocker.
     WattLink,
     /// Turns the left knuckle of a steered solid axle.
     DragLink,

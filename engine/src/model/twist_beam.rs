@@ -72,7 +72,8 @@ pub struct TwistBeam {
     pub is_hinge_given: bool,
     /// End of the rod on the far half. It keeps its offset from the far mount.
     pub rod_end: PointId,
-    /// Point of the near arm at its mount, if parts are assembled. The mount is then a point of the body alone.
+    /// Centre of the near arm's bushing, as a point of the beam. `None` in the nominal mechanism, in which it is the same point as
+    /// the mount. In a build from parts, the mount is a point of the body only.
     pub eye: Option<PointId>,
 }
 

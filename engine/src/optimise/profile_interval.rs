@@ -151,7 +151,8 @@ impl Solved<'_> {
         let deviation = ratio * scatter.max(RESOLUTION);
         let least = self.at.residuals.norm_squared();
         let level = |quantile: f64| least + (quantile * deviation).powi(2);
-        // The search first uses the linear model to find the quantile. This model needs no evaluations.
+        // The search first uses the linear model to find the quantile of Student's distribution that belongs to this end.
+        // This model needs no evaluations.
         let linear = Profile::new(self.x, self.at, self.bounds, variable);
         let mut quantile = self.student.quantile(0.5 * OUTSIDE);
         for _ in 0..SETTLING {

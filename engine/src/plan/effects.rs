@@ -22,7 +22,7 @@ pub struct Effect {
     pub cost: f64,
 }
 
-/// Costs of effects per pose, relative to a pose from the closed form of a strut, measured with `hardpoint bench effects`.
+/// Costs of effects (optional results, such as camber gain or forces) per pose, relative to a pose from the closed form of a strut, measured with `hardpoint bench effects`.
 /// They are accurate to a factor of two only, because they depend on the machine and the topology.
 mod cost {
     /// Iterative solution of six equations in place of the closed form.

@@ -357,7 +357,7 @@ pub struct SweepVariable {
     pub rate: Option<Rate>,
     /// True if the values are coordinates, false if they are offsets from the design.
     pub absolute: bool,
-    /// Lowest and highest value, in the study's axes.
+    /// Lowest and highest value of the variable, in the study's axes.
     pub range: [f64; 2],
     /// Number of values in a grid.
     pub steps: Option<u64>,

@@ -14,7 +14,7 @@ pub struct TargetQuantity {
     pub unit: Unit,
     /// Unit of length of the study.
     pub length: LengthUnit,
-    /// Sign of the study's axis: -1 if it points opposite to the kernel's axis.
+    /// Sign of the study's axis: -1 if it points opposite to the axis of the engine's frame.
     pub sign: f64,
 }
 

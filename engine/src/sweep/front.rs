@@ -75,7 +75,7 @@ mod tests {
     use super::*;
     use crate::sweep::uniform;
 
-    /// For three divisions into parts, the result satisfies the definition of a Pareto front.
+    /// For three ways to divide the designs into parts, the result satisfies the definition of a Pareto front.
     #[test]
     fn the_front_is_what_no_other_design_betters() {
         // Points near a plane on which every improvement in one target worsens another target. Some points are repeated.

@@ -72,7 +72,8 @@ impl SweptWorker<'_> {
         }
     }
 
-    /// Number of designs of the last block that were not solved in SIMD lanes. A car has no lanes.
+    /// Number of designs of the last block that the lanes could not solve, so that they were solved one by one. 0 for a car,
+    /// whose sweep has no such lanes.
     pub fn one_by_one(&self) -> usize {
         match self {
             SweptWorker::Suspension(worker) => worker.one_by_one().len(),

@@ -92,7 +92,7 @@ impl Order {
         self.windows.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Prepares the contribution of some builds.
+    /// Prepares the sorting of the values of some builds into the windows.
     pub(super) fn begin(&self) -> Sifted {
         let windows = self.lock().clone();
         Sifted {
@@ -279,7 +279,7 @@ fn moved(gap: usize, then: &[[f64; 2]; MOST], now: &[[f64; 2]; MOST]) -> usize {
     }
 }
 
-/// Values of a cell by rank. The smallest has rank 0.
+/// Values of a cell (an output at a station) by rank. The smallest value has rank 0.
 struct Ranks<'c> {
     cell: &'c Cell,
     windows: &'c [[f64; 2]; MOST],

@@ -129,7 +129,7 @@ pub fn limits_page(of: &LimitsSheet<'_>) -> String {
     let band = if of.motion.is_empty() {
         ""
     } else {
-        " Band: motion of the study."
+        " Shaded band: motion of the study."
     };
     let section = Section {
         title: "Ranges and their causes".to_owned(),

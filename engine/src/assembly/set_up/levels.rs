@@ -22,9 +22,9 @@ const SHORTEST: f64 = 1e-3;
 /// others.
 #[derive(Clone, Debug)]
 pub(super) struct Levels {
-    /// Indices of the values that the threaded adjusters meet exactly: `S`.
+    /// Indices of the target values that the threaded adjusters meet exactly: the set S of the equations.
     pub(super) exact: Vec<usize>,
-    /// Indices of the values whose errors the shims minimise: `R`.
+    /// Indices of the target values whose errors the shims minimise: the set R of the equations.
     pub(super) rest: Vec<usize>,
     /// Indices of the continuous adjustments, such as threaded adjusters.
     pub(super) threads: Vec<usize>,

@@ -77,8 +77,8 @@ impl<const N: usize> AxleSolver<'_, N> {
         let mechanism = &self.axle.left.mechanism;
         let steering = mechanism.axle_steering()?;
         let design = self.corners[0].solver.design();
-        // Derivatives of the lift with respect to the coordinates of a point. If `point` is `None`, the first number is
-        // the derivative with respect to the gear's displacement, and the other numbers are 0.
+        // Derivatives of the wheel's lift with respect to the coordinates of a point. If `point` is `None`,
+        // the first number is the derivative with respect to the gear's displacement, and the other numbers are 0.
         let lift_by = |point: Option<usize>| -> [f64; 3] {
             let mut moved: Vec<_> = design.iter().map(|p| p.map(Dual::constant)).collect();
             let gear = match point {

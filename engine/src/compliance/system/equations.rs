@@ -111,8 +111,8 @@ impl<T: Valued> Equations<T> {
         }
     }
 
-    /// Makes the tangents constant: removes their derivatives, as [`Conditions::is_correction`](super::Conditions)
-    /// requires.
+    /// Makes the tangent stiffnesses constant, that is, removes their derivatives. [`Conditions::is_correction`](super::Conditions)
+    /// requires this.
     pub(in crate::compliance) fn fix_tangents(&mut self) {
         self.matrix = self.matrix.each(|row| row.each(|c| tangent_of(c, true)));
         for followers in &mut self.followers {

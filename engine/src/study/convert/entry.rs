@@ -136,8 +136,7 @@ impl Facts<'_> {
         let own = axles.first().map_or(self.ends[0], |end| self.ends[*end]);
         let differs = |end: &usize| self.ends[*end].frames() != own.frames();
         if axles.iter().any(differs) {
-            let reason =
-                "the studies of both axles have different axes: write one entry for each axle";
+            let reason = "the studies of the two axles have different axes: write one entry of the car's study for each axle";
             return refused("axle", reason);
         }
         Ok(own)

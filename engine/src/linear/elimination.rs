@@ -9,8 +9,9 @@
 
 use crate::number::{MaskOf, SimdReal, Valued};
 
-/// Replaces the first `size` rows of B and c with the solutions of A X = B and A x = c. Afterwards the diagonal of `a`
-/// contains the pivots. Returns the lanes in which every pivot is finite and not zero.
+/// Solves A X = B and A x = c. Replaces the first `size` rows of B and c with the solutions X and x.
+/// Afterwards the diagonal of `a` contains the pivots. Returns the SIMD lanes in which every pivot is finite and not
+/// zero.
 #[inline(always)]
 pub(crate) fn eliminate<T: Valued, const N: usize, const C: usize>(
     a: &mut [[T; N]; N],
@@ -50,7 +51,8 @@ pub(crate) fn eliminate<T: Valued, const N: usize, const C: usize>(
     is_regular
 }
 
-/// Exchanges row `k` with a later row, so that it has the largest pivot.
+/// Exchanges row `k` with later rows until its entry in column `k` (the pivot) has the largest absolute value. In SIMD
+/// registers, each lane exchanges its own rows.
 #[inline(always)]
 fn take_pivot<T: Valued, const N: usize, const C: usize>(
     a: &mut [[T; N]; N],

@@ -1,6 +1,7 @@
-//! LU factorisation with partial pivoting. It solves the six closure equations. A path tangent can add a row and a column
-//! to these equations. It also solves the twelve equations of a certificate, the fifteen equations of Attia's paper and the
-//! tangent of a car.
+//! LU factorisation with partial pivoting. It solves the six closure equations of a wheel (one for each constraint of the
+//! wheel carrier). A path tangent (direction of the curve of poses) can add a row and a column to these equations. The
+//! factorisation also serves a certificate (proof that a pose exists; twelve equations), Attia's paper (fifteen equations)
+//! and the tangent of a car's states.
 
 use crate::number::{Each, Jet, Scalar, array_of};
 
@@ -18,13 +19,13 @@ pub struct Lu<T, const N: usize> {
     determinant: f64,
 }
 
-/// Factors of the Jacobian of a closure.
+/// Factors of the Jacobian of the six closure equations.
 pub type Lu6<T> = Lu<T, 6>;
 
 impl<T: Scalar> Lu6<T> {
-    /// Factorises a closure Jacobian. The last three columns of the Jacobian (moments) are lengths, so the function divides the
-    /// determinant by `size`^3. The determinant is +-1 for six orthogonal unit lines, and 0 at a singularity. `None` as in
-    /// [`Lu::of`].
+    /// Factorises the Jacobian of the closure equations. Its last three columns are moments, in length units. So the
+    /// function divides the determinant by `size`^3, where `size` is a typical length of the suspension. The resulting
+    /// number is +-1 for six orthogonal unit lines, and 0 at a singularity. `None` as in [`Lu::of`].
     #[inline]
     pub fn new(jacobian: Matrix6<T>, size: f64) -> Option<Self> {
         Lu::of(jacobian, size.powi(-3))
@@ -32,8 +33,8 @@ impl<T: Scalar> Lu6<T> {
 }
 
 impl<T: Scalar, const N: usize> Lu<T, N> {
-    /// Factorises a matrix. The stored determinant is the determinant of the matrix, multiplied by `unit`. `None` if this
-    /// number is zero or not finite, for example because a pivot is zero or NaN.
+    /// Factorises a matrix. The stored determinant is the determinant of the matrix, multiplied by `unit`. Returns `None`
+    /// if the stored determinant is zero or not finite, for example because a pivot is zero or NaN.
     #[inline]
     pub fn of(mut a: [[T; N]; N], unit: f64) -> Option<Self> {
         let mut order: [usize; N] = array_of(|i| i);
@@ -68,8 +69,8 @@ impl<T: Scalar, const N: usize> Lu<T, N> {
         })
     }
 
-    /// Determinant of the matrix, multiplied by the `unit` of [`Lu::of`]. On a path without singularities, its sign does not
-    /// change.
+    /// Determinant of the matrix, multiplied by the `unit` of [`Lu::of`]. Its sign does not change along a sequence of
+    /// poses without a singularity.
     pub fn determinant(&self) -> f64 {
         self.determinant
     }
@@ -142,8 +143,8 @@ impl<T: Scalar, const N: usize> Lu<T, N> {
     }
 }
 
-/// Solves A x = b for series: A_0 x_k = b_k - sum_i A_i x_(k-i). `entry` returns A_i by row, column and i, and `solve`
-/// solves with A_0.
+/// Solves A x = b for Taylor series: A_0 x_k = b_k - sum_i A_i x_(k-i), where the index is the power of the series.
+/// `entry` returns an entry of A_i, given its row, its column and i. `solve` solves a system with A_0.
 #[inline(always)]
 fn coefficient_by_coefficient<T: Scalar, const N: usize, const M: usize>(
     b: &[Jet<T, M>; N],
@@ -169,7 +170,8 @@ fn coefficient_by_coefficient<T: Scalar, const N: usize, const M: usize>(
 }
 
 impl<const N: usize> Lu<f64, N> {
-    /// The matrix as the product of its factors, with rows in the order of the factors.
+    /// The matrix as the product of its factors. Its rows have the order of the factors: row i was row `order[i]` of the
+    /// original matrix.
     pub(crate) fn matrix(&self) -> [[f64; N]; N] {
         let f = &self.factors;
         let mut rows = *f;
@@ -210,7 +212,7 @@ impl<const N: usize> Lu<f64, N> {
     }
 }
 
-/// Adds a multiple of the row `other` to a row.
+/// Adds the row `other`, multiplied by `factor`, to the row `row`.
 #[inline]
 fn add<const N: usize>(row: &mut [f64; N], factor: f64, other: &[f64; N]) {
     for j in 0..N {
@@ -233,8 +235,8 @@ mod tests {
         [0.5, 1.0, 4.0, -1.0, -2.0, 5.0],
     ];
 
-    /// Backward stability: the residual is of the order of eps |A| |x| for any condition number. With partial pivoting,
-    /// entries grow by at most 2^5.
+    /// Bound of the residual relative to |A| |x|. The elimination is backward stable: the residual is of the order of eps
+    /// |A| |x| for any condition number. With partial pivoting of six rows, entries grow by at most 2^5.
     const BOUND: f64 = 36.0 * 32.0 * f64::EPSILON;
 
     #[test]

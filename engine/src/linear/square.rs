@@ -2,7 +2,7 @@
 
 use crate::number::{Scalar, array_of};
 
-/// Largest number of rows.
+/// Largest number of rows of a matrix that [`SquareLu`] can factorise.
 pub(crate) const MOST: usize = 12;
 
 /// Factors of a row-permuted matrix of `size` rows: unit lower triangle and upper triangle in one array.
@@ -14,7 +14,7 @@ pub(crate) struct SquareLu<T> {
 }
 
 impl<T: Scalar> SquareLu<T> {
-    /// Factorises the first `size` rows and columns. `None` if a pivot is zero or not finite.
+    /// Factorises the first `size` rows and columns of a matrix. Returns `None` if a pivot is zero or not finite.
     #[inline]
     pub(crate) fn of(mut a: [[T; MOST]; MOST], size: usize) -> Option<Self> {
         let mut order: [usize; MOST] = array_of(|i| i);
@@ -50,7 +50,7 @@ impl<T: Scalar> SquareLu<T> {
         })
     }
 
-    /// Solves A x = b for x. Entries of the result beyond the first `size` ones equal those of `b`.
+    /// Solves A x = b for x. After the first `size` entries, the result contains the entries of `b` unchanged.
     #[inline]
     pub(crate) fn solve(&self, b: &[T; MOST]) -> [T; MOST] {
         let mut x = *b;

@@ -22,9 +22,10 @@ pub struct CarSweepPlan<'s> {
     samples: Samples,
     request: CarRequest<'s>,
     targets: &'s [CarTarget],
-    /// Index of the result of each target.
+    /// For each target, the index of its result in the request.
     places: Vec<usize>,
-    /// Constraints of load cases, each with the index of its result. Empty if the sweep does not evaluate constraints.
+    /// Constraints of load cases, each with the index of its result in the request. Empty if the sweep does not evaluate
+    /// constraints.
     constraints: Vec<(&'s CarConstraint, usize)>,
     /// Targets and constraints of single axles (an axle without the car), each with the index of the axle.
     rigs: Vec<(usize, &'s RigGoals)>,

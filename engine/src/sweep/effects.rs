@@ -16,13 +16,13 @@
 //! n Var(E[y|x_j]) = n b_j^2 Var(u_j) + (sum of squares of r between the levels of x_j),   y = mean + sum b_i u_i + r
 //! ```
 //!
-//! The code subtracts from each of the two terms the value that random variation alone would give. The second term is the
-//! correlation ratio over levels of equal width (T. L. Kelley, An unbiased correlation ratio measure, PNAS 21, 1935).
-//! This term misses the variation within a level: about 1/levels^2 of the term. The better the plane fits, the smaller is
-//! the random part. If designs fail, or have no value for an output, the variables of the remaining designs are no longer
-//! independent. Then the plane's part cannot be divided among the variables, and the share is the second term for y
-//! instead of r. This share is still the part of the variance that vanishes when this variable is known. But the sum of
-//! all shares may exceed one.
+//! The code subtracts from each of the two terms on the right-hand side the value that random variation alone would give.
+//! The second term is the correlation ratio over levels of equal width (T. L. Kelley, An unbiased correlation ratio
+//! measure, PNAS 21, 1935). This term misses the variation within a level: about 1/levels^2 of the term. The better the
+//! plane fits, the smaller is the random part. If designs fail, or have no value for an output, the variables of the
+//! remaining designs are no longer independent. Then the plane's part cannot be divided among the variables, and the
+//! share is the second term for y instead of r. This share is still the part of the variance that vanishes when this
+//! variable is known. But the sum of all shares may exceed one.
 //!
 //! For Saltelli's samples, the share is the mean of (y_B - mean) (y_C - y_A) (A. Saltelli et al., Computer Physics
 //! Communications 181, 2010). The total index is half the mean of (y_A - y_C)^2 (M. J. W. Jansen, Computer Physics
@@ -39,11 +39,11 @@ const CONSTANT: f64 = 1e-12;
 /// Effects of the variables on one output.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Effects {
-    /// Mean over the designs.
+    /// Mean of the output over the designs.
     pub mean: f64,
-    /// Standard deviation over the designs.
+    /// Standard deviation of the output over the designs.
     pub deviation: f64,
-    /// Part of the variance that the least-squares plane explains.
+    /// Part of the output's variance that the least-squares plane explains.
     pub r2: Option<f64>,
     /// Effect of each variable.
     pub of: Vec<Effect>,
@@ -52,11 +52,11 @@ pub struct Effects {
 /// Effect of one variable on one output.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Effect {
-    /// Change from the low end of the variable's range to the high end, in the least-squares plane.
+    /// Change of the output from the low end of the variable's range to the high end, in the least-squares plane.
     pub linear_change: Option<f64>,
-    /// First-order Sobol index.
+    /// First-order Sobol index (the *share* of the module's description).
     pub first_order_index: Option<f64>,
-    /// Total Sobol index.
+    /// Total Sobol index: part of the output's variance that remains when all other variables are known.
     pub total: Option<f64>,
 }
 
@@ -158,8 +158,9 @@ fn between_levels(
     (between, met)
 }
 
-/// Returns the sum of squares due to a variable. The sum has two terms: the variable's part of the plane, and the
-/// variation of the plane's residual between the levels of the variable.
+/// Returns the sum of squares of an output due to a variable. The sum has two terms: the variable's part `linear` of the
+/// plane, and the variation of the plane's residual between the levels of the variable. `left` is the sum of squares of
+/// all residuals, and `n` the number of designs.
 fn share((between, met): (f64, f64), left: f64, linear: f64, n: f64) -> Option<f64> {
     // With few designs per level (interval of a variable's range), the effect cannot be distinguished from random variation.
     if n < 4.0 * met {
@@ -169,7 +170,7 @@ fn share((between, met): (f64, f64), left: f64, linear: f64, n: f64) -> Option<f
     Some((linear - chance).max(0.0) + (between - (met - 1.0) * chance).max(0.0))
 }
 
-/// Returns the first-order and the total index for Saltelli's samples.
+/// Returns the first-order and the total Sobol index of a variable for output `k`, from Saltelli's samples.
 fn exchanged(
     statistics: &SweepStatistics,
     variable: usize,
@@ -190,7 +191,7 @@ fn exchanged(
     (part(first), part(total))
 }
 
-/// Least-squares plane through all designs.
+/// Least-squares plane of an output over the scaled variables, through all designs.
 struct Plane {
     mean: DVector<f64>,
     /// Variances of the scaled variables.
@@ -225,7 +226,8 @@ impl Plane {
         })
     }
 
-    /// Returns the slopes with respect to the scaled variables, and the variance that they explain.
+    /// Returns the slopes of the plane of output `k` with respect to the scaled variables, and the part of the output's
+    /// variance that the plane explains.
     fn slopes(&self, statistics: &SweepStatistics, k: usize) -> (Vec<f64>, f64) {
         let moments = &statistics.moments;
         let n = moments.count as f64;

@@ -19,7 +19,8 @@ pub struct Candidate {
     pub failing: Option<Failing>,
 }
 
-/// Designs of the Pareto front. No design of the Pareto front is at least as good as another one in every target.
+/// Designs of the Pareto front. No design of the Pareto front is at least as good as another design of the front in every
+/// target.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(from = "Vec<Candidate>", into = "Vec<Candidate>")]
 pub struct Front {
@@ -52,8 +53,8 @@ impl Front {
         let at_least_as_good = |a: &[f64], b: &[f64]| deviations.iter().all(|k| a[*k] <= b[*k]);
         let known = |c: &Candidate| at_least_as_good(&c.outputs, outputs);
         if let Some(better) = self.designs.iter().position(known) {
-            // A design that was better than one candidate is often better than the next candidate, too. So it is compared
-            // with the next candidate first.
+            // A design that is better than one candidate of the front is often also better than the next new design. So
+            // the next comparison begins with this candidate.
             self.designs.swap(0, better);
             return;
         }

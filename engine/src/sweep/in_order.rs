@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
-/// Limit for each thread: number of pieces of work that have been started but not yet passed on.
+/// Limit for each thread: number of pieces of work that have been started, but whose results have not been passed on yet.
 const AHEAD: u64 = 8;
 
 /// Processes the pieces of work with the numbers in `range` on the threads of the current rayon pool. Each thread has its own
@@ -55,7 +55,7 @@ pub fn in_order<W, T: Send, E: Send>(
 
 /// Queue of the pieces of work: finished pieces, running pieces and pieces that have not been started.
 struct Queue<T, F, E> {
-    /// Largest number of pieces that have been started but not yet passed on.
+    /// Largest number of pieces that have been started, but whose results have not been passed on yet.
     most: u64,
     state: Mutex<QueueState<T, F, E>>,
     changed: Condvar,

@@ -5,7 +5,8 @@ use crate::ask::with_unit;
 use crate::optimise::VIOLATED;
 use crate::study::{Constraint, Limited};
 
-/// Columns with the margins of these constraints. `prefix` begins the names: the name of an axle of a car, or nothing.
+/// Columns with the margins of these constraints (distances to the nearer limit). `prefix` begins the names: the name of
+/// an axle of a car, or nothing.
 pub(super) fn margin_columns(constraints: &[Constraint], prefix: &str) -> Vec<OutputColumn> {
     let column = |constraint: &Constraint| {
         let is_limit = !constraint.parts.iter().any(fixes_value);
@@ -18,8 +19,8 @@ pub(super) fn margin_columns(constraints: &[Constraint], prefix: &str) -> Vec<Ou
     constraints.iter().map(column).collect()
 }
 
-/// Column with the margin of a constraint with this name and unit. `visible` is a visible change of the margin; `None` if the
-/// constraint fixes a value.
+/// Column with the margin of a constraint with this name and unit. `visible` is a change of the margin that a user
+/// notices (1 mm or 1 degree), in `unit`. It is `None` if the constraint fixes a value.
 pub(super) fn margin_column(name: &str, unit: &str, visible: Option<f64>) -> OutputColumn {
     let column = column_name(&format!("margin {name}"));
     let unit = &column_name(unit);
@@ -47,7 +48,7 @@ pub(super) fn distinguish(columns: &mut [OutputColumn]) {
     }
 }
 
-/// Returns true if the part fixes a value.
+/// Returns true if a part of a constraint fixes a value: its lower limit equals its upper limit.
 fn fixes_value(part: &Limited) -> bool {
     part.lower.is_some() && part.lower == part.upper
 }

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 /// Largest number of levels (intervals of the range) of a variable.
 const MOST_LEVELS: u64 = 32;
 
-/// Scaling of a variable: -1 at the low end of its range, 1 at the high end.
+/// Scaling of a variable: -1 at the low end of its range, 1 at the high end. Also contains the number of levels of the
+/// range.
 pub(super) struct Span {
     middle: f64,
     half: f64,
@@ -15,10 +16,11 @@ pub(super) struct Span {
 }
 
 impl Span {
-    /// Returns the spans of a sweep's variables. Each range is divided into levels. For a grid, the levels are those of the
-    /// grid. If there are more than [`MOST_LEVELS`], neighbouring levels form groups. For other samples the number of levels
-    /// is the cube root of the number of designs, but from 2 to [`MOST_LEVELS`]. With this choice, the error from the width
-    /// of a level and the random error decrease equally fast if the number of designs grows.
+    /// Returns the spans of a sweep's variables. Each range is divided into levels. For a grid, the levels are the values
+    /// of the variable in the grid. If there are more than [`MOST_LEVELS`], neighbouring levels form groups. For other
+    /// samples the number of levels is the cube root of the number of designs, but from 2 to [`MOST_LEVELS`]. With this
+    /// choice, the error from the width of a level and the random error decrease equally fast if the number of designs
+    /// grows.
     pub(super) fn all(record: &SweepRecord) -> Vec<Span> {
         let levels = (record.designs as f64).cbrt().floor() as u64;
         let span = |v: &super::VariableRecord| Span {
@@ -48,7 +50,8 @@ fn add_to(sums: &mut [f64], others: &[f64]) {
     }
 }
 
-/// Sums, sums of squares and sums of products of scaled variables u and shifted outputs y.
+/// Sums, sums of squares and sums of products of scaled variables u and shifted outputs y. u goes from -1 to 1 over a
+/// variable's range. y is the difference of an output from its value in the study's own design.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Moments {
     /// Number of designs.
@@ -118,19 +121,20 @@ impl Moments {
     }
 }
 
-/// Sums of outputs, grouped by the level (interval of the range) of each variable.
+/// Sums of shifted outputs (differences from the study's own design), grouped by the level (interval of the range) of
+/// each variable.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BinnedSums {
     /// Sums for each variable.
     pub of: Vec<LevelSums>,
 }
 
-/// Sums of outputs and variables, grouped by the level of one variable.
+/// Sums of shifted outputs and scaled variables, grouped by the level of one variable.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LevelSums {
     /// Number of designs, by level.
     pub counts: Vec<u64>,
-    /// Sums of outputs, `[level][output]`.
+    /// Sums of the shifted outputs, `[level][output]`.
     #[serde(with = "super::or_null")]
     pub sums: Vec<f64>,
     /// Sums of the scaled variables, `[level][variable]`.
@@ -178,8 +182,9 @@ impl BinnedSums {
     }
 }
 
-/// Sums over Saltelli's groups. A group contains a design A, a design B, and then one design C for each variable: A with this
-/// variable taken from B. Groups with a design without values are left out.
+/// Sums over Saltelli's groups. A group contains a design A, a design B, and then one design C for each variable: A with
+/// this variable taken from B. y_A, y_B and y_C are the shifted outputs (differences from the study's own design) of
+/// these designs. Groups with a design without values are left out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SaltelliSums {
     /// Number of groups.
@@ -199,7 +204,7 @@ pub struct SaltelliSums {
     /// Sums of (y_A - y_C)^2, `[variable][output]`.
     #[serde(with = "super::or_null")]
     pub total: Vec<f64>,
-    /// Values of the present group, `[role][output]`. Empty for other samples.
+    /// Shifted outputs of the designs of the present group, `[role][output]`. Empty for other methods of sampling.
     #[serde(skip)]
     group: Vec<f64>,
     #[serde(skip)]

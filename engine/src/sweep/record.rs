@@ -77,25 +77,25 @@ pub struct SweepRecord {
 pub struct VariableRecord {
     /// Column of the variable.
     pub column: String,
-    /// Lowest value.
+    /// Lowest value of the variable in the sweep.
     pub low: f64,
-    /// Highest value.
+    /// Highest value of the variable in the sweep.
     pub high: f64,
-    /// Number of values in a grid.
+    /// Number of values of the variable in a grid. `None` for other methods of sampling.
     pub steps: Option<u64>,
-    /// Value in the study's design. `None` if the design has no single value, for example for a coordinate that several
-    /// hardpoints share.
+    /// Value of the variable in the study's design. `None` if the design has no single value, for example for a
+    /// coordinate that several hardpoints share.
     pub at_design: Option<f64>,
     /// Coordinates that the variable moves.
     pub moves: Vec<MoveRecord>,
 }
 
-/// Coordinate that a variable moves.
+/// Coordinate of a hardpoint that a variable moves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MoveRecord {
     /// Name of the hardpoint.
     pub hardpoint: String,
-    /// Name of the axis.
+    /// Name of the coordinate's axis.
     pub axis: String,
     /// Displacement of the coordinate per unit of the variable.
     pub factor: f64,
@@ -150,9 +150,9 @@ pub struct OutputColumn {
     pub unit: String,
     /// Value of the study's own design. `None` if this value does not exist.
     pub at_design: Option<f64>,
-    /// Smallest margin with which a design still satisfies the constraint: 0 minus the rounding error. `None` for other
-    /// outputs, and for a constraint that fixes a value. No sample satisfies such a constraint exactly, so the ranking
-    /// ignores it.
+    /// Smallest margin with which a design still satisfies the constraint: zero minus an allowance for rounding errors.
+    /// `None` for other outputs, and for a constraint that fixes a value. No sample satisfies such a constraint exactly,
+    /// so the ranking ignores it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub least: Option<f64>,
 }
@@ -186,10 +186,10 @@ impl OutputColumn {
     }
 }
 
-/// A target.
+/// A target with which designs are compared.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TargetColumn {
-    /// Column of curves to which the target applies, for example `camber_deg`.
+    /// Column of the curves to which the target applies, for example `camber_deg`.
     pub column: String,
     /// Tolerance, in the column's unit.
     pub tolerance: f64,

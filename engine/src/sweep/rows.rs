@@ -22,11 +22,11 @@ pub struct Rows {
 /// Reason why a design was not solved at every station, or why its targets or constraints have no value.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Failing {
-    /// Word in the `status` column.
+    /// Kind of failure: the word in the `status` column.
     pub status: String,
     /// Reason without numbers, so that equal reasons can be counted.
     pub reason: String,
-    /// Number of stations without a pose.
+    /// Number of stations at which the design has no pose.
     pub stations: u64,
     /// Drive value, in printed units, of the failed station nearest to the design position. For a car, the index of the first
     /// failed load case. `None` if the design cannot be solved at all, or if only targets or constraints have no value.

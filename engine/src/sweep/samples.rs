@@ -74,12 +74,12 @@ impl Samples {
 }
 
 impl Samples {
-    /// Rates that the sweep varies, in the order of the variables.
+    /// Rates of elastic parts that the sweep varies, in the order of the variables.
     pub fn rates(&self) -> impl Iterator<Item = &Rate> {
         self.variables().iter().filter_map(|v| v.rate.as_ref())
     }
 
-    /// Appends the rates of a design, given the values of its variables.
+    /// Appends the rates of elastic parts in a design, given the values of its variables.
     pub fn append_rates(&self, values: &[f64], into: &mut Vec<f64>) {
         let variables = self.variables().iter().zip(values);
         let rates = variables.filter_map(|(variable, value)| {
@@ -90,7 +90,7 @@ impl Samples {
     }
 }
 
-/// Returns the position of the value of variable `k` within its range, from 0 to 1, in a sampled design.
+/// Returns the position of variable `k` within its range in a sampled design: 0 at the low end, 1 at the high end.
 fn fraction(sampled: &Sampled, design: u64, k: usize) -> f64 {
     let (seed, count) = (sampled.seed, sampled.variables.len());
     match sampled.method {

@@ -5,13 +5,13 @@
 const SOBOL_POINTS: u64 = 1 << 16;
 
 /// Returns coordinate `dimension` of point `index` of an Owen-scrambled Sobol sequence with this number of `dimensions`.
-/// The coordinate is a multiple of 2^-23. A sequence has 2^16 points with 256 dimensions. For more points or dimensions,
-/// the function continues with an independent sequence of another seed.
+/// The coordinate is a multiple of 2^-23. One sequence of `sobol_burley` has 2^16 points with 256 dimensions. For more
+/// points or dimensions, the function continues with an independent sequence (part) of another seed.
 pub fn sobol(index: u64, dimension: usize, dimensions: usize, seed: u32) -> f64 {
     let most = sobol_burley::NUM_DIMENSIONS as usize;
     let across = dimensions.div_ceil(most) as u64;
     let part = index / SOBOL_POINTS * across + (dimension / most) as u64;
-    // The first part uses the seed itself, because mixed(0) is 0.
+    // The first sequence (part 0) uses the seed itself, because mixed(0) is 0.
     let seed = seed ^ mixed(part) as u32;
     let fraction = sobol_burley::sample(
         (index % SOBOL_POINTS) as u32,
@@ -90,8 +90,8 @@ mod tests {
         }
     }
 
-    /// Means, variances, and correlations between neighbours and between dimensions agree with the values for uniform
-    /// numbers, within four standard deviations.
+    /// Means, variances, and correlations between neighbours and between dimensions agree with the theoretical values of
+    /// uniform random numbers, within four standard deviations.
     #[test]
     fn uniform_numbers_are_uniform_and_independent() {
         let count = 40_000;
@@ -121,8 +121,8 @@ mod tests {
         }
     }
 
-    /// The first 256 points of a run of 2^16 points lie in 256 different strata of equal width. This also holds beyond the
-    /// first run, and another run has other points.
+    /// The first 256 points of a sequence of 2^16 points lie in 256 different intervals of equal width. This also holds
+    /// for the sequence that continues it, and the second sequence has other points.
     #[test]
     fn sobol_points_fill_strata_beyond_the_first_run_too() {
         for start in [0, 1 << 16, 5 << 16] {

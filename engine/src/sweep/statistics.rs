@@ -1,4 +1,5 @@
-//! Statistics of a block, of a part, of a run or of all shards. Statistics can be added.
+//! Statistics of the designs of a block, of a part (a fixed number of blocks), of a run or of all shards. Statistics can
+//! be added.
 //!
 //! Each block has statistics of its rows. A part adds the statistics of its blocks in order, and the sweep adds the
 //! statistics of its parts in order. So the order of additions is the same for any number of CPU threads, shards and
@@ -26,7 +27,7 @@ pub struct SweepStatistics {
     pub one_by_one: u64,
     /// Reasons why designs were not solved at every station, in order of first appearance.
     pub failures: Vec<FailureCount>,
-    /// Range of each output.
+    /// Smallest and largest value of each output over all designs. `None` if no design has a value.
     pub ranges: Vec<Option<OutputRange>>,
     /// Number of solved designs that have a value of each output. Older statistics do not have these numbers
     /// ([`SweepStatistics::are_of`]).
@@ -60,7 +61,7 @@ pub struct SweepStatistics {
 /// Designs that failed for the same reason.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FailureCount {
-    /// Word in the `status` column.
+    /// Kind of failure: the word in the `status` column.
     pub status: String,
     /// Reason in words.
     pub reason: String,
@@ -78,7 +79,7 @@ pub struct FailureCount {
 /// Range of an output, and the designs at its ends.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OutputRange {
-    /// Number of designs that have the output.
+    /// Number of designs that have a value of the output.
     pub count: u64,
     /// Smallest value, and the first design that has it.
     pub min: (f64, u64),

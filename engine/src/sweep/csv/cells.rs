@@ -3,19 +3,19 @@
 use std::borrow::Cow;
 use std::io::Write;
 
-/// Appends a number. Appends nothing for NaN, which marks a missing value.
+/// Appends a number to a line. Appends nothing for NaN, which marks a missing value.
 pub fn append_number(value: f64, to: &mut Vec<u8>) {
     if !value.is_nan() {
         to.extend_from_slice(zmij::Buffer::new().format(value).as_bytes());
     }
 }
 
-/// Appends a whole number.
+/// Appends a whole number to a line.
 pub fn append_whole(value: u64, to: &mut Vec<u8>) {
     write!(to, "{value}").expect("writing to memory does not fail");
 }
 
-/// Appends a text, in quotes if necessary.
+/// Appends a text to a line, in quotes if necessary.
 pub fn append_text(text: &str, to: &mut Vec<u8>) {
     if text.contains([',', '"', '\n']) {
         to.push(b'"');

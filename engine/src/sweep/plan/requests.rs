@@ -155,7 +155,7 @@ fn read_further(
     wishes.map(|w| [w.quantity, w.station]).collect()
 }
 
-/// Returns true if a quantity of an axle is a test result.
+/// Returns true if a quantity of an axle is the result of a test (kinematics and compliance).
 pub(super) fn is_figure(quantity: &crate::axle::Quantity) -> bool {
     matches!(quantity, crate::axle::Quantity::Figure(_))
 }
@@ -202,8 +202,9 @@ fn of_axle<'s>(
     (Request::of_axle(stations), gains, wishes)
 }
 
-/// Plans the outputs of a study and the quantities of its targets. Measures and velocities are left out. For each output, the
-/// sweep also computes the first derivative with respect to the drive value.
+/// Plans the outputs of a study and the quantities of its targets. Outputs that are no catalogue quantity, and quantities
+/// that are velocities, are left out. For each output, the sweep also computes the first derivative with respect to the
+/// drive value.
 fn with_gains(own: &WheelStudy, optimise: Option<&Optimise>) -> Plan {
     let plan = Plan::with_targets(own, optimise);
     let is_swept = |quantity: Quantity| !quantity.is_rate();

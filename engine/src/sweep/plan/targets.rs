@@ -12,10 +12,10 @@ pub(super) struct SweptTarget {
     pub stations: TargetStations,
 }
 
-/// Stations at which a target is compared.
+/// Stations at which the sweep compares a quantity with its target.
 #[derive(Clone, Debug)]
 pub(super) enum TargetStations {
-    /// Stations of the sweep.
+    /// Stations of the sweep, each with the target value.
     OfSweep(Vec<SweptWish>),
     /// Stations outside the sweep. Contains the index of the target among the targets of [`Goals`](super::goals::Goals).
     Own(usize),

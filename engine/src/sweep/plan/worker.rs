@@ -59,7 +59,7 @@ impl Worker<'_> {
         self.evaluator.not_in_lanes()
     }
 
-    /// Values from which the latest rows were made.
+    /// Values of the quantities from which the latest rows were made.
     pub fn block(&self) -> &Block {
         &self.block
     }
@@ -88,7 +88,7 @@ impl Worker<'_> {
         }
     }
 
-    /// Computes the outputs of one design.
+    /// Computes the outputs of one design, given by its points in the kernel's frame.
     pub(super) fn row_of(&mut self, design: &[Vector3<f64>]) -> Vec<f64> {
         self.designs.clear();
         self.designs.extend_from_slice(design);

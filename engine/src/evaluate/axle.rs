@@ -31,11 +31,12 @@ pub(crate) struct AxleStations<'s> {
     pub placements: Vec<Placement>,
     of_motion: usize,
     pub(super) design: usize,
-    /// True for builds. Each half of a rigid axle (solid axle or twist beam) then has separate points.
+    /// True if the designs are builds (vehicles with manufacturing deviations). Each half of a rigid axle (solid axle or
+    /// twist beam) then has separate points.
     pub of_builds: bool,
     /// Values and rates to read, for an axle with elastic parts. `None` for an axle without elastic parts.
     pub elastic: Option<ElasticAxleParts>,
-    /// Printed value of the first moving coordinate, for each required position of the axle.
+    /// Value of the first moving coordinate in the study's unit, for each required position of the axle.
     values: Vec<f64>,
 }
 
@@ -118,7 +119,7 @@ impl<'s> AxleStations<'s> {
         Stations::listed(&self.values, self.of_motion, self.design)
     }
 
-    /// Columns of values.
+    /// Columns of the quantities, one for each quantity.
     pub(crate) fn columns(&self) -> Vec<Column> {
         let length = self.axle.left.length_unit;
         let column = |q: &Quantity| {
@@ -182,7 +183,7 @@ impl<const N: usize> SolvesOneByOne for OneByOne<'_, N> {
                 }
             };
             for (k, quantity) in stations.quantities.iter().enumerate() {
-                // The cell stays empty if the quantity is not defined in this pose.
+                // The value stays NaN if the quantity is not defined in this pose.
                 if let Ok(value) = read.value(*quantity) {
                     block.put(number, k, station, value);
                 }

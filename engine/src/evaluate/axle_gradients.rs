@@ -15,8 +15,9 @@ struct OneByOne<'a, const N: usize> {
 }
 
 impl AxleStations<'_> {
-    /// Makes a solver of values with gradients. On a plane ground the travels depend on the design. So the solver needs one
-    /// more order of derivatives than for values. An error says why the axle's own design cannot be solved.
+    /// Makes a solver of values with their gradients. On a plane ground, the travels of the wheels at a required position
+    /// depend on the hardpoints. The gradients then need one more order of derivatives than the values. An error says why
+    /// the axle's own design cannot be solved.
     pub(super) fn differentiating(
         &self,
     ) -> Result<Box<dyn DifferentiatesOneByOne + '_>, (Side, DesignFault)> {
@@ -54,7 +55,7 @@ impl<const N: usize> DifferentiatesOneByOne for OneByOne<'_, N> {
                 continue;
             };
             let toggle = read.toggle_failure(&placed);
-            // A quantity without a value has no derivatives.
+            // A quantity without a value in this pose has no derivatives there.
             let (mut numbers, mut quantities) = (Vec::new(), Vec::new());
             for (k, quantity) in stations.quantities.iter().enumerate() {
                 if let Ok(value) = read.value(*quantity) {

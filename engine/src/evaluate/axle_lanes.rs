@@ -36,8 +36,8 @@ pub(super) struct AxleLanes<'a> {
 /// single displacement, which is 0.
 struct Gear {
     displacement: f64,
-    /// Number of steps in which the gear reaches the displacement. Between two steps, the rods of the knuckles must keep
-    /// their leverage.
+    /// Number of steps in which the gear reaches the displacement. During each step, the rods that turn the knuckles must
+    /// keep their leverage about the kingpins.
     steps: usize,
     groups: Vec<Group>,
 }
@@ -162,13 +162,13 @@ fn by_gear(grouped: Vec<Together>, size: f64) -> Vec<Gear> {
     gears
 }
 
-/// Largest lift of a wheel centre when the steering gear moves and the axle rests, for the axle's own design. The result is
-/// at most the displacement of the gear.
+/// Largest vertical displacement (lift) of a wheel centre when the steering gear moves by `gear`, for the axle's own
+/// design in the design position. The result is at most the displacement of the gear.
 fn lift(suspension: &Suspension, gear: f64) -> f64 {
     let mut design = suspension.design.clone();
     let [difference, mean] = displace(&suspension.mechanism, &mut design, gear);
     let lift = difference.abs() + mean.abs();
-    // Beyond a toggle the lift is NaN.
+    // Beyond a toggle (a rod in line with its lever), the lift is NaN.
     if lift < gear.abs() { lift } else { gear.abs() }
 }
 
@@ -217,7 +217,7 @@ impl<'a> AxleLanes<'a> {
             let slots = quantities.iter().map(|q| q.lane_slots(side));
             let mut slots = slots.fold(Slots::default(), Slots::and);
             if let Carriers::Steered(_) = carriers {
-                // The kingpin is an axis fixed in the axle.
+                // The kingpin is an axis fixed in the axle, so the reader also needs a point of its line.
                 slots = slots.with(&[Slot::SteeringPoint]);
             }
             let mechanism = &axle.suspension(side).mechanism;
@@ -378,7 +378,8 @@ fn displace_in_lanes<B: SimdReal>(
     )
 }
 
-/// Returns the lanes in which the rods of both knuckles keep their leverage while the steering gear moves and the axle rests.
+/// Returns the lanes in which the rods of both knuckles keep their leverage about the kingpins while the steering gear
+/// moves. The axle itself stays in the design position.
 #[inline(always)]
 fn keeps_leverage<B: SimdReal>(
     mechanism: &Mechanism,
@@ -402,7 +403,7 @@ fn keeps_leverage<B: SimdReal>(
     keeps
 }
 
-/// Rods of two knuckles in the rest position of the axle, as seen from the knuckles.
+/// Rods of two knuckles in the design position of the axle, in the coordinates of the knuckles.
 #[inline(always)]
 fn rods_at_rest<B: SimdReal>(
     mechanism: &Mechanism,

@@ -11,7 +11,8 @@ pub const BLOCK: usize = 128;
 pub(super) const SIDE_BY_SIDE: usize = MOST_LANES;
 const _: () = assert!(BLOCK.is_multiple_of(SIDE_BY_SIDE));
 
-/// A design without a pose, or without all values because of a toggle, at a station.
+/// Failure of a design at a station: it has no pose there, or lacks values because of a toggle (a rod in line with its
+/// lever).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FailedStation {
     /// Index of the design in the block.

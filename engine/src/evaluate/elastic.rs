@@ -26,13 +26,13 @@ pub(crate) struct ElasticQuantities {
     reads: Vec<ElasticRead>,
     /// Indices of the values to read at each station.
     at_stations: Vec<Vec<usize>>,
-    /// Rates that differ between designs.
+    /// Rates of elastic parts that differ between designs.
     rates: Vec<Parameter>,
 }
 
 impl ElasticQuantities {
-    /// Lists the values of a wheel: characteristics at every station, test results in the design position. `further` lists
-    /// additional pairs of value and station. `rates` are the rates that differ between designs.
+    /// Lists the values of a wheel: characteristics at every station, test results in the design position. `further`
+    /// lists additional pairs of value and station. `rates` are the rates of elastic parts that differ between designs.
     pub(crate) fn of(
         own: &WheelStudy,
         elastic: &ComplianceStudy,
@@ -87,7 +87,7 @@ impl ElasticQuantities {
     }
 }
 
-/// Reads the values of designs whose rates can differ.
+/// Reads the values of designs of an elastic wheel. The rates of elastic parts can differ between designs.
 pub(super) struct ElasticDesigns<'a> {
     of: &'a ElasticQuantities,
     elastic: ComplianceStudy,
@@ -110,7 +110,7 @@ impl<'a> ElasticDesigns<'a> {
         self.stations
     }
 
-    /// Prepares the elastic wheel of a design, for its equilibria and tests.
+    /// Prepares the elastic wheel of a design, with the equilibria and tests that its values need.
     pub(super) fn run(&mut self, design: Design<'_>) -> Result<KcRun<'a>, DesignFault> {
         for (parameter, value) in self.of.rates.iter().zip(design.rates) {
             parameter.check(*value)?;
@@ -135,7 +135,7 @@ impl<'a> ElasticDesigns<'a> {
         reads.filter_map(move |(k, read)| Some((k, read.slope.filter(|_| is_design)?)))
     }
 
-    /// Selects the values to read at a station.
+    /// Selects the values to read at a station, for [`Self::wanted`].
     pub(super) fn want(&mut self, station: usize) {
         let mut wanted = std::mem::take(&mut self.wanted);
         wanted.clear();
@@ -169,7 +169,7 @@ impl<'a> ElasticDesigns<'a> {
     }
 }
 
-/// Evaluates one design at a time.
+/// Evaluates elastic wheels, one design at a time.
 struct ElasticOneByOne<'a>(ElasticDesigns<'a>);
 
 impl SolvesOneByOne for ElasticOneByOne<'_> {

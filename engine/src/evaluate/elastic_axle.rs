@@ -10,7 +10,7 @@ use crate::study::AxleComplianceStudy;
 /// Elastic parts of an axle whose designs are evaluated.
 #[derive(Clone, Debug)]
 pub(crate) struct ElasticAxleParts {
-    /// Rates and tensions that differ between designs.
+    /// Rates of elastic parts and tensions that differ between designs.
     pub rates: Vec<AxleParameter>,
     /// Test results to read at stations other than the design position, as [quantity, station].
     pub further: Vec<[usize; 2]>,
@@ -48,14 +48,14 @@ impl AxleStations<'_> {
     }
 }
 
-/// Evaluates one design at a time.
+/// Evaluates elastic axles, one design at a time.
 struct OneByOne<'a> {
     stations: &'a AxleStations<'a>,
     parts: AxleCompliance,
 }
 
 impl<'a> OneByOne<'a> {
-    /// Equilibria of a design.
+    /// Prepares the equilibria of a design.
     fn equilibria(&mut self, design: Design<'_>) -> Result<Equilibria<'a>, DesignFault> {
         let parameters = self.stations.elastic.as_ref();
         let parameters = parameters.map_or(&[][..], |own| &own.rates);

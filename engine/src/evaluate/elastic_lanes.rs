@@ -81,7 +81,7 @@ struct Member<'a> {
     /// Index of the design in the block.
     number: usize,
     run: KcRun<'a>,
-    /// True while every equilibrium was found.
+    /// True while the solver has found every equilibrium of this design so far.
     is_solved: bool,
 }
 
@@ -130,7 +130,8 @@ impl<B: SimdReal> Group<'_, '_, B> {
         found
     }
 
-    /// For every test whose secants are requested at this station: equilibria at both ends of the load window of the test.
+    /// Finds the equilibria at both ends of the load window of a test. The function includes every test whose secants (mean
+    /// slopes over the window) are requested at this station.
     fn window_ends(&self, wheels: &WheelsInLanes<B>, at: &EquilibriaInLanes<B>) -> Vec<TestEnds> {
         let mut ends: Vec<TestEnds> = Vec::new();
         let Some(member) = self.runs.first() else {

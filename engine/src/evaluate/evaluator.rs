@@ -24,7 +24,7 @@ pub(super) struct Designs<'d> {
     pub wheels: Pairs<'d>,
     /// Number of points of a wheel.
     points: usize,
-    /// Rates of elastic parts that vary, design after design.
+    /// Rates of elastic parts that vary, one design after another.
     rates: &'d [f64],
 }
 
@@ -108,7 +108,7 @@ pub struct Evaluator<'a> {
     /// Axle of the designs. If the hardpoints of the two wheels differ, the evaluator makes the right wheels in `rights`.
     pub(super) axle: Option<&'a Axle>,
     rights: Vec<Vector3<f64>>,
-    /// Rates of the next block's designs. Empty if no rate varies.
+    /// Rates of elastic parts in the next block's designs. Empty if no rate varies.
     rates: Vec<f64>,
     /// Indices of the designs of the block that must be solved one by one.
     fallback: Vec<usize>,

@@ -80,8 +80,9 @@ impl Evaluated {
         &self.gradients[first..first + self.points]
     }
 
-    /// Derivative of a quantity if every hardpoint of a wheel moves at its rate. `place` holds the indices of design, quantity
-    /// and station. An empty list of rates means that no hardpoint moves.
+    /// Derivative of a quantity along a direction in which every hardpoint of a wheel moves. `rates` holds the velocity
+    /// of each hardpoint. `place` holds the indices of design, quantity and station. An empty list of rates means that no
+    /// hardpoint moves.
     pub fn along(&self, place: (usize, usize, usize), side: Side, rates: &[Vector3<f64>]) -> f64 {
         along(rates, self.gradient(place, side))
     }
@@ -137,7 +138,8 @@ impl Evaluated {
     }
 }
 
-/// Derivative of a value if every hardpoint of a wheel moves at its rate. `gradient` is with respect to the hardpoints.
+/// Derivative of a value along a direction in which every hardpoint of a wheel moves. `rates` holds the velocity of each
+/// hardpoint, and `gradient` the derivatives of the value with respect to the hardpoints.
 pub(crate) fn along(rates: &[Vector3<f64>], gradient: &[Vector3<f64>]) -> f64 {
     let pairs = rates.iter().zip(gradient);
     // A point that does not move contributes nothing, even if the derivative with respect to it has no value.

@@ -45,9 +45,9 @@ pub struct Gradients<'a> {
     stations: Stations,
     accepted: [bool; MOST_LANES],
     found: Found,
-    /// Directions of a single design, copied to every lane.
+    /// Directions in which hardpoints move, given for a single design and copied to every lane.
     spread: Vec<f64>,
-    /// Unknowns of a single design at every pose that the tracker visits, in the order of the visit.
+    /// Unknowns of the pose of a single design, for every pose that the tracker visits, in the order of the visits.
     history: Vec<f64>,
 }
 
@@ -171,7 +171,8 @@ impl<'a> Gradients<'a> {
         is_accepted
     }
 
-    /// Allocates memory for slopes along directions. `along` is the length of the list of directions, for `lanes` lanes.
+    /// Allocates memory for slopes along directions. `along` is the number of values in the list of directions, for
+    /// `lanes` lanes.
     fn make_room(&mut self, along: usize, lanes: usize) {
         let one = self.found.points * 3 * lanes;
         assert!(along.is_multiple_of(one), "whole directions");
@@ -196,8 +197,8 @@ impl<'a> Gradients<'a> {
         self.is_accepted(0)
     }
 
-    /// Returns true if the lanes can hold the stations of a single design. The lanes cannot hold them if the tracker must
-    /// watch rods of rockers from one station to the next.
+    /// Returns true if the lanes can hold the stations of a single design. Otherwise the reader must check rods of
+    /// rockers from one station to the next, so the stations must come one after another.
     pub fn takes_one(&self) -> bool {
         !self.reader.watches_rods()
     }
@@ -247,9 +248,10 @@ enum Task<'t> {
 
 struct GradientTask<'s, 'a, 't> {
     gradients: &'s mut Gradients<'a>,
-    /// One design per lane, or a single design repeated in all lanes.
+    /// Points of the designs: one design per lane, or a single design repeated in all lanes.
     designs: &'s [Vector3<f64>],
-    /// Unknowns of a single design whose stations are side by side in the lanes. `None` if lanes hold designs.
+    /// Unknowns of the poses of a single design whose stations are side by side in the lanes. `None` if lanes hold
+    /// designs.
     tracked: Option<&'s [f64]>,
     task: Task<'t>,
 }

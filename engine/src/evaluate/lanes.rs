@@ -20,7 +20,8 @@ pub enum NotInLanes {
     Stations,
     /// A requested quantity cannot be read in lanes.
     Reading,
-    /// The wheels of an axle have different travels, or given travels on one plane, or their mean travel follows from a load.
+    /// The study gives different travels of an axle's wheels, or travels on a plane ground. Or their mean travel follows
+    /// from a load.
     Travels,
     /// Lanes do not support these elastic parts: an elastic mount of a strut, or an axle with elastic parts.
     Elastic,
@@ -237,7 +238,7 @@ pub(super) struct Reading<'r, B: SimdReal> {
     rack: B,
     /// SIMD lanes whose poses the pose tracker has accepted so far.
     accepted: B::Mask,
-    /// Number of all stations.
+    /// Number of stations at all rack displacements.
     count: usize,
     /// Index of the first station at this rack displacement.
     first: usize,

@@ -15,7 +15,7 @@ use crate::number::Vector3;
 use crate::solve::{Solver, StationOrder, Toggles};
 use std::ops::ControlFlow;
 
-/// Computes the slopes of quantities that contain velocities.
+/// Computes the slopes (derivatives with respect to the drive coordinate) of quantities that contain velocities.
 pub(super) struct RateSlopes<'a> {
     /// Quantities with their indices, and the rockers that influence each quantity.
     quantities: Vec<(usize, Quantity, Vec<RockerId>)>,

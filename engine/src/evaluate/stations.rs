@@ -18,7 +18,7 @@ pub struct Stations {
     of_motion: usize,
     /// Number of rack displacements of the motion.
     racks_of_motion: usize,
-    /// Index of the rack displacement for the design position and for targets.
+    /// Index of the rack displacement that the design position and targets without rack displacements use.
     home: usize,
     /// Index of the drive value of the design position.
     design: usize,
@@ -47,8 +47,8 @@ impl Stations {
         }
     }
 
-    /// Stations from a list instead of combinations. `values` are their drive values. The first `of_motion` stations are those of
-    /// the motion, and the station with index `design` is the design position.
+    /// Stations from a list instead of combinations. `values` are their drive values. The first `of_motion` stations
+    /// belong to the motion, and the station with index `design` is the design position.
     pub(super) fn listed(values: &[f64], of_motion: usize, design: usize) -> Self {
         Stations {
             of_motion,

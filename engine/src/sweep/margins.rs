@@ -20,7 +20,7 @@ pub(super) fn margin_columns(constraints: &[Constraint], prefix: &str) -> Vec<Ou
 }
 
 /// Column with the margin of a constraint with this name and unit. `visible` is a change of the margin that a user
-/// notices (1 mm or 1 degree), in `unit`. It is `None` if the constraint fixes a value.
+/// notices (for example 1 mm or 1 degree), in `unit`. It is `None` if the constraint fixes a value.
 pub(super) fn margin_column(name: &str, unit: &str, visible: Option<f64>) -> OutputColumn {
     let column = column_name(&format!("margin {name}"));
     let unit = &column_name(unit);

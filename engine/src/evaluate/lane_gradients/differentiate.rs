@@ -70,15 +70,15 @@ pub(in crate::evaluate) struct Differentiating<'r, 't, B: SimdReal> {
     pub(super) reader: &'r LaneReader<'r>,
     pub(super) wheels: &'r LaneWheels<B>,
     pub(super) members: &'r AdjointConstants<B>,
-    /// Designs as Taylor series along the travel, if a quantity contains velocities. The next field is a buffer for a
-    /// gradient.
+    /// Designs as Taylor series along the travel, if a quantity contains velocities. The field `series_gradient` is
+    /// memory for one gradient of such a quantity.
     pub(super) series: Option<&'r (&'r AlongTravel, SeriesDesign<B>)>,
     pub(super) series_gradient: Vec<Vector3<Jet<B, 2>>>,
     pub(super) inputs: &'r mut LaneInputs<B>,
     pub(super) rack: B,
     /// SIMD lanes whose poses the pose tracker has accepted so far.
     pub(super) accepted: B::Mask,
-    /// Number of all stations.
+    /// Number of stations at all rack displacements.
     pub(super) count: usize,
     /// Index of the first station at this rack displacement, or of the first group of stations in lanes.
     pub(super) first: usize,
@@ -89,8 +89,8 @@ pub(in crate::evaluate) struct Differentiating<'r, 't, B: SimdReal> {
 }
 
 impl<B: SimdReal> Differentiating<'_, '_, B> {
-    /// Factor of an angle's derivatives: 1, or the derivative of the sum of squared deviations with respect to the angle. In
-    /// the second case the angle's deviation is added to the sum.
+    /// Factor of an angle's derivatives: 1, or the derivative of the sum of squared deviations with respect to the angle.
+    /// In the second case, the function also adds the angle's weighted squared deviation to the sum.
     #[inline(always)]
     fn weight(&mut self, angle: usize, station: usize) -> B {
         let one = self.rack.one();

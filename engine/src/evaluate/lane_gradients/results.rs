@@ -7,7 +7,7 @@ use crate::number::Vector3;
 /// Results of an evaluation, one value per lane.
 #[derive(Clone)]
 pub(super) struct Found {
-    /// Stations of a single design, group by group.
+    /// Indices of the stations of a single design, one list for each group that the lanes hold together.
     pub(super) groups: Vec<Vec<usize>>,
     /// Number of lanes.
     pub(super) lanes: usize,
@@ -19,15 +19,15 @@ pub(super) struct Found {
     /// Derivatives of the angles along directions, `[angle][direction][lane]`. `directions` is the number of directions.
     pub(super) slopes: Vec<f64>,
     pub(super) directions: usize,
-    /// Sum of squared deviations, `[lane]`.
+    /// Weighted sum of squared deviations, `[lane]`.
     pub(super) sum: Aligned,
-    /// Derivatives of the sum, `[point][axis][lane]`.
+    /// Derivatives of the weighted sum of squared deviations, `[point][axis][lane]`.
     pub(super) gradient: Aligned,
 }
 
 impl Found {
-    /// Memory for the derivatives of this angle. If `is_sum` is true: memory for the derivatives of the sum of squared
-    /// deviations.
+    /// Memory for the derivatives of this angle. If `is_sum` is true: memory for the derivatives of the weighted sum of
+    /// squared deviations.
     #[inline(always)]
     pub(super) fn row(&mut self, is_sum: bool, angle: usize) -> &mut [f64] {
         let length = self.points * 3 * self.lanes;
@@ -77,7 +77,7 @@ impl Jacobians<'_> {
         self.found.number(&self.found.angles, angle, design)
     }
 
-    /// Gradient with respect to a hardpoint, per length unit.
+    /// Gradient of an angle with respect to a hardpoint, per length unit.
     #[inline(always)]
     pub fn gradient(&self, design: usize, angle: usize, point: PointId) -> Vector3<f64> {
         self.found
@@ -98,13 +98,13 @@ pub struct Deviations<'f> {
 }
 
 impl Deviations<'_> {
-    /// Sum, in squared radians times weights.
+    /// Sum of weighted squared deviations of a design, in squared radians times weights.
     #[inline(always)]
     pub fn sum(&self, design: usize) -> f64 {
         self.found.number(&self.found.sum, 0, design)
     }
 
-    /// Gradient with respect to a hardpoint, per length unit.
+    /// Gradient of the sum with respect to a hardpoint, per length unit.
     #[inline(always)]
     pub fn gradient(&self, design: usize, point: PointId) -> Vector3<f64> {
         self.found.vector(&self.found.gradient, 0, point, design)

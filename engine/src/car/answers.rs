@@ -68,7 +68,7 @@ impl<'c> CarRequest<'c> {
         self.results.iter().position(|result| *result == wanted)
     }
 
-    /// Name of the column of a result, with its unit: `turn_roll_deg`.
+    /// Name of the column of a result, with its case and its unit: `turn_roll_deg`.
     pub fn column(&self, result: &CaseResult, car: &Car) -> String {
         let case = &self.cases[result.case].name;
         format!("{case}_{}", result.quantity.column(car.length_unit))

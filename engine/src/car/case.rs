@@ -19,9 +19,9 @@ pub struct Case {
     pub speed: f64,
     /// Yaw acceleration in rad/s2, positive to the left.
     pub yaw_acceleration: f64,
-    /// Displacements of the racks towards the left wheels: [front, rear].
+    /// Displacements of the racks towards the left wheels, in length units: [front, rear].
     pub racks: [f64; 2],
-    /// Settings of the case.
+    /// Settings of the case: tyres, source of the longitudinal forces, and distribution of the forces.
     pub setting: Setting,
 }
 
@@ -60,7 +60,7 @@ impl Setting {
     }
 }
 
-/// Source of the longitudinal forces.
+/// Source of the longitudinal forces of the tyres.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Longitudinal {
     /// The brakes.
@@ -94,7 +94,7 @@ pub enum LongitudinalShares {
 pub enum TyreAxes {
     /// Along and across the heading of each wheel.
     Wheel,
-    /// Along and across the vehicle.
+    /// Along and across the direction in which the vehicle points, parallel to the ground.
     Road,
 }
 

@@ -5,12 +5,12 @@ use crate::characteristics::{NumberPart, VectorPart};
 use crate::model::AxleTravel;
 use crate::number::{Each, Real, Vector3};
 
-/// Derivatives of a wheel's pose with respect to one travel of its axle, while the body is held.
+/// Derivatives of a wheel's pose with respect to one travel of its axle, while the body of the car is held.
 #[derive(Clone, Copy, Debug)]
 pub struct WheelRates<T> {
     /// Derivative W' of the wheel centre.
     pub centre: Vector3<T>,
-    /// Angular velocity of the carrier.
+    /// Angular velocity of the wheel carrier, per unit of travel.
     pub turn: Vector3<T>,
     /// Derivative of the spring's length.
     pub spring: T,
@@ -70,10 +70,10 @@ pub(super) struct Steps<T> {
     pub rack: Option<T>,
 }
 
-/// Value and first derivatives of a polynomial with the coefficients `c` and the two variables `a` and `b`. The terms
-/// go to the third degree, so derivatives of the results are exact up to the second order. If `b` is `None`, the second
-/// variable is omitted. If `has_fourth` is true, the fourth-degree coefficient of `a` is known. Derivatives with
-/// respect to `a` alone are then exact up to the third order.
+/// Value and first derivatives of a polynomial in two variables `a` and `b`. `c` returns the coefficient for a pair of
+/// exponents. The terms go to the third degree, so derivatives of the results are exact up to the second order. If `b` is
+/// `None`, the second variable is omitted. If `has_fourth` is true, the fourth-degree coefficient of `a` is known.
+/// Derivatives with respect to `a` alone are then exact up to the third order.
 #[inline(always)]
 fn polynomial<T: Real>(
     c: impl Fn([usize; 2]) -> T,
@@ -108,9 +108,9 @@ struct ByTravels<T> {
 
 #[inline(always)]
 fn by_travels<T: Real>(held: AxleTravel, [first, second]: [T; 2]) -> ByTravels<T> {
-    // The variables of the polynomial are the mean (own + other)/2 and the difference (own - other)/2. The held one of
-    // them is the second variable. If the own travel changes by 1, both change by 1/2. If the other travel changes by 1,
-    // the mean changes by 1/2 and the difference by -1/2.
+    // The variables of the polynomial are the mean (own + other)/2 and the difference (own - other)/2. `held` tells which
+    // of them the axle holds: it is the second variable. If the own travel changes by 1, both variables change by 1/2. If
+    // the other travel changes by 1, the mean changes by 1/2 and the difference by -1/2.
     let other = match held {
         AxleTravel::Mean => second - first,
         AxleTravel::Difference => first - second,
@@ -261,7 +261,7 @@ fn axle_motion<T: Real>(
     }
 }
 
-/// Small displacement from the point about which the series are expanded.
+/// Small displacement from the travel and the rack displacement about which the series of a wheel are expanded.
 struct Displacement<T> {
     /// Step of the first coordinate: the wheel's own travel, or the axle's travel (mean or difference) that is not held.
     first: T,
@@ -326,9 +326,9 @@ impl<T: Real> Displacement<T> {
     }
 }
 
-/// Returns a vector of a wheel and its derivatives with respect to both coordinates of its power series. If the
-/// coefficients belong to the present travel, they are the results without further computation. The code treats this
-/// case separately, because the compiler would not inline the closure for SIMD lanes.
+/// Returns a vector of a wheel and its derivatives with respect to both coordinates of its power series. If the wheel was
+/// expanded at the present travel, the coefficients of the series already are the results. The code treats this case
+/// separately, because the compiler would not inline the closure for SIMD lanes.
 #[inline(always)]
 fn vector<T: Real, U: Real, W: WheelParts<U>>(
     at: &Displacement<T>,
@@ -366,9 +366,10 @@ fn column<T: Real, U: Real, W: WheelParts<U>>(
     at.vector(|p| wheel.column(i, p).map(lift))
 }
 
-/// Returns the angular velocities of the carrier with respect to the two variables of the power series (the
-/// wheel's own and the other wheel's travel, or their mean and difference), in the frame of the wheel's side. The second is zero if the wheels are independent (`is_rigid` is false). An angular velocity is half
-/// the sum of the cross products of the columns of the rotation matrix with their derivatives.
+/// Returns the angular velocities of the carrier with respect to the two variables of the power series, in the frame of
+/// the wheel's side. The variables are the wheel's own and the other wheel's travel, or their mean and difference. The
+/// second angular velocity is zero if the wheels are independent (`is_rigid` is false). An angular velocity is half the
+/// sum of the cross products of the columns of the rotation matrix with their derivatives.
 #[inline(always)]
 fn angular_velocities<T: Real, U: Real, W: WheelParts<U>>(
     at: &Displacement<T>,

@@ -1,4 +1,4 @@
-//! Equations of equilibrium, (1) to (9) of [`super`].
+//! Equations of equilibrium of a car: equations (1) to (9) of [`super`].
 
 mod body;
 mod wheel;
@@ -14,10 +14,10 @@ pub(super) use body::{masses, static_loads};
 use wheel::{Forces, load_parts, travel_residuals};
 pub(super) use wheel::{Placed, Stance};
 
-/// Number of unknowns and equations.
+/// Number of unknowns, and also of equations.
 pub const UNKNOWNS: usize = 14;
 
-/// Index of each unknown.
+/// Index of each unknown in x of [`super`]: roll, pitch, height of the ground, travels, wheel loads, tyre force factors.
 pub(super) const ROLL: usize = 0;
 pub(super) const PITCH: usize = 1;
 pub(super) const GROUND: usize = 2;
@@ -30,12 +30,12 @@ pub(super) const LONGITUDINAL: usize = 13;
 pub(super) const CONTACTS: usize = 0;
 pub(super) const BALANCES: usize = 4;
 pub(super) const BODY: usize = 8;
-/// Indices of three equations of the body: vertical force, roll moment, pitch moment.
+/// Indices of three equations (8) of the whole car: vertical force, roll moment, pitch moment.
 pub(super) const VERTICAL: usize = 10;
 pub(super) const ROLL_MOMENT: usize = 11;
 pub(super) const PITCH_MOMENT: usize = 12;
-/// Index of the equation that prescribes each of these unknowns: height gamma, roll phi, pitch theta. Index 0 is the
-/// first of the equations that replace those of the whole car.
+/// Indices of the equations that prescribe these unknowns in a motion of the body: height gamma, roll phi, pitch theta.
+/// Index 0 is the first equation that replaces an equation (8) of the whole car.
 pub(super) const HELD_ROWS: [usize; 3] = [2, 0, 1];
 
 /// Inputs that stay fixed while the solver changes the unknowns.
@@ -54,26 +54,26 @@ pub struct WheelState<T> {
     pub corner: Corner<T>,
     /// Wheel load N.
     pub load: T,
-    /// Components of the load by equation (9): elastic, geometric, longitudinal, unsprung.
+    /// Components of the load by equation (9) of [`super`]: elastic, geometric, longitudinal, unsprung.
     pub parts: [T; 4],
     /// Lateral force S, to the left.
     pub side_force: T,
     /// Longitudinal force X, positive forward.
     pub longitudinal_force: T,
-    /// Fraction f of the axle's lateral force that this wheel carries, by equation (3).
+    /// Fraction f of the axle's lateral force that this wheel carries, by equation (3) of [`super`].
     pub share: T,
     /// Unit vector along which longitudinal forces act.
     pub heading: Vector3<T>,
     /// Unit vector along which lateral forces act.
     pub across: Vector3<T>,
-    /// Contact point C.
+    /// Contact point C, in the car's axes.
     pub contact: Vector3<T>,
     /// Velocity C' of the carrier's point at the contact point, with respect to the wheel's own travel.
     pub contact_rate: Vector3<T>,
     /// Velocity of the carrier's point at the contact point, with respect to the other wheel's travel. Only for a solid
     /// axle or twist beam.
     pub contact_by_other: Option<Vector3<T>>,
-    /// Loaded radius.
+    /// Loaded radius of the tyre.
     pub radius: T,
     /// Height of the wheel's lowest point over the ground, with the tyre not compressed.
     pub gap: T,
@@ -102,15 +102,15 @@ pub struct Balance<T> {
     pub air: [T; 3],
     /// Heights of the ride-height points; NaN without such a point.
     pub ride_heights: [T; 2],
-    /// Torque of each axle's anti-roll bar.
+    /// Torque of each axle's anti-roll bar: [front, rear].
     pub bars: [T; 2],
     /// Forces of the springs between the rockers of each axle.
     pub rockers: [RockerForces<T>; 2],
     /// Energy of springs, stops and bars, relative to the design position.
     pub energy: T,
-    /// Residuals of the equations.
+    /// Residuals of all equations, in the order of the equations.
     pub residuals: [T; UNKNOWNS],
-    /// True for each lifted wheel.
+    /// True for each lifted wheel: front left, front right, rear left, rear right.
     pub lifted: [bool; 4],
 }
 
@@ -216,12 +216,12 @@ pub(super) struct Ground<T> {
     pub road: Road<T>,
     /// Height gamma of the ground.
     pub height: T,
-    /// Acceleration of all masses, including gravity: alpha of equation (7).
+    /// Acceleration of all masses, including gravity: alpha of equation (7) of [`super`].
     pub acceleration: Vector3<T>,
 }
 
 impl<T: Local> Ground<T> {
-    /// Computes the ground at a roll, a pitch and a height.
+    /// Computes the ground relative to a body with this roll and pitch. The last number is the height of the ground.
     #[inline(always)]
     pub(super) fn of(parameters: &Parameters<T>, [roll, pitch, height]: [T; 3]) -> Self {
         let road = Road::under(roll, pitch);
@@ -276,8 +276,8 @@ impl<T: Local> Resultant<T> {
         self.moment = self.moment + at.cross(by);
     }
 
-    /// Computes the residuals of the equations (8) of the whole car. Forces are along i, e and n; the roll moment is
-    /// about the body's own x axis.
+    /// Computes the residuals of the equations (8) of the whole car. Forces are along i (forward), e (left) and n (up) of
+    /// [`super`]. The roll moment is about the body's own x axis.
     #[inline(always)]
     fn residuals(&self, held: &Held<'_>, road: &Road<T>) -> [T; 6] {
         let inertia = held.car.yaw_inertia.unwrap_or(0.0) * held.case.yaw_acceleration;
@@ -342,16 +342,17 @@ impl<T: Local> Body<T> {
 /// Forces of the wheels, and the residuals of all equations.
 pub(super) struct Loaded<T> {
     forces: [Forces<T>; 4],
-    /// Torque of each axle's anti-roll bar.
+    /// Torque of each axle's anti-roll bar: [front, rear].
     bars: [T; 2],
     /// Forces of the springs between the rockers of each axle.
     rockers: [RockerForces<T>; 2],
-    /// Residuals of the equations.
+    /// Residuals of all equations, in the order of the equations.
     pub residuals: [T; UNKNOWNS],
 }
 
 impl<T: Local> Loaded<T> {
-    /// Returns the components of the wheel loads by equation (9).
+    /// Returns the components of the wheel loads by equation (9) of [`super`]: elastic, geometric, longitudinal,
+    /// unsprung.
     #[inline(always)]
     pub(super) fn parts(&self, wheels: [&Stance<T>; 4]) -> [[T; 4]; 4] {
         let [a, b, c, d] = wheels;

@@ -47,8 +47,8 @@ impl<'a> CarSolver<'a> {
         self.solved_for(case, found, [CarQuantity::Whole(WholeResult::JackingHeave)])
     }
 
-    /// Computes the same as [`CarSolver::solved`], but solves the car at rest only if one of these results is measured from
-    /// it.
+    /// Computes the same as [`CarSolver::solved`], but solves the car at rest only if one of the results `quantities` is
+    /// measured from the car at rest.
     pub fn solved_for(
         &mut self,
         case: &Case,
@@ -69,7 +69,8 @@ impl<'a> CarSolver<'a> {
         Ok(solved)
     }
 
-    /// Computes the heave of the car at rest with the tyres of a case.
+    /// Computes the heave (lowering of the body from the design position) of the car at rest, with
+    /// the tyres of a case.
     fn heave_at_rest(&mut self, case: &Case) -> Result<f64, NoEquilibrium> {
         let (rest, found) = self.at_rest(case)?;
         let state = self.balance(&rest, &found)?;
@@ -201,8 +202,8 @@ impl<'a> CarSolver<'a> {
         Ok(gradients)
     }
 
-    /// Returns the derivatives with respect to the parameters. In `by_numbers`, these derivatives come first. With a
-    /// steering gear, the derivative with respect to the rack is computed from the derivatives with respect to the
+    /// Returns the derivatives of a result with respect to the parameters. In `by_numbers`, these derivatives come first.
+    /// With a steering gear, the derivative with respect to the rack is computed from the derivatives with respect to the
     /// points of the axle. Derivatives with respect to the racks are NaN if they are not known.
     fn of_parameters(
         &self,
@@ -230,8 +231,8 @@ fn no_gradients(axle: &Axle) -> Vec<Vector3<f64>> {
     vec![Vector3::default(); axle.left.mechanism.points.len()]
 }
 
-/// Returns the derivatives with respect to the hardpoints of each left wheel. The right wheel's hardpoints move as
-/// mirror images.
+/// Returns the derivatives of a result with respect to the hardpoints of each left wheel. The right wheel's hardpoints
+/// move as mirror images.
 fn of_both_sides(car: &Car, wheels: &[Vec<Vector3<f64>>; 4]) -> [Vec<Vector3<f64>>; 2] {
     [0, 1].map(|axle| {
         let (mut left, mut right) = (wheels[2 * axle].clone(), wheels[2 * axle + 1].clone());

@@ -20,13 +20,13 @@ use super::solver::Start;
 use super::{CarSolver, Case, Equilibrium, Longitudinal, NoEquilibrium};
 use crate::number::Each;
 
-/// Largest acceleration that the search tries, g.
+/// Largest acceleration that the search along a ray tries, g.
 const MOST: f64 = 5.0;
-/// Step of the acceleration, g.
+/// Step of the acceleration from one state of the search to the next, g.
 const STEP: f64 = 0.1;
 /// Two accelerations count as equal if their difference is below this limit, g.
 const SAME: f64 = 1e-9;
-/// Loads below this fraction of the largest load count as zero.
+/// Wheel loads below this fraction of the largest wheel load count as zero.
 const NO_LOAD: f64 = 1e-9;
 /// Largest number of states for each search within a bracket.
 const MOST_STATES: usize = 80;
@@ -36,7 +36,7 @@ const MOST_STATES: usize = 80;
 pub struct RayLimits {
     /// State in which the first wheel lifts, if a wheel lifts.
     pub lift: Option<Lift>,
-    /// Largest acceleration with an equilibrium, g, exact up to 2e-6.
+    /// Largest acceleration at which the car has an equilibrium, in g. Exact up to 2e-6.
     pub end: f64,
     /// Reason why there is no equilibrium beyond `end`; `None` if equilibria exist up to 5 g.
     pub why: Option<NoEquilibrium>,
@@ -104,8 +104,8 @@ impl At {
 
 impl Case {
     /// Makes a case with an acceleration of 1 g along the ground. The direction is in degrees, from forward towards the
-    /// left. The car brakes if ax is negative; otherwise it has drive. The longitudinal force of each axle is
-    /// distributed in proportion to the wheel loads. All other settings are those of `at_rest`.
+    /// left. The car brakes if ax is negative; otherwise it has drive. The longitudinal force of each axle is distributed
+    /// in proportion to the wheel loads. All other settings come from `at_rest`.
     pub fn along(name: &str, degrees: f64, at_rest: &Case) -> Case {
         // In a direction along one axis, the other acceleration must be exactly zero. Otherwise the equations would
         // distribute a force that is only a rounding error.
@@ -210,7 +210,7 @@ impl CarSolver<'_> {
         low
     }
 
-    /// Next acceleration by equation (1), g.
+    /// Next acceleration of the search for the first lifted wheel, by equation (1) of this module, g.
     fn next(&mut self, ray: &Ray<'_>, at: &At) -> Option<f64> {
         let case = ray.at(at.g);
         let loads = WheelPlace::ALL.each(|place| CarQuantity::Wheel(place, WheelResult::Load));
@@ -225,9 +225,9 @@ impl CarSolver<'_> {
         step.is_finite().then_some(at.g + step)
     }
 
-    /// Describes the lift in a state, if the smallest wheel load in this state is zero. One last step by equation (1)
-    /// solves the exact poses, instead of the interpolated curves of the wheels. After this step, the load is zero up
-    /// to rounding errors.
+    /// Describes the lift of a wheel in a state, if the smallest wheel load in this state is zero. One last step by
+    /// equation (1) of this module solves the exact poses, instead of the interpolated curves of the wheels. After this
+    /// step, the load is zero up to rounding errors.
     fn lift(&mut self, ray: &Ray<'_>, at: &At) -> Option<Lift> {
         let (part, wheel) = at.least();
         let none = 1e3 * NO_LOAD;

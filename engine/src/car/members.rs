@@ -82,8 +82,8 @@ impl CarMember {
 /// Lists the members of one wheel: links, forces at points, the outer joint of every arm, rods, and the spring.
 fn members(mechanism: &Mechanism) -> Vec<(String, What)> {
     let arms = || mechanism.arms.iter().enumerate();
-    // If an arm carries a spring, a rod, a link or a second joint, its legs are in bending. The list omits these legs, because
-    // the force along a leg is not the whole force on it.
+    // If an arm carries a spring, a rod, a link or a second joint, its legs are in bending. A leg is the line from
+    // the outer joint to a pivot. The list omits these legs, because the force along a leg is not the whole force on it.
     let is_bent = |outer: PointId| {
         let mut own = arms().filter(|(_, arm)| arm.outer == outer);
         own.any(|(k, _)| bears(mechanism, ArmId(k)))
@@ -115,7 +115,8 @@ fn members(mechanism: &Mechanism) -> Vec<(String, What)> {
 }
 
 impl CarSolver<'_> {
-    /// Computes the forces in the members of each wheel in a state. The list for a solid axle or twist beam is empty.
+    /// Computes the forces in the members of each wheel in a state: front left, front right, rear left, rear right. The
+    /// list for a solid axle or twist beam is empty.
     pub fn members(
         &mut self,
         case: &Case,

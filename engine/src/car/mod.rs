@@ -6,20 +6,22 @@
 //!
 //! ## Ground
 //!
-//! The body stays fixed in its axes (x forward, y left, z up); the ground tilts. Order of the angles: yaw, pitch, roll (ISO
-//! 8855). With roll phi (right wheel in jounce), pitch theta (nose down), S = sin theta and c = cos theta
+//! The body stays fixed in its axes (x forward, y left, z up); the ground tilts. Order of the angles: yaw, pitch, roll
+//! (ISO 8855). A wheel has the wheel centre W, the unit vector a along its spin axis, and the contact point C. With roll
+//! phi (right wheel in jounce), pitch theta (nose down), S = sin theta and c = cos theta
 //!
 //! ```text
 //! n = (-S, c sin phi, c cos phi)   up      e = (0, cos phi, -sin phi)   left      i = e x n   forward          (1)
 //! C = W - R_l u                            u = (n - (n.a) a)/s                    s = |n - (n.a) a|            (2)
 //! ```
 //!
-//! The ground is n.X = gamma, and R_l is the loaded radius.
+//! The ground is the plane n.X = gamma, and R_l is the loaded radius.
 //!
 //! ## Unknowns and equations
 //!
-//! x = (phi, theta, gamma; z_1..z_4; N_1..N_4; A_f, A_r, B) with the travels z and the wheel loads N. A wheel's tyre carries
-//! N n + S lambda + X t with
+//! x = (phi, theta, gamma; z_1..z_4; N_1..N_4; A_f, A_r, B) with the travels z, the wheel loads N and the tyre force
+//! factors A (front, rear) and B. A wheel's tyre carries N n + S lambda + X t. The longitudinal force X acts along the unit
+//! vector t, and the lateral force S along lambda, with
 //!
 //! ```text
 //! S = A f,   X = B p g                                                                                          (3)
@@ -120,9 +122,9 @@ pub const AXLE_NAMES: [&str; 2] = ["front", "rear"];
 pub struct Car {
     /// Axles of the car: [front, rear].
     pub axles: [Axle; 2],
-    /// Position of the rear axle's origin.
+    /// Position of the rear axle's origin, in the axes of the front axle.
     pub rear_offset: Vector3<f64>,
-    /// Says which masses `mass` and `cg` include.
+    /// Masses that `mass` and `cg` include.
     pub masses: Masses,
     /// Mass in kg: of the whole car, or the sprung mass, according to `masses`.
     pub mass: f64,
@@ -140,7 +142,7 @@ pub struct Car {
     pub pitch_inertia: Option<f64>,
     /// Points of the body whose heights above the ground are the ride heights: [front, rear].
     pub ride_height_points: [Option<Vector3<f64>>; 2],
-    /// Vertical springs of the tyres, [front, rear]. `None` means rigid tyres.
+    /// Vertical springs of the tyres: [front, rear]. `None` means rigid tyres.
     pub tyres: Option<[Tyre; 2]>,
     /// Aerodynamic forces.
     pub air: Option<Air>,
@@ -160,7 +162,7 @@ pub enum Masses {
 /// Vertical spring of a tyre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tyre {
-    /// Force per deflection.
+    /// Force per vertical deflection.
     pub rate: f64,
     /// Load at which the wheel has the given radius. `None` means half the axle's static load in the design position.
     pub load: Option<f64>,
@@ -170,11 +172,11 @@ pub struct Tyre {
 /// rearward along the ground (-i).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Air {
-    /// Density, kg/m3.
+    /// Density of the air, kg/m3.
     pub density: f64,
-    /// Downforce near the front and rear axle.
+    /// Downforce near the front and the rear axle: [front, rear].
     pub downforce: [Option<AirForce>; 2],
-    /// Drag.
+    /// Drag of the car.
     pub drag: Option<AirForce>,
 }
 

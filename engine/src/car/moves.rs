@@ -48,7 +48,7 @@ impl PointMove {
 pub struct CarVariable {
     /// Part of the car that the variable changes.
     pub moves: Moves,
-    /// Lowest and highest value.
+    /// Lowest and highest value of the variable, in the study's unit.
     pub range: [f64; 2],
 }
 
@@ -115,13 +115,13 @@ impl Moves {
         }
     }
 
-    /// Returns the value in a car, in the study's unit; 0 for an offset of hardpoints. `None` if the car has no such
-    /// value.
+    /// Returns the variable's value in a car, in the study's unit; 0 for an offset of hardpoints. `None` if the car has
+    /// no such value.
     pub fn value(&self, car: &Car) -> Option<f64> {
         Some(self.internal(car)? / self.written_unit(car))
     }
 
-    /// Returns the value in a car, in program units: newtons, kilograms and the study's length unit.
+    /// Returns the variable's value in a car, in program units: newtons, kilograms and the study's length unit.
     fn internal(&self, car: &Car) -> Option<f64> {
         match *self {
             Moves::Hardpoints(_) => Some(0.0),
@@ -162,7 +162,7 @@ impl Moves {
         self.change(self.now(car), value, car);
     }
 
-    /// Returns the value in a car, in program units; 0 if the car has no such value.
+    /// Returns the variable's value in a car, in program units; 0 if the car has no such value.
     fn now(&self, car: &Car) -> f64 {
         self.internal(car).unwrap_or(0.0)
     }
@@ -216,7 +216,8 @@ impl Moves {
         }
     }
 
-    /// Returns the name in columns, without the unit: `front_tie_rod_inner_dz`, `rear_anti_roll_bar_rate`, `car_cg_z`.
+    /// Returns the name of the variable in columns, without the unit: `front_tie_rod_inner_dz`,
+    /// `rear_anti_roll_bar_rate`, `car_cg_z`.
     pub fn stem(&self, car: &Car) -> String {
         if self.points().is_empty() {
             return self.label(car).replace('.', "_");
@@ -264,7 +265,7 @@ impl Moves {
         }
     }
 
-    /// Label of the variable.
+    /// Label of the variable for messages and tables.
     pub fn label(&self, car: &Car) -> String {
         let end = |axle: usize| crate::car::AXLE_NAMES[axle];
         match *self {
@@ -300,7 +301,8 @@ fn move_points(points: &[PointMove], value: f64, car: &mut Car) {
     }
 }
 
-/// Key of a parameter in an axle's study. For the axle's origin and the rack, which have no key there, a name.
+/// Key of a parameter in an axle's study. The axle's origin and the rack have no key there; the function returns a name
+/// for them.
 pub fn rate_key(parameter: AxleParameter) -> &'static str {
     match parameter {
         AxleParameter::SpringRate => "spring.rate",

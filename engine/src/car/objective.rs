@@ -10,9 +10,9 @@ use crate::optimise::{
 use crate::study::Vehicle;
 use nalgebra::DVector;
 
-/// Goals of the tuning: residuals of the targets, and constraint rows. A constraint has one or more rows, for example
-/// one per limit. The residuals of the cases come first, then those of the front rig and of the rear rig. The order of
-/// the constraint rows is that of `in_row_order`.
+/// Goals of the tuning: residuals of the targets, and constraint rows. A constraint has one or more rows, for example one
+/// per limit. The residuals of the load cases come first. The residuals of the front rig and of the rear rig (one axle
+/// without the car) follow. `in_row_order` puts the constraint rows in order.
 pub(super) struct Objective<'a> {
     car: &'a Car,
     goals: CarGoals<'a>,
@@ -30,13 +30,13 @@ enum Use {
 }
 
 impl Objective<'_> {
-    /// Number of residuals from cases.
+    /// Number of residuals from load cases.
     fn residuals_of_cases(&self) -> usize {
         self.goals.targets.len()
     }
 
-    /// Returns the index of the first row of each constraint on a case, and the number of all these rows. The index
-    /// counts only these rows.
+    /// Returns the index of the first row of each constraint on a load case, and the number of all these rows. The index
+    /// counts only rows of load cases.
     fn rows_of_cases(&self) -> (Vec<usize>, usize) {
         let mut first = Vec::new();
         let mut count = 0;
@@ -60,7 +60,7 @@ impl Objective<'_> {
     }
 
     /// Returns, for each row, the index of the constraint to which it belongs, and the number of constraints. The
-    /// constraints of the cases come first, then those of the front rig and of the rear rig.
+    /// constraints of the load cases come first, then the constraints of the front rig and of the rear rig.
     pub(super) fn constraints_of_rows(&self) -> (Vec<usize>, usize) {
         let mut of_cases = Vec::new();
         for (number, constraint) in self.goals.constraints.iter().enumerate() {
@@ -77,7 +77,7 @@ impl Objective<'_> {
         (self.in_row_order(of_cases, of_rigs), count)
     }
 
-    /// For each row that is a component of a distance, returns the row of the other component.
+    /// For each constraint row that is a component of a distance, returns the row of the other component.
     pub(super) fn other_components(&self) -> Vec<Option<usize>> {
         let of_cases = self.rows_of_cases().1;
         let (mut equality, mut other) = (0, self.equalities() + of_cases);
@@ -96,16 +96,16 @@ impl Objective<'_> {
         self.in_row_order(vec![None; of_cases], of_rigs)
     }
 
-    /// Returns, for each constraint, the violation that has the value 1 in its rows. The violation is in the unit of
-    /// the constraint. It is visible in practice, such as 1 mm or 1 degree.
+    /// Returns, for each constraint, the violation that has the value 1 in its rows, in the unit of the constraint. A
+    /// violation of this size is visible in practice, such as 1 mm or 1 degree.
     pub(super) fn visible_units(&self) -> Vec<f64> {
         let of_cases = self.goals.constraints.iter().map(|own| own.visible);
         let of_rigs = self.rigs.iter().flat_map(RigRows::visible_units);
         of_cases.chain(of_rigs).collect()
     }
 
-    /// Returns, for each residual, the index of its target, and the residual per deviation of one tolerance. The targets of
-    /// the cases come first, then those of the front rig and of the rear rig.
+    /// Returns, for each residual, the index of its target, and the residual per deviation of one tolerance. The targets
+    /// of the load cases come first, then the targets of the front rig and of the rear rig.
     pub(super) fn targets_of_rows(&self) -> Vec<(usize, f64)> {
         let of_cases = self.goals.targets.iter().enumerate();
         let of_cases = of_cases.map(|(number, own)| (number, self.scale * own.weight.sqrt()));
@@ -123,7 +123,7 @@ impl Objective<'_> {
         self.rigs.iter().map(|rig| rig.shape().equalities).sum()
     }
 
-    /// Computes residuals and rows at `x`.
+    /// Computes residuals and constraint rows at the values `x` of the variables.
     fn evaluate_all(
         &mut self,
         x: &DVector<f64>,
@@ -158,7 +158,7 @@ impl Objective<'_> {
         Ok(())
     }
 
-    /// Computes residuals and rows of one case.
+    /// Computes residuals and constraint rows of one load case.
     fn evaluate_case(
         &self,
         car: &Car,
@@ -236,7 +236,7 @@ impl Objective<'_> {
     }
 }
 
-/// Returns the quantity of a target or a constraint. The quantity determines the unit of the gradient.
+/// Returns the quantity of a target or a constraint. The unit of this quantity is the unit of the gradient.
 fn gradient_unit(used: &Use, goals: &CarGoals<'_>) -> CarQuantity {
     match *used {
         Use::Target(row) => goals.targets[row].quantity,

@@ -5,7 +5,7 @@ use crate::axle::{Axle, AxleKind, Preloaded, RockerSprings};
 use crate::model::Body;
 use crate::number::{Each, Real, Vector3};
 
-/// A parameter of one axle.
+/// A parameter of one axle, for derivatives and design variables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum AxleParameter {
     /// Change of the spring rates from the value in the study.
@@ -236,7 +236,7 @@ impl Parameters<f64> {
 }
 
 impl<T: Copy> Parameters<T> {
-    /// Value of an axle's parameter.
+    /// Value of an axle's parameter. Index 0 is the front axle.
     #[inline(always)]
     pub fn axle(&self, axle: usize, parameter: AxleParameter) -> T {
         self.0[Parameter::Axle(axle, parameter).place()]

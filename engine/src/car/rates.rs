@@ -21,8 +21,8 @@ pub struct Solved<'c, T> {
     pub by_ax: Balance<Jet<T, 2>>,
     /// State with its derivative with respect to a couple on the body, about the forward direction along the ground.
     pub by_couple: Balance<Jet<T, 2>>,
-    /// State with its derivative with respect to the ground height gamma. Roll, pitch and the tyre force factors A and
-    /// B are held.
+    /// State with its derivative with respect to the ground height gamma. Roll, pitch and the tyre force factors A and B
+    /// of equation (3) of [`super`] are held.
     pub by_heave: Balance<Jet<T, 2>>,
     /// State with its derivative with respect to the pitch theta. The ground height, roll and the tyre force factors A
     /// and B are held.
@@ -33,15 +33,15 @@ pub struct Solved<'c, T> {
     pub rest_heave: f64,
 }
 
-/// Values that the computation of a state's derivatives needs. These values carry no derivatives themselves.
+/// Values without derivatives from which a state's derivatives are computed.
 #[derive(Clone, Debug)]
 pub(super) struct Plain {
     pub unknowns: [f64; UNKNOWNS],
-    /// Inverse of the tangent.
+    /// Inverse of the tangent: the matrix of derivatives of the equations with respect to the unknowns.
     pub inverse: Matrix,
     /// Inverse of the tangent of [`held`], in which the body and the tyre force factors are held.
     held_inverse: Matrix,
-    /// Derivatives of the unknowns along each direction.
+    /// Derivatives of the unknowns along each of the [`DIRECTIONS`].
     rates: [[f64; UNKNOWNS]; DIRECTIONS.len()],
 }
 
@@ -138,7 +138,7 @@ impl Direction {
     }
 
     /// Returns the errors in the derivatives of the equations in this direction. `rates` are the derivatives of the
-    /// residuals. `level` is the work of a unit couple per roll angle.
+    /// residuals. `level` is the work of a unit couple about the forward direction of the ground, per roll angle.
     fn defect<T: Real>(self, mut rates: [T; UNKNOWNS], level: T) -> [T; UNKNOWNS] {
         match self {
             Direction::Parameter(_) => {}

@@ -1,4 +1,4 @@
-//! Targets and constraints of one axle on its test rig, as part of the tuning of a car.
+//! Targets and constraints of one axle on its test rig (the axle without the car), as part of the tuning of a car.
 
 use super::Car;
 use super::tune::RigGoals;
@@ -8,7 +8,7 @@ use crate::optimise::{
 use crate::study::{Constraint, Vehicle};
 use nalgebra::DVector;
 
-/// Residuals and constraint rows of one axle in the tuning problem of the car.
+/// Residuals and constraint rows of one axle on its rig, in the tuning problem of the car.
 pub(super) struct RigRows<'a> {
     goals: &'a RigGoals,
     layout: &'a TargetLayout,
@@ -17,7 +17,8 @@ pub(super) struct RigRows<'a> {
 }
 
 impl<'a> RigRows<'a> {
-    /// Makes the rows. The error is the reason why the design position of the axle cannot be solved.
+    /// Makes the residuals and constraint rows. The error is the reason why the design position of the axle cannot be
+    /// solved.
     pub(super) fn new(
         vehicle: &'a Vehicle,
         goals: &'a RigGoals,
@@ -42,12 +43,12 @@ impl<'a> RigRows<'a> {
         self.objective.row_limits()
     }
 
-    /// For each row, the index of the constraint to which it belongs.
+    /// For each constraint row, the index of the constraint to which it belongs.
     pub(super) fn constraints_of_rows(&self) -> impl Iterator<Item = usize> {
         self.layout.labels().iter().map(|label| label.constraint)
     }
 
-    /// For each row that is a component of a distance, the row of the other component.
+    /// For each constraint row that is a component of a distance, the row of the other component.
     pub(super) fn other_components(&self) -> impl Iterator<Item = Option<usize>> {
         (0..self.layout.labels().len()).map(|row| self.layout.other_component(row))
     }
@@ -99,9 +100,9 @@ impl<'a> RigRows<'a> {
         DVector::from_iterator(self.goals.columns.len(), own)
     }
 
-    /// Writes the residuals to the rows from `first` on, with the factors of the car's problem. In that problem, the
-    /// factor on each squared residual is the weight of the target divided by its number of stations. `scale` is the
-    /// factor on all residuals of the car.
+    /// Writes the residuals of the axle to the rows from `first` on, with the factors of the car's problem. In the car's
+    /// problem, the factor on each squared residual is the weight of the target divided by its number of stations.
+    /// `scale` is the factor on all residuals of the car.
     pub(super) fn write_residuals(&self, first: usize, scale: f64, into: &mut Linearisation) {
         let own = &self.assessment.goal;
         let rows = own.residuals.len();
@@ -111,7 +112,7 @@ impl<'a> RigRows<'a> {
         }
     }
 
-    /// Writes the rows of the constraints. `first` contains the first row of the equalities, and the first row of the
+    /// Writes the constraint rows of the axle. `first` contains the first row of the equalities, and the first row of the
     /// other constraints.
     pub(super) fn write_rows(&self, first: [usize; 2], into: &mut Linearisation) {
         let equalities = self.shape().equalities;
@@ -150,8 +151,8 @@ pub struct RigOutcome {
 }
 
 impl RigGoals {
-    /// Computes the outcome for the axle with index `end` of a car. `vehicle` is the study of this axle; its design and
-    /// rates are replaced by those of the car.
+    /// Computes the outcome for the axle with index `end` of a car. `vehicle` is the study of this axle; the design and
+    /// rates of the car replace its own design and rates.
     pub(crate) fn outcome_in(
         &self,
         vehicle: &Vehicle,
@@ -169,7 +170,8 @@ impl RigGoals {
         self.outcome(&vehicle, &vec![0.0; variables])
     }
 
-    /// Computes the outcome for values `x` of the car's variables. The error is the reason why the axle has no outcome.
+    /// Computes deviations and margins for values `x` of the car's variables. The error is the reason why they do not
+    /// exist.
     pub fn outcome(&self, vehicle: &Vehicle, x: &[f64]) -> Result<RigOutcome, String> {
         let layout = TargetLayout::of(&self.optimise, vehicle);
         let mut rows = RigRows::new(vehicle, self, &layout)?;

@@ -1,4 +1,4 @@
-//! Ground under a car, equation (1) of [`super`].
+//! Ground under a car: equation (1) of [`super`].
 
 use crate::number::{Local, LocalFunction, Scalar, Vector3};
 
@@ -43,7 +43,7 @@ impl<T: Copy> Road<T> {
 }
 
 impl<T: Local> Road<T> {
-    /// Computes the directions of the ground under a body with this roll and pitch (1).
+    /// Computes the directions of the ground under a body with this roll and pitch, by equation (1) of [`super`].
     #[inline(always)]
     pub fn under(roll: T, pitch: T) -> Self {
         let [sine, cosine] = T::local([roll], &SinCos);

@@ -1,8 +1,8 @@
 //! Second derivatives of a state along directions of the design and of the parameters.
 //!
-//! Along a direction, parameters, wheels and unknowns are Taylor series in a number e. Let G_x be the tangent of the
-//! state without derivatives. Each step x - G_x^-1 G(x(e), e) makes one more order of the unknowns exact. The formulas
-//! of the results then use these series.
+//! Along a direction, parameters, wheels and unknowns are Taylor series in a number e. Let G(x, e) be the residuals of
+//! the equations, and G_x their derivatives with respect to the unknowns x in the state without changes. Each step x -
+//! G_x^-1 G(x(e), e) makes one more order of the unknowns exact. The formulas of the results then use these series.
 //!
 //! Some results contain derivatives with respect to accelerations, couples and motions of the body. These results need
 //! one more derivative of the wheels with respect to travel. Only independent wheels have this derivative.
@@ -81,9 +81,9 @@ impl ExpandedState<'_> {
         self.parameters.map(Series::constant)
     }
 
-    /// Returns second derivatives of results; NaN if they cannot be computed. `moved` contains the wheels whose design
-    /// is a Taylor series. The other wheels have the unchanged design. Some results are measured from the car at rest.
-    /// Their derivatives here do not include the motion of the car at rest.
+    /// Returns second derivatives of results; NaN if they cannot be computed. `moved` contains the wheels whose design is
+    /// a Taylor series. The other wheels have the unchanged design. For results that are measured from the car at rest,
+    /// these derivatives do not include the motion of the car at rest.
     pub(crate) fn second_derivatives(
         &self,
         moved: [Option<&ExpandedWheel>; 4],

@@ -24,8 +24,9 @@ pub(super) use readings::{Base, Readings, Wheels};
 pub use rows::{RowResult, RowState};
 pub(super) use start::Start;
 
-/// Number of terms in the Taylor series of wheels with respect to travel. Equations need first derivatives, and their
-/// tangents need second derivatives. Derivatives of the tangents with respect to the design need third derivatives.
+/// Number of terms in the Taylor series of wheels with respect to travel. The equations need first derivatives, and their
+/// tangents (derivatives of the equations with respect to the unknowns) need second derivatives. Derivatives of the
+/// tangents with respect to the design need third derivatives.
 pub(super) const TERMS: usize = 4;
 /// Largest number of sets of wheels in contact that the search tries.
 const MOST_SETS: usize = 16;
@@ -44,13 +45,14 @@ pub struct CarSolver<'a> {
     /// States of the car at rest, on rigid and on elastic tyres; `None` until they are solved.
     pub(super) rests: [Option<Result<Equilibrium, NoEquilibrium>>; 2],
     pub(super) axles: [AxleSolver<'a, TERMS>; 2],
-    /// Curves of the wheels along their travels. `None` if a wheel depends on more than its own travel.
+    /// Curves (interpolated poses) of the wheels along their travels. `None` if a wheel depends on more than its own
+    /// travel.
     curves: Option<Box<[WheelCurve; 4]>>,
     /// Reused memory for the wheels that are computed from their curves.
     spare: Option<Box<OnCurves>>,
 }
 
-/// Returns the quantities that the solver of an axle must compute for the equations of the car.
+/// Returns the quantities that the solver of an axle must compute, because the equations of the car need them.
 fn read_of(car: &Car, axle: usize) -> Vec<Quantity> {
     let axle = &car.axles[axle];
     let mut quantities = Vec::new();
@@ -171,8 +173,8 @@ impl<'a> CarSolver<'a> {
         found
     }
 
-    /// Returns the case `name` of the car at rest, with the tyres of a case (rigid or elastic). Without tyre springs, both are the
-    /// same.
+    /// Returns the case `name` of the car at rest, with the tyres of a case (rigid or elastic). A car without tyre
+    /// springs is always on rigid tyres.
     pub(super) fn rest_of(&self, case: &Case, name: &str) -> Case {
         let mut rest = Case::at_rest(name);
         rest.setting.elastic_tyres = case.setting.elastic_tyres && self.car.tyres.is_some();
@@ -185,8 +187,8 @@ impl<'a> CarSolver<'a> {
             return Err(NoEquilibrium::Unsupported);
         }
         match self.search(case) {
-            // The remedy is only right if it leads to an equilibrium. Otherwise the distribution of the forces is not
-            // the reason for the failure.
+            // The failure proposes a change of the case's keys (a remedy). It is only right if the changed case has an
+            // equilibrium. Otherwise the distribution of the forces is not the reason for the failure.
             Err(
                 failure @ NoEquilibrium::NoContactSet {
                     remedy: Some(_), ..
@@ -199,13 +201,13 @@ impl<'a> CarSolver<'a> {
         }
     }
 
-    /// Searches the state of a case directly, then along the load.
+    /// Searches the state of a case directly. If this fails, increases the load from zero to the case.
     fn search(&mut self, case: &Case) -> Result<Equilibrium, NoEquilibrium> {
         match self.with_contact(case, Start::of(self.start(case))) {
             Ok(found) if found.is_stiff() => Ok(found),
             Ok(_) => self.along_load(case),
-            // Both searches failed. If the direct search has only a general reason, report the reason of the search
-            // along the load.
+            // Both searches failed. If the direct search has only a general reason, report the reason of the search with
+            // increasing load.
             Err(first) => self.along_load(case).map_err(|along| match first {
                 NoEquilibrium::NotFound
                 | NoEquilibrium::Singular
@@ -228,8 +230,9 @@ impl<'a> CarSolver<'a> {
         }
     }
 
-    /// Finds the state of a case from a neighbouring state, if there is no turning point between them. `None` if
-    /// Newton's method does not find the state, or if the state is neither stiff nor close to the neighbouring state.
+    /// Finds the state of a case from a neighbouring state, if there is no turning point between them. `None` if Newton's
+    /// method does not find the state. Also `None` if the state does not meet the stability condition (2) of
+    /// [`super::stability`] and is not close to the neighbouring state.
     pub(super) fn solve_beside(&mut self, case: &Case, from: &Equilibrium) -> Option<Equilibrium> {
         let found = self.with_contact(case, Start::beside(from)).ok()?;
         (found.is_stiff() || found.follows(from, self.car)).then_some(found)
@@ -281,7 +284,7 @@ impl<'a> CarSolver<'a> {
         x
     }
 
-    /// Solves with one set of wheels in contact after another, until a set agrees with the solution.
+    /// Solves the equations with one set of wheels in contact after another, until the solution agrees with the set.
     pub(super) fn with_contact(
         &mut self,
         case: &Case,

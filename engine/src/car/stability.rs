@@ -17,9 +17,9 @@
 //! ```
 //!
 //! still means that the body moves in the direction of every force. This condition is sufficient but not necessary. For
-//! example, a car that brakes hard with strong anti-features violates (2), while its loads change smoothly and all
-//! wheels stay on the ground. Equilibria end where the state cannot follow the load. Let the accelerations be s times
-//! those of the case. Along the states x(s) that begin at rest,
+//! example, a car that brakes hard with strong anti-features violates (2), while its loads change smoothly and all wheels
+//! stay on the ground. Equilibria end where the state cannot follow the load. Let the accelerations of the case be
+//! multiplied by s. Along the states x(s) that begin at rest,
 //!
 //! ```text
 //! G_x x' = -G_s.                                                                                                  (3)
@@ -75,19 +75,20 @@ use super::{Car, Case, NoEquilibrium};
 use crate::model::Side;
 use crate::number::Each;
 
-/// Longest step along the load, as a fraction of the full load.
+/// Longest step of the load, as a fraction of the full load.
 const LONGEST: f64 = 1.0 / 16.0;
-/// Shortest step, as a fraction of the full load. If a shorter step would be needed, the path has turned back.
+/// Shortest step of the load, as a fraction of the full load. If a shorter step would be needed, the path has turned
+/// back.
 const SHORTEST: f64 = LONGEST / 1024.0;
 /// Loads below this fraction of the sum of the wheel loads count as zero at the end of the path.
 const NO_LOAD: f64 = 1e-3;
-/// The body sinks if the ratio of m in equation (6) to the h of largest magnitude is above this limit.
+/// The body sinks if the ratio of m in equation (6) of this module to the h of largest magnitude is above this limit.
 const SINKING: f64 = 0.25;
-/// Largest number of steps. The count includes steps back.
+/// Largest number of steps of the load. The count includes steps back.
 const MOST_STEPS: usize = 400;
 
 impl Equilibrium {
-    /// Returns the flexibility C by equation (1). It is NaN if the tangent has no LU factors.
+    /// Returns the flexibility C by equation (1) of this module. It is NaN if the tangent has no LU factors.
     fn flexibility(&self) -> [[f64; 3]; 3] {
         let Some(factors) = &self.factors else {
             return [[f64::NAN; 3]; 3];
@@ -101,7 +102,7 @@ impl Equilibrium {
         [GROUND, ROLL, PITCH].each(|unknown| answers.each(|answer| answer[unknown]))
     }
 
-    /// Returns true if condition (2) holds. The check uses the leading minors of the symmetric part.
+    /// Returns true if condition (2) of this module holds. The check uses the leading minors of the symmetric part of C.
     pub(super) fn is_stiff(&self) -> bool {
         let flexibility = self.flexibility();
         let c = |i: usize, j: usize| 0.5 * (flexibility[i][j] + flexibility[j][i]);
@@ -112,7 +113,7 @@ impl Equilibrium {
         c(0, 0) > 0.0 && minor > 0.0 && determinant > 0.0
     }
 
-    /// Returns the flexibility S by equation (7), column by column.
+    /// Returns the flexibility S of the body's heights over the axles by equation (7) of this module, column by column.
     fn flexibility_of_heights(&self, car: &Car) -> [[f64; 3]; 3] {
         let [front, rear] = car.axles_ahead();
         let half_track = 0.5 * (half_track(car, 0) + half_track(car, 1));
@@ -129,7 +130,8 @@ impl Equilibrium {
         })
     }
 
-    /// Describes the end of the path from rest by equation (6). The path turns back just beyond this state.
+    /// Describes the end of the path from rest by equation (6) of this module. The path turns back just beyond this
+    /// state.
     fn end_of_path(&self, car: &Car) -> NoEquilibrium {
         let Some(factors) = &self.factors else {
             return NoEquilibrium::Singular;
@@ -154,7 +156,7 @@ impl Equilibrium {
         }))
     }
 
-    /// Describes the instability of a static state, by equations (6) and (7).
+    /// Describes the instability of a state at rest, by equations (6) and (7) of this module.
     fn instability_at_rest(&self, car: &Car) -> NoEquilibrium {
         let columns = self.flexibility_of_heights(car);
         let unstable = (0..3).filter(|k| columns[*k][*k] < 0.0);
@@ -165,7 +167,8 @@ impl Equilibrium {
         })
     }
 
-    /// Returns the failure that belongs to changes h of the body's heights over the wheels, by equation (6).
+    /// Returns the failure (tipping or sinking) that belongs to changes h of the body's heights over the wheels, by
+    /// equation (6) of this module.
     fn ends_in(&self, heights: [f64; 4]) -> NoEquilibrium {
         let loads = self.loads();
         let work: f64 = (0..4).map(|wheel| loads[wheel] * heights[wheel]).sum();
@@ -184,8 +187,8 @@ impl Equilibrium {
         }
     }
 
-    /// Returns true if the path from an accepted state leads to this state. Two conditions must hold: det G_x keeps its
-    /// sign, and the motions of body and wheels do not exceed the limit of a Newton step.
+    /// Returns true if the path from an accepted state leads to this state. Two conditions must hold. The determinant of
+    /// the tangent G_x keeps its sign, and the motions of body and wheels do not exceed the limit of a Newton step.
     pub(super) fn follows(&self, from: &Equilibrium, car: &Car) -> bool {
         let near = |k: usize| {
             let longest = match k {
@@ -243,8 +246,8 @@ impl CarSolver<'_> {
                     }
                     continue;
                 }
-                // If no set of wheels in contact fits, the path turns back: both branches of (4) are on the side from
-                // which the path came.
+                // If no set of wheels in contact fits, the path turns back. Both branches of equation (4) of this module
+                // are then on the side from which the path came.
                 Ok(_)
                 | Err(
                     NoEquilibrium::NotFound

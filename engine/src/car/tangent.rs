@@ -1,4 +1,5 @@
-//! Exact tangent of the equations of [`super`], and its LU factors.
+//! Exact tangent of the equations of [`super`] (matrix of their derivatives with respect to the unknowns), and its LU
+//! factors.
 
 use super::corner::Corner;
 use super::equations::{
@@ -28,7 +29,7 @@ impl Factors {
         Some(Factors { lu, scales })
     }
 
-    /// Returns the change of the unknowns that changes the residuals by `right`.
+    /// Solves the tangent's equations: returns the change of the unknowns that changes the residuals by `right`.
     pub(super) fn solve(&self, mut right: [f64; UNKNOWNS]) -> [f64; UNKNOWNS] {
         for (residual, scale) in right.iter_mut().zip(self.scales) {
             *residual *= scale;
@@ -82,7 +83,7 @@ fn unknowns_of<const N: usize>(number: usize) -> [usize; N] {
     array_of(|k| all[k])
 }
 
-/// A wheel on the ground, with derivatives with respect to its first `N` unknowns.
+/// State of a wheel on the ground, with derivatives with respect to the first `N` unknowns on which its pose depends.
 fn stance<const N: usize>(
     held: &Held<'_>,
     parameters: &Parameters<f64>,
@@ -104,8 +105,9 @@ fn stance<const N: usize>(
     placed.stance.map(|c| widened(c, unknowns))
 }
 
-/// Computes the residuals and their derivatives with respect to the unknowns. The pose of a wheel depends only on the
-/// attitude and on the travels of its axle. So most of the arithmetic uses only four or five derivatives.
+/// Computes the residuals of the equations and their derivatives with respect to the unknowns. The pose of a wheel
+/// depends only on the attitude and on the travels of its axle. So most of the arithmetic uses only four or five
+/// derivatives.
 pub(super) fn tangent<R: WheelParts<f64>>(
     base: &Base<'_, '_, R>,
     parameters: &Parameters<f64>,
@@ -163,7 +165,8 @@ pub(super) fn inverse(matrix: &Matrix) -> Option<Matrix> {
     Some(Factors::of(matrix)?.inverse())
 }
 
-/// Unknowns that stay fixed in motions of the body: height and attitude, and the factors of the tyre forces.
+/// Indices of the unknowns that stay fixed in motions of the body: height and attitude, and the factors A and B of the
+/// tyre forces.
 pub(super) const HELD: [usize; 6] = [
     ROLL,
     PITCH,

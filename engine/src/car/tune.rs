@@ -1,5 +1,5 @@
 //! Tuning of a car. The design variables are hardpoints, rates and parameters of the car. The goals are results of load
-//! cases, and curves and constraints of the axles on their rigs.
+//! cases, and curves and constraints of single axles on their test rigs (without the car).
 //!
 //! Let d be the deviations of a target, each divided by the tolerance, and w the weight of the target. The misfit is
 //! defined as in an axle's study:
@@ -21,14 +21,15 @@ use crate::optimise::{
 use crate::study::{Optimise, Vehicle};
 use nalgebra::DVector;
 
-/// Target for a result of a case.
+/// Target for a result of a load case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarTarget {
     /// Result to which the target applies.
     pub quantity: CarQuantity,
     /// Index of the case.
     pub case: usize,
-    /// Lowest and highest target value, in the printed unit. The two values are equal if the target is a single value.
+    /// Lowest and highest target value, in the printed unit. The two values are equal for a single target value, and
+    /// different for a band.
     pub wanted: [f64; 2],
     /// Tolerance: a deviation of this size counts as 1.
     pub tolerance: f64,
@@ -44,7 +45,7 @@ impl CarTarget {
     }
 }
 
-/// Limits on a result of a case.
+/// Limits on a result of a load case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarConstraint {
     /// Name of the constraint.
@@ -53,9 +54,9 @@ pub struct CarConstraint {
     pub quantity: CarQuantity,
     /// Index of the case.
     pub case: usize,
-    /// Lowest and highest value, in the printed unit; infinite without a limit.
+    /// Lowest and highest allowed value of the result, in the printed unit; infinite without a limit.
     pub between: [f64; 2],
-    /// Violation that counts as 1, in the printed unit.
+    /// Violation that has the value 1 in the constraint row, in the printed unit.
     pub visible: f64,
 }
 
@@ -67,7 +68,7 @@ impl CarConstraint {
     }
 }
 
-/// Targets and constraints of one axle on its rig.
+/// Targets and constraints of one axle on its test rig (the axle without the car).
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigGoals {
     /// Targets, constraints and design variables, as in a study of the axle alone.
@@ -83,9 +84,9 @@ pub struct CarGoals<'a> {
     pub cases: &'a [Case],
     /// Design variables.
     pub variables: &'a [CarVariable],
-    /// Targets of cases.
+    /// Targets on results of load cases.
     pub targets: &'a [CarTarget],
-    /// Constraints of cases.
+    /// Constraints on results of load cases.
     pub constraints: &'a [CarConstraint],
     /// Front and rear axle with their goals on the rig.
     pub rigs: [Option<(&'a Vehicle, &'a RigGoals)>; 2],

@@ -135,7 +135,8 @@ pub(super) fn bar_torque<T: Local>(
 }
 
 /// Returns the fraction of an axle's force that a wheel carries. The fraction is proportional to the wheel load, or
-/// follows from the given fraction of the left wheel. A lifted wheel carries 0, and the other wheel then carries 1.
+/// follows from the fraction that the study gives for the left wheel. A lifted wheel carries 0, and the other wheel then
+/// carries 1.
 #[inline(always)]
 fn share<T: Local>(
     held: &Held<'_>,
@@ -159,7 +160,8 @@ fn share<T: Local>(
     })
 }
 
-/// Computes the fractions of the axle's lateral and longitudinal force that a wheel carries: f and g of equation (3).
+/// Computes the fractions f and g of the axle's lateral and longitudinal force that a wheel carries: equation (3) of
+/// [`super::super`].
 #[inline(always)]
 pub(super) fn shares<T: Local>(held: &Held<'_>, x: &[T; UNKNOWNS], number: usize) -> [T; 2] {
     let setting = &held.case.setting;

@@ -1,4 +1,4 @@
-//! Contact and travels of the wheels, (2) to (9) of [`super::super`].
+//! Contact and travels of the wheels: equations (2) to (9) of [`super::super`], which also explains the symbols.
 
 use super::super::corner::{Corner, WheelRates};
 use super::super::parameters::{AxleParameter, BodyParameter, Parameters};
@@ -8,7 +8,7 @@ use super::{Ground, Held, Resultant, WheelState};
 use crate::axle::{RockerMotion, SpringLaw};
 use crate::number::{Each, Local, LocalFunction, Scalar, Vector3, outlined};
 
-/// Forces on one wheel, and the fraction from which its lateral force is computed.
+/// Forces on one wheel, and the wheel's fraction of the lateral force of its axle.
 #[derive(Clone, Copy)]
 pub(super) struct Forces<T> {
     /// Wheel load.
@@ -40,11 +40,11 @@ impl<T: Copy> Forces<T> {
     }
 }
 
-/// Work on a wheel per unit of one travel of its axle. The tyre forces and the torque on the anti-roll bar have the
-/// value 1.
+/// Works on a wheel while one travel of its axle changes by 1. The works of the tyre forces and of the torque on the
+/// anti-roll bar are for a force or torque of 1.
 #[derive(Clone, Copy)]
 pub(super) struct Work<T> {
-    /// Rise n.C' of the contact point. It is the work of a unit load.
+    /// Rise n.C' of the contact point. It is the work of a wheel load of 1.
     rise: T,
     /// Work lambda.C' of a unit lateral force.
     side: T,
@@ -54,7 +54,8 @@ pub(super) struct Work<T> {
     bar: T,
     /// Derivative of the energy of the wheel's spring and stops with respect to the travel.
     spring: T,
-    /// Work m_b alpha.W' of the force that accelerates the wheel's mass.
+    /// Work m_b alpha.W' of the force that accelerates the wheel's mass m_b. alpha is the acceleration, and W' the
+    /// velocity of the wheel centre.
     unsprung: T,
 }
 
@@ -104,8 +105,8 @@ impl<T: Copy> Work<T> {
 }
 
 impl<T: Local> Work<T> {
-    /// Returns the components of the work that the work of the wheel load balances: elastic, geometric, longitudinal,
-    /// unsprung.
+    /// Returns the four terms that the work of the wheel load balances in equation (7): elastic, geometric, longitudinal,
+    /// unsprung. `is_own` is true if the travel is the wheel's own travel.
     #[inline(always)]
     fn parts(&self, forces: &Forces<T>, is_own: bool) -> [T; 4] {
         let springs = self.spring + forces.bar * self.bar;
@@ -212,7 +213,7 @@ pub(super) fn load_parts<T: Local>(
 /// Position of a tyre relative to the ground, by equation (2).
 #[derive(Clone, Copy)]
 struct Tread<T> {
-    /// Length s of that component of the upward normal which is perpendicular to the spin axis.
+    /// Length s of the component of the upward normal n that is perpendicular to the spin axis.
     tilt: T,
     /// Height of the wheel centre over the ground.
     height: T,
@@ -288,8 +289,8 @@ impl<T: Local> Tread<T> {
         rates.centre + rates.turn.cross(self.lever)
     }
 
-    /// Velocity of the point at which the longitudinal force acts. If the body carries the reaction to the torque, this
-    /// velocity does not include rotation about the spin axis.
+    /// Velocity of the carrier's point at which the longitudinal force acts. If the body carries the reaction to the
+    /// torque, this velocity does not include rotation about the spin axis.
     #[inline(always)]
     fn pushed(&self, rates: &WheelRates<T>, spin: Vector3<T>, by_carrier: bool) -> Vector3<T> {
         if by_carrier {

@@ -15,7 +15,8 @@ fn both<T: Scalar>(
     [0, 1].each(|side| of(state, WheelPlace(2 * axle + side)))
 }
 
-/// Half the difference of a component of the wheel loads, right wheel minus left wheel.
+/// Half the difference of a component of the wheel loads (see equation (9) of the module `car`), right wheel minus left
+/// wheel.
 fn transfer<T: Scalar>(
     state: &Balance<T>,
     axle: usize,
@@ -107,7 +108,8 @@ fn loads_by<T: Scalar>(state: &Balance<T>, axle: usize, forces: [Vector3<T>; 2])
     }
 }
 
-/// Height at which a lateral force causes no roll. `forces` are the forces at the two contact points; their sum is 1.
+/// Height at which a lateral force causes no roll. `forces` are the forces at the two contact points; their sum is a unit
+/// lateral force.
 fn height_of_transfer<T: Scalar>(state: &Balance<T>, axle: usize, forces: [Vector3<T>; 2]) -> T {
     let [left, right] = loads_by(state, axle, forces);
     track(state, axle).scaled(0.5) * (right - left)

@@ -19,7 +19,7 @@ pub(in crate::car) fn heave<T: Scalar>(state: &Balance<T>) -> T {
     state.unknowns[GROUND] - state.road.up.dot(state.design_contact)
 }
 
-/// Rise of the body relative to the car at rest.
+/// Rise of the body relative to its height in the car at rest.
 pub(in crate::car) fn jacking_heave<T: Scalar>(solved: &Solved<'_, T>) -> T {
     heave(&solved.now).constant(solved.rest_heave) - heave(&solved.now)
 }
@@ -227,7 +227,8 @@ pub(in crate::car) fn heave_frequency<T: Scalar>(solved: &Solved<'_, T>) -> T {
 }
 
 /// Frequency of the sprung mass in heave and pitch on massless wheels, in hertz. The squares of both angular frequencies
-/// are the roots w of det(K - w M) = 0. The coordinates of K and M are the ground height gamma and the pitch angle.
+/// are the roots w of det(K - w M) = 0, with the stiffness matrix K and the mass matrix M. The coordinates of these
+/// matrices are the ground height gamma and the pitch angle.
 fn body_frequency<T: Scalar>(solved: &Solved<'_, T>, sign: f64) -> T {
     // The residuals are the vertical force and the pitch moment about an axis -e (to the right). This axis is above or
     // below the origin, at the height of the mean contact point of the design position. The residuals depend on the

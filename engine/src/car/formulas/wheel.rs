@@ -133,7 +133,7 @@ pub(in crate::car) fn rebound_stop_extension<T: Scalar>(
     beyond(-spring_travel(state, place), stop)
 }
 
-/// Returns the part of a number that exceeds a limit; NaN without a limit.
+/// Returns the excess of a number over the limit `end`; 0 below the limit, NaN without a limit.
 fn beyond<T: Scalar>(number: T, end: Option<f64>) -> T {
     match end {
         None => number.constant(f64::NAN),

@@ -1,8 +1,8 @@
 //! Steps towards the equilibria of several cases at the same time. Each SIMD lane contains one case.
 //!
-//! J approximates the inverse of the tangent G_x. After a step s from x, let r be the residuals at x + s. Broyden's
-//! method (C. G. Broyden, Math. Comp. 19, 1965) computes the next step from r. In the inner products, each unknown is
-//! divided by its typical size. With u = J r,
+//! J approximates the inverse of the tangent G_x, which contains the derivatives of the residuals with respect to the
+//! unknowns x. After a step s from x, let r be the residuals at x + s. Broyden's method (C. G. Broyden, Math. Comp. 19,
+//! 1965) computes the next step from r. In the inner products, each unknown is divided by its typical size. With u = J r,
 //!
 //! ```text
 //! J' = J - u (s^T J)/(s.s + s.u)            J' maps the change of the residuals along s onto s                    (1)
@@ -39,7 +39,7 @@ pub(super) const OF_CASE: [BodyParameter; 4] = [
 #[derive(Clone, Debug)]
 pub(super) struct Lanes {
     pub(super) x: [Numbers; UNKNOWNS],
-    /// Last step.
+    /// Last step of the unknowns.
     pub(super) step: [Numbers; UNKNOWNS],
     /// Approximate inverse J of the tangent.
     pub(super) inverse: [[Numbers; UNKNOWNS]; UNKNOWNS],
@@ -47,7 +47,7 @@ pub(super) struct Lanes {
     pub(super) scales: [Numbers; UNKNOWNS],
     /// Largest component of the last step, relative to the sizes of the unknowns. It is NaN if the step is not finite.
     pub(super) longest: Numbers,
-    /// Components of the wheel loads before the last step.
+    /// Components of the wheel loads (elastic, geometric, longitudinal, unsprung) before the last step.
     pub(super) parts: [[Numbers; 4]; 4],
     /// 1 in lanes that take steps, 0 in other lanes.
     pub(super) active: Numbers,

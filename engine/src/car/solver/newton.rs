@@ -1,8 +1,8 @@
 //! Newton's method for one set of wheels in contact.
 //!
-//! Several steps use the LU factors of one tangent. Let x be the unknowns and s the steps, both divided by the typical
-//! sizes of the unknowns. Let L bound the relative change of the tangent G_x per step. If the tangent was computed at y, a step
-//! s from x has the remaining error
+//! Several steps use the LU factors of one tangent G_x (derivatives of the residuals with respect to the unknowns). Let x
+//! be the unknowns and s the steps, both divided by the typical sizes of the unknowns. Let L bound the relative change of
+//! the tangent per step. If the tangent was computed at y, a step s from x has the remaining error
 //!
 //! ```text
 //! e <= L (|x - y| + |s|) |s|                                                                                    (1)
@@ -21,7 +21,8 @@ use super::start::Start;
 use super::{CarSolver, LONGEST_TRAVEL, LONGEST_TURN};
 use crate::number::{Each, array_of};
 
-/// If a step with an earlier tangent is larger than this fraction of the shortest step so far, a new tangent is needed.
+/// If a step with an earlier tangent is larger than this fraction of the shortest step so far, the solver computes a new
+/// tangent.
 const CONTRACTION: f64 = 0.1;
 /// If a step is below this limit, relative to the sizes of the unknowns, the next step uses the same tangent. The
 /// tangent of the last step must be from within this distance.
@@ -32,8 +33,8 @@ const NEAR: f64 = 2e-3;
 const BESIDE: f64 = 2e-2;
 /// A step below this limit, relative to the sizes of the unknowns, is rounding error.
 pub(super) const ROUNDING: f64 = 8.0 * f64::EPSILON;
-/// Newton's method fails if too many steps are longer than the shortest step so far: more than the allowed number of
-/// steps, divided by this constant. Only steps with a new tangent count.
+/// Limit for steps that are longer than the shortest step so far. Newton's method fails if their number exceeds the
+/// allowed number of steps, divided by this constant. Only steps with a new tangent count.
 const MOST_LONGER: usize = 5;
 /// Smallest value of L in equation (1). L is the relative change of the tangent if the unknowns change by their typical
 /// sizes.
@@ -150,7 +151,7 @@ impl Linear {
     }
 }
 
-/// State of Newton's method between two steps.
+/// State of Newton's method between two of its steps.
 struct Iteration {
     x: [f64; UNKNOWNS],
     sizes: Sizes,
@@ -272,17 +273,17 @@ impl Iteration {
     }
 }
 
-/// Bound L of (1) on the relative change of the tangent.
+/// Bound L of equation (1) of this module on the relative change of the tangent.
 #[derive(Default)]
 struct Curvature {
     /// Largest value of L that the steps so far show by equation (1).
     shown: f64,
-    /// Factor (|x - y| + |s|) |s| of L in (1), for the last step; 0 before the first step.
+    /// Factor (|x - y| + |s|) |s| of L in equation (1) of this module, for the last step; 0 before the first step.
     last: f64,
 }
 
 impl Curvature {
-    /// Returns the error by equation (1) that remains after a step.
+    /// Returns the error that remains after a step, by equation (1) of this module.
     fn error(&self, distance: f64, step: f64) -> f64 {
         let shown = self.shown_by(step);
         CURVATURE.max(10.0 * shown) * (distance + step) * step

@@ -1,7 +1,7 @@
 //! Solver for several rows of a map of cases at the same time. In a row, each case starts from its neighbour.
 //!
 //! The first state of a row is solved alone. Then the row gets a SIMD lane ([`super::lanes`]). The start of a state is
-//! extrapolated by a polynomial through the last states of its row. The first inverse tangent of a state is the inverse
+//! extrapolated from the last states of its row by a polynomial. The first inverse tangent of a state is the inverse
 //! tangent after the previous state of its row. So the results of a row depend on other rows only by rounding errors: all
 //! rows share the curves of the wheels. A row leaves its lane, and the solver solves its next case alone, if
 //!
@@ -9,11 +9,11 @@
 //! - the iteration does not converge,
 //! - the set of wheels in contact would change,
 //! - the body or a wheel would move too far from the last state,
-//! - the settings, the racks or the yaw acceleration of the case differ from those of the other lanes.
+//! - the settings, the racks or the yaw acceleration of the case differ from the cases in the other lanes.
 //!
-//! For every [`VERIFIED`]-th state of a row, and for its last state in a lane, the solver computes the exact tangent. This
-//! state must meet the condition of stability in [`super::super::stability`]. Otherwise all states since the last state
-//! with a tangent are solved again, alone.
+//! For every [`VERIFIED`]-th state of a row, and for its last state in a lane, the solver computes the exact tangent.
+//! This state must meet condition (2) of [`super::super::stability`]. Otherwise all states since the last state with a
+//! tangent are solved again, alone.
 
 use super::super::equations::{Held, LOADS, TRAVELS, UNKNOWNS, masses, static_loads};
 use super::super::parameters::Parameters;
@@ -27,9 +27,9 @@ use crate::number::{Vector3, Width, array_of};
 
 /// Number of states from one exact tangent to the next exact tangent.
 const VERIFIED: usize = 8;
-/// Largest number of steps for one state.
+/// Largest number of steps of the unknowns for one state.
 const MOST_STEPS: usize = 10;
-/// Largest step, relative to the sizes of the unknowns.
+/// Largest step of the unknowns, relative to their typical sizes.
 const LONGEST: f64 = 0.1;
 /// Only rounding error remains if steps no longer become shorter, and one of them was below this limit.
 const STILL: f64 = 1e-12;
@@ -39,7 +39,7 @@ const POINTS: usize = 3;
 /// A state of a row.
 #[derive(Clone, Debug)]
 pub struct RowState {
-    /// Equilibrium. A state from a SIMD lane may differ from that of [`CarSolver::solve`] by rounding errors.
+    /// Equilibrium. A state from a SIMD lane may differ from the result of [`CarSolver::solve`] by rounding errors.
     pub found: Equilibrium,
     /// Components of each wheel load: elastic, geometric, longitudinal, unsprung.
     pub parts: [[f64; 4]; 4],

@@ -1,7 +1,8 @@
 //! Small matrices, and rotations stored as their difference from the identity.
 //!
-//! The difference D = R - I keeps all digits of a rotation near the identity. With the shift u of the reference point, a
-//! point at the lever l moves by u + D l (1). A small rotation w changes D to
+//! The difference D = R - I of a rotation R from the identity I keeps all digits of a rotation near the identity. Let u
+//! be the shift of a body's reference point. A point of the body at the vector l from the reference point then moves by u
+//! + D l (1). A small rotation w changes D to
 //!
 //! ```text
 //! D + E + E D,   E = (2 r^ + 2 r^ r^)/(1 + r.r),   r = w/2                                       (2)
@@ -111,7 +112,7 @@ impl<T: Real> Matrix3<T> {
         columns[2] = columns[2].plus_scaled(a, z);
     }
 
-    /// Adds a multiple of the identity.
+    /// Adds the identity, multiplied by `factor`.
     #[inline(always)]
     pub(super) fn add_identity(&mut self, factor: T) {
         let [x, y, z] = &mut self.columns;
@@ -120,7 +121,7 @@ impl<T: Real> Matrix3<T> {
         z.z = z.z + factor;
     }
 
-    /// Returns the entry in a row and a column.
+    /// Returns the entry of the matrix in a row and a column.
     #[inline(always)]
     pub(super) fn entry(&self, row: usize, column: usize) -> T {
         self.columns[column].to_array()[row]
@@ -147,8 +148,8 @@ impl<T: Real> Placed<T> {
         }
     }
 
-    /// Returns the displacement of a point, by equation (1). `lever` is the vector from the reference point to this
-    /// point in the design position.
+    /// Returns the displacement of a point, by equation (1) of this module. `lever` is the vector from the reference
+    /// point to this point in the design position.
     #[inline(always)]
     pub(super) fn displacement(&self, lever: Vector3<T>) -> Vector3<T> {
         self.shift + self.turn.apply(lever)
@@ -169,7 +170,7 @@ impl<T: Real> Placed<T> {
         }
     }
 
-    /// Rotation R.
+    /// Rotation R of the body from the design position.
     #[inline(always)]
     pub(super) fn rotation(&self) -> Matrix3<T> {
         let mut rotation = self.turn;
@@ -177,8 +178,8 @@ impl<T: Real> Placed<T> {
         rotation
     }
 
-    /// Converts the position to the pose of the knuckle. `reference` is the reference point of this body. `origin` is
-    /// the origin of the knuckle. Both points are given in the design position.
+    /// Converts the position of the wheel carrier to the pose of the knuckle. `reference` is the reference point of the
+    /// carrier. `origin` is the origin of the knuckle. Both points are given in the design position.
     pub(super) fn as_pose(&self, reference: Vector3<T>, origin: Vector3<T>) -> Pose<T> {
         Pose {
             origin: origin + self.displacement(origin - reference),
@@ -196,7 +197,7 @@ impl<T: Real> Placed<T> {
     }
 }
 
-/// Adds a small rotation to the rotation R, by equation (2).
+/// Adds a small rotation `turn` to the rotation R = D + I, by equation (2) of this module.
 #[inline(always)]
 fn turned<T: Real>(difference: &Matrix3<T>, turn: Vector3<T>) -> Matrix3<T> {
     outlined!(
@@ -220,7 +221,7 @@ fn turned_inline<T: Real>(difference: &Matrix3<T>, turn: Vector3<T>) -> Matrix3<
     Matrix3 { columns }
 }
 
-/// Sine, cosine and rotation vector of a rotation R, computed from D = R - I by equation (3).
+/// Sine, cosine and rotation vector of a rotation R, computed from D = R - I by equation (3) of this module.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Logarithm<T> {
     pub(super) vector: Vector3<T>,
@@ -257,7 +258,7 @@ pub(super) fn angle_by_sine<T: Valued>(squared: T, cosine: T) -> T {
     ratio
 }
 
-/// Power series of asin(s)/s.
+/// Power series of asin(s)/s for a small sine s. The argument is the square of s.
 #[inline(always)]
 fn angle_by_small_sine<T: Valued>(squared: T) -> T {
     let coefficients = [

@@ -24,7 +24,8 @@ pub(super) struct Built<T> {
     /// Reference point of the carrier in the design position.
     pub(super) reference: Vector3<T>,
     pub(super) bushings: Vec<BushingPlace>,
-    /// Place of each link, in the order of the definition. `None` for the rod of a rocker whose spring has no law.
+    /// Place of each link in the system, in the order of the definition. `None` for the rod of a rocker whose spring has
+    /// no law.
     pub(super) links: Vec<Option<LinkPlace>>,
     /// Names of the parts with their own degrees of freedom, for messages.
     pub(super) names: Vec<String>,
@@ -35,7 +36,7 @@ pub(super) struct Built<T> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OfAxle<'a, T> {
     pub(super) subframe: Option<&'a Subframe<T>>,
-    /// Rate of the anti-roll bar: torque per angle between its levers.
+    /// Rate of the anti-roll bar: torque per difference of the angles of its levers.
     pub(super) bar_rate: Option<T>,
     /// Half of a solid axle on the side of this wheel; `None` for an independently suspended wheel.
     pub(super) half: Option<HalfOfAxle>,
@@ -62,7 +63,7 @@ struct Builder<'a, T> {
     links: Vec<Option<LinkPlace>>,
     names: Vec<String>,
     places: Places,
-    /// True for each constraint that elastic parts replace.
+    /// True for each constraint of the mechanism that elastic parts replace.
     replaced: Vec<bool>,
 }
 
@@ -236,8 +237,8 @@ impl<T: Scalar> Builder<'_, T> {
         limbs
     }
 
-    /// Makes an end of an arm or link. `outer` is the joint at the part's reference point. Without a bushing, the end
-    /// is a ball joint. The function then adds a rigid rod that keeps the distance between both joints constant.
+    /// Makes an end of an arm or link. `outer` is the joint at the part's reference point. Without a bushing, the end is
+    /// a ball joint. A rigid rod then keeps the distance between this end and `outer` constant.
     fn end(&mut self, id: PointId, outer: PointId, bushing: Option<Bushing<T>>) -> End<T> {
         let lever = self.at(id) - self.at(outer);
         if bushing.is_none() {
@@ -369,7 +370,7 @@ impl<T: Scalar> Builder<'_, T> {
             }
             Some(number) => {
                 self.bushings[number] = Some(BushingPlace::Mount(self.system.limbs.len()));
-                // The z axis has exactly its direction, and the x axis is normal to it.
+                // The z axis is exactly along the direction for it, and the x axis is normal to the z axis.
                 let part = &self.compliance.bushings[number];
                 let [x, z] = part.directions(self.mechanism, self.design);
                 let z = z.normalised();
@@ -434,8 +435,8 @@ impl<T: Scalar> Builder<'_, T> {
     }
 }
 
-/// Returns axes as columns. The x axis is along the first vector. The z axis is along the component of the second
-/// vector that is normal to x.
+/// Returns the axes of a bushing as columns. The x axis is along the first vector. The z axis is along the component of
+/// the second vector that is normal to x.
 fn axes_of<T: Scalar>([x, z]: [Vector3<T>; 2]) -> Matrix3<T> {
     let x = x.normalised();
     let z = z.across(x).normalised();

@@ -1,13 +1,15 @@
 //! Bushing between two bodies.
 //!
-//! Body i holds the bushing's axes A (rows), and body j moves in the frame of body i. The bushing's points are p_i and p_j,
-//! and R_i and R_j are the rotations of the bodies. A' is the transpose of A. With e = p_j - p_i,
+//! A bushing connects body i, which holds the bushing's axes A (rows), to body j, which moves in the frame of body i. The
+//! bushing's points on the bodies are p_i and p_j, and R_i and R_j are the rotations of the bodies. A' is the transpose
+//! of A. With e = p_j - p_i, the deflection d and the rotation vector phi along the bushing's axes are
 //!
 //! ```text
 //! d = A R_i' e,   phi = A log(R_i' R_j)                                                           (1)
 //! ```
 //!
-//! The laws give the forces f(d) and the torques g(phi) along and about the axes. Their energy changes by
+//! The laws give the forces f(d) and the torques g(phi) along and about the axes of the bushing. Their energy E changes
+//! by
 //!
 //! ```text
 //! dE = F.(dp_j - dp_i - w_i x e) + M.(w_j - w_i),   F = B f,   M = B h,   B = R_i A'              (2)
@@ -26,9 +28,10 @@ use super::algebra::Logarithm;
 use super::law::Law;
 use crate::number::{Matrix3, Outlined, SimdReal, Valued, Vector3, outlined};
 
-/// If the square of the angle is below this limit, power series compute c and its derivative.
+/// If the square of the bushing's rotation angle t is below this limit, power series compute c of equation (4) and its
+/// derivative.
 const SMALL_ANGLE_SQUARED: f64 = 0.25;
-/// Coefficients |B_2k|/(2k)! of the powers of t^2 in c, from the highest power.
+/// Coefficients |B_2k|/(2k)! (Bernoulli numbers B) of the powers of t^2 in c of equation (4), from the highest power.
 const SERIES: [f64; 7] = [
     1.0 / 74_724_249_600.0,
     691.0 / 1_307_674_368_000.0,
@@ -39,7 +42,7 @@ const SERIES: [f64; 7] = [
     1.0 / 12.0,
 ];
 
-/// Bushing in the design position.
+/// Bushing in the design position, between body i and body j.
 #[derive(Clone, Debug)]
 pub(super) struct Bushing<T> {
     /// Axes of the bushing as columns, A'.
@@ -53,13 +56,13 @@ pub(super) struct Bushing<T> {
 pub(super) struct BushingState<T> {
     pub(super) deflection: Vector3<T>,
     pub(super) rotation: Vector3<T>,
-    /// Force f on body i. Body j receives the opposite force.
+    /// Force f on body i (see equation (2) of this module). Body j receives the opposite force.
     pub(super) force: Vector3<T>,
-    /// Torque h on body i. Body j receives the opposite torque.
+    /// Torque h on body i, by equation (3) of this module. Body j receives the opposite torque.
     pub(super) torque: Vector3<T>,
 }
 
-/// Force F and torque M of equation (2), with their tangents B K B' and B N B' of equation (5).
+/// Force F and torque M of equation (2), with their tangents B K B' and B N B' of equation (5) of this module.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BushingForce<T> {
     pub(super) force: Vector3<T>,
@@ -87,7 +90,7 @@ fn coefficient<T: Valued>(rotation: &Logarithm<T>) -> (T, T) {
     large
 }
 
-/// Power series of the coefficient c and of its derivative.
+/// Power series of the coefficient c of equation (4), and of its derivative. The argument is t^2.
 #[inline(always)]
 fn small_coefficient<T: Valued>(square: T) -> (T, T) {
     let (mut value, mut slope) = (square.constant(SERIES[0]), square.zero());
@@ -98,7 +101,8 @@ fn small_coefficient<T: Valued>(square: T) -> (T, T) {
     (value, slope + slope)
 }
 
-/// Coefficient c of a large angle. Few angles are large, so this code is compiled as a separate function.
+/// Coefficient c of equation (4) for a large angle. Few angles are large, so this code is compiled as a separate
+/// function.
 struct LargeCoefficient<T>(Logarithm<T>);
 
 impl<T: Valued> Outlined for LargeCoefficient<T> {
@@ -119,7 +123,7 @@ impl<T: Valued> Outlined for LargeCoefficient<T> {
     }
 }
 
-/// Terms from which the matrix N of equation (6) is computed.
+/// Terms from which the matrix N of equation (6) of this module is computed.
 struct TorqueTangent<T> {
     phi: Vector3<T>,
     g: Vector3<T>,
@@ -133,7 +137,7 @@ struct TorqueTangent<T> {
 }
 
 impl<T: Valued> TorqueTangent<T> {
-    /// Returns the column of N for a rotation about this unit vector.
+    /// Returns the column of N for a rotation about the axis `unit`.
     #[inline(always)]
     fn column(&self, unit: Vector3<T>) -> Vector3<T> {
         let TorqueTangent {
@@ -154,7 +158,8 @@ impl<T: Valued> TorqueTangent<T> {
 }
 
 impl<T: Valued> Bushing<T> {
-    /// Returns deflection and force. `e` is in the axes of body i, and `turn` is R_i' R_j - I.
+    /// Returns deflection and force of the bushing. `e` is the vector e of equation (1), in the axes of body i, and
+    /// `turn` is R_i' R_j - I.
     #[inline(always)]
     pub(super) fn state(&self, e: Vector3<T>, turn: &Matrix3<T>) -> BushingState<T> {
         let rotation = Logarithm::of(turn);
@@ -192,8 +197,8 @@ impl<T: Valued> Bushing<T> {
         (Vector3::new(x.0, y.0, z.0), Vector3::new(x.1, y.1, z.1))
     }
 
-    /// Returns forces and tangents. `e` and the results are in the axes in which body i has the rotation `body` (R_i);
-    /// `None` for a body at rest.
+    /// Returns force and torque of the bushing with their tangents. `e` and the results are in the axes in which body i
+    /// has the rotation `body` (R_i). `body` is `None` for a body at rest.
     #[inline(always)]
     pub(super) fn force(
         &self,
@@ -259,8 +264,8 @@ impl<T: Valued> Bushing<T> {
         }
     }
 
-    /// Stiffness against shifts at zero deflection, without forces and without torsional stiffness. The calculation of the
-    /// forces at the design load uses it.
+    /// Stiffness of the bushing against shifts at zero deflection, without forces and without torsional stiffness. The
+    /// calculation of the forces at the design load uses it.
     pub(super) fn slack(&self) -> BushingForce<T> {
         let like = self.axes.columns[0].x;
         let nothing = Matrix3::null(like);

@@ -1,7 +1,7 @@
 //! Characteristics of the wheel in an equilibrium, and their derivatives with respect to wheel travel.
 //!
-//! The formulas are those of the catalogue. Velocities are derivatives of the equilibrium with respect to wheel travel,
-//! with the rack held and without horizontal loads.
+//! The formulas come from the catalogue of characteristics. Velocities are derivatives of the equilibrium with respect to
+//! wheel travel, with the rack held and without horizontal loads.
 
 use super::derivatives::Tangent;
 use super::wheel::{Change, ElasticWheel, Equilibrium};

@@ -40,7 +40,7 @@ impl<T: Scalar> Coupling<T> {
 }
 
 /// Forces of the parts that one holder (body or subframe) carries, in the axes of this holder. The forces depend on the
-/// carrier's pose relative to the holder, and on [`EXTRA`] further coordinates.
+/// carrier's pose relative to the holder, and on [`EXTRA`] further coordinates (rack, anti-roll bar, spring's upper end).
 pub(super) struct InFrame<T> {
     sum: Sum<T>,
     force: [T; EXTRA],
@@ -119,7 +119,7 @@ impl<T: Scalar> InFrame<T> {
         }
     }
 
-    /// Adds the forces on the carrier, on the rack and on the twist of the bar.
+    /// Adds the forces of the parts on the carrier, on the rack and on the twist of the anti-roll bar.
     fn add_scalars(&self, equations: &mut Equations<T>, coupling: &mut Coupling<T>) {
         self.add_carrier(equations);
         for (k, shared) in [RACK, TWIST].into_iter().enumerate() {
@@ -266,7 +266,7 @@ impl<T: Scalar> InFrame<T> {
         self.add_scalars_on_subframe(pose, coupling);
     }
 
-    /// Adds the coupling of rack and twist with the subframe.
+    /// Adds the coupling of the rack's shift and the bar's twist with the subframe.
     fn add_scalars_on_subframe(&self, pose: &Pose<T>, coupling: &mut Coupling<T>) {
         let r = pose.lever;
         for (k, shared) in [RACK, TWIST].into_iter().enumerate() {

@@ -23,7 +23,7 @@ pub struct BushingPart<T = f64> {
     pub point: PointId,
     /// Force laws along the bushing's axes, and torque laws about them.
     pub shapes: [Shape<T>; 6],
-    /// Constant forces and torques that are added to those of the laws.
+    /// Constant forces and torques that are added to the forces and torques of the laws.
     pub preload: [T; 6],
     /// Direction of the bushing's x axis in the design position, in the kernel's frame; `None` for the default. The x axis
     /// of a strut's mount is the component normal to its z axis.
@@ -38,11 +38,11 @@ pub struct BushingPart<T = f64> {
 pub struct SubframeMount<T = f64> {
     /// Name of the mount.
     pub name: String,
-    /// Position in the design position, in the kernel's frame.
+    /// Position of the mount in the design position, in the kernel's frame.
     pub at: Vector3<T>,
     /// Laws along and about the mount's axes.
     pub shapes: [Shape<T>; 6],
-    /// Constant forces and torques that are added to those of the laws.
+    /// Constant forces and torques that are added to the forces and torques of the laws.
     pub preload: [T; 6],
     /// Direction of the mount's x axis; `None` for forward.
     pub x_axis: Option<Vector3<T>>,
@@ -177,9 +177,9 @@ pub enum LinkMember {
 /// Axial stiffness of a link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AxialStiffness<T = f64> {
-    /// Force per length. This rate does not change if hardpoints move.
+    /// Force per change of length. This rate does not change if hardpoints move.
     Rate(T),
-    /// Force per strain. The rate is this number divided by the length.
+    /// Force per strain. The rate of the link is this number divided by the link's length.
     PerStrain(T),
 }
 

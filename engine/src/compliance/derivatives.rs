@@ -19,8 +19,8 @@ use super::wheel::{Change, ElasticWheel, Equilibrium, HeldQuantity};
 use crate::linear::square::{MOST, SquareLu};
 use crate::number::{Dual, Each, Jet, Scalar, Valued, Vector3};
 
-/// Factorised equations of an equilibrium, with one quantity held. All derivatives with respect to loads and travel use
-/// these equations.
+/// Factorised equations of an equilibrium, with the wheel height or the wheel load held. All derivatives with respect to
+/// loads and travel use these equations.
 #[derive(Clone, Debug)]
 pub struct Tangent<T: Valued = f64> {
     pub(super) state: State<T>,
@@ -30,8 +30,8 @@ pub struct Tangent<T: Valued = f64> {
 }
 
 impl<T: Scalar> ElasticWheel<T> {
-    /// Adds derivatives to an equilibrium of the same design. `task` contains the loads with their derivatives. `None`
-    /// if the tangent is singular.
+    /// Adds derivatives with respect to inputs to an equilibrium of the same design. `task` contains the loads with their
+    /// derivatives. `None` if the tangent (matrix of the equations) is singular.
     pub(super) fn carried(&self, at: &State<f64>, task: &Task<T>) -> Option<Equilibrium<T>> {
         let system = &self.built.system;
         let like = system.like();
@@ -48,7 +48,7 @@ impl<T: Scalar> ElasticWheel<T> {
         })
     }
 
-    /// Computes the tangent in an equilibrium. `None` if it is singular.
+    /// Computes the tangent (factorised equations) in an equilibrium. `None` if the equations are singular.
     pub fn tangent(&self, at: &Equilibrium<T>, held: HeldQuantity) -> Option<Tangent<T>> {
         let (state, task) = self.held_as(at, held);
         let equations = self.built.system.equations(&state, &task, None).ok()?;
@@ -155,7 +155,7 @@ impl<T: Scalar> ElasticWheel<T> {
         moving
     }
 
-    /// Converts an equilibrium to a state and its inputs, in which another quantity is held.
+    /// Converts an equilibrium to a state and its inputs, in which the quantity `held` stays fixed.
     pub(super) fn held_as(&self, from: &Equilibrium<T>, held: HeldQuantity) -> (State<T>, Task<T>) {
         self.built
             .system
@@ -164,7 +164,7 @@ impl<T: Scalar> ElasticWheel<T> {
 }
 
 impl<T: Valued> System<T> {
-    /// Converts a state and its inputs, so that another quantity is held.
+    /// Converts a state and its inputs, so that the quantity `held` stays fixed in them.
     #[inline(always)]
     pub(super) fn held_as(
         &self,

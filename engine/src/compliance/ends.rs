@@ -1,12 +1,13 @@
 //! Ends of equilibrium: the travel, rack displacement or load beyond which the search finds no stable equilibrium.
 //!
-//! The search increases a value from a known equilibrium, in steps of at most a twentieth of the value. Near zero, steps are
-//! relative to a typical value. Newton's method starts each state from the previous state. After a step without a stable
-//! equilibrium, the search halves the step. After a success, it doubles the step. The search ends when the step is 1e-10 of
-//! the value. It also ends at the largest value. Beyond a limit of the driving force, a step counts as failed.
+//! The search increases a value (travel, rack displacement or load) from a known equilibrium, in steps of at most a
+//! twentieth of the value. Near zero, steps are relative to a typical value. Newton's method starts each state from the
+//! previous state. After a step without a stable equilibrium, the search halves the step. After a success, it doubles the
+//! step. The search ends when the step is 1e-10 of the value. It also ends at the largest value. If the force that drives
+//! the motion exceeds its limit, a step counts as failed.
 //!
-//! At such an end the tangent is singular: a motion has no stiffness. With the tangent K and the motion x that inverse
-//! iteration finds, a part gives way if
+//! At such an end the tangent is singular: a motion has no stiffness. K is the tangent (stiffness matrix), and x the
+//! motion that inverse iteration finds. A part gives way if
 //!
 //! ```text
 //! |K^-1 x| at the end  >  100 |K^-1 x| at the start                                               (1)
@@ -27,7 +28,7 @@ use crate::axle::Stop;
 use crate::model::LengthUnit;
 use crate::number::Each;
 
-/// Force (N) at which the search along a motion ends.
+/// Driving force (N) at which the search along a motion ends.
 pub const LARGEST_FORCE: f64 = 1e6;
 /// Force (N) at which the search along a load ends.
 const LARGEST_LOAD: f64 = 1e6;
@@ -41,15 +42,17 @@ const USUAL_TRAVEL: f64 = 20.0;
 const USUAL_LOAD: f64 = 1000.0;
 /// Typical moment, N m.
 const USUAL_MOMENT: f64 = 100.0;
-/// Largest step, as a fraction of the value or of the larger typical value.
+/// Largest step of the search, as a fraction of the value or of the larger typical value.
 const LARGEST_STEP: f64 = 0.05;
-/// Smallest step, as a fraction of the value or of the larger typical value. At this step, the search has found an end.
+/// Smallest step of the search, as a fraction of the value or of the larger typical value. At this step, the search has
+/// found an end.
 const RESOLUTION: f64 = 1e-10;
-/// Largest number of steps in one direction. Without failures, 162 steps reach a thousand times the typical value.
+/// Largest number of steps of the search in one direction. Without failures, 162 steps reach a thousand times the typical
+/// value.
 const MOST_TRIES: usize = 4000;
 /// A force below minus this value (N) counts as negative. Smaller negative forces are rounding errors.
 pub(super) const NEGATIVE: f64 = 1e-6;
-/// Factor 100 in (1), above which a part gives way.
+/// Factor 100 in equation (1) of this module, above which a part gives way.
 const SOFTENING: f64 = 100.0;
 
 /// Reason why no equilibrium is found beyond a state.
@@ -57,14 +60,14 @@ const SOFTENING: f64 = 100.0;
 pub enum EndCause {
     /// A motion of a part has no stiffness.
     GivesWay {
-        /// Name of the part.
+        /// Name of the part that gives way.
         part: String,
         /// Direction of the motion.
         motion: Motion,
     },
     /// The equilibrium is no longer stable, but every motion has stiffness. The fields describe the softest motion.
     Unstable {
-        /// Name of the part.
+        /// Name of the part with the softest motion.
         part: String,
         /// Direction of the motion.
         motion: Motion,
@@ -119,7 +122,7 @@ pub(super) fn is_slack(spring: &SpringReading) -> bool {
 /// End of equilibrium in one direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EquilibriumEnd {
-    /// Last value with an equilibrium.
+    /// Last value of the travel, rack displacement or load with an equilibrium.
     pub value: f64,
     /// Cause of the end.
     pub cause: EndCause,
@@ -128,10 +131,10 @@ pub struct EquilibriumEnd {
     pub events: Vec<(Event, f64)>,
 }
 
-/// Range of values in which the search looks for an end.
+/// Range of travels, rack displacements or loads in which the search looks for an end.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
-    /// Typical value. If the present value is smaller, steps are relative to the typical value.
+    /// Typical value in this range. If the present value is smaller, steps are relative to the typical value.
     usual: f64,
     /// Value at which the search ends; negative in the negative direction.
     farthest: f64,
@@ -171,7 +174,7 @@ impl Way {
 pub(super) enum Refusal {
     /// No equilibrium exists. The first field is the index of the wheel, for an axle.
     Obstacle(Option<usize>, Obstacle),
-    /// The force is too large.
+    /// The force that drives the motion is too large.
     Force(DrivingForce),
     /// An event has happened.
     Event,
@@ -248,13 +251,14 @@ pub(super) trait Followable {
     fn force(&self, of: DrivingForce, state: &Self::State, task: &Self::Task) -> f64;
     /// Returns true if an event has happened.
     fn is_past(&self, event: Event, state: &Self::State, task: &Self::Task) -> bool;
-    /// Returns the size |K^-1 x| of the softest motion in (1), the part that moves, and the direction of the motion.
+    /// Returns the size |K^-1 x| of the softest motion in equation (1) of this module, the part that moves, and the
+    /// direction of the motion.
     fn softest_motion(
         &self,
         state: &Self::State,
         task: &Self::Task,
     ) -> Option<(f64, (String, Motion))>;
-    /// Returns the name of a part whose unknowns are eliminated, and the direction in which this part moves without
+    /// Returns the name of a part with its own degrees of freedom, and the direction in which this part moves without
     /// stiffness.
     fn limb(&self, side: Option<usize>, limb: usize) -> (String, Motion);
 
@@ -325,7 +329,7 @@ pub(super) trait Followable {
         }
     }
 
-    /// Finds the cause of an end.
+    /// Finds the cause of an end of equilibrium.
     fn cause(
         &self,
         state: &Self::State,

@@ -11,16 +11,16 @@ pub enum ElasticFault {
     Loose {
         /// Name of the part.
         part: String,
-        /// Free direction.
+        /// Direction in which the part moves without stiffness.
         motion: Motion,
     },
-    /// Forces at the design load cannot be computed, because only the torsional stiffness of bushings resists one of
-    /// the motions.
+    /// Forces at the design load cannot be computed, because only the torsional stiffness of bushings resists a motion of
+    /// the part.
     NoBalance {
-        /// Name of the part.
+        /// Name of the part that only torsional stiffness holds.
         part: String,
     },
-    /// A bushing needs a certain force for balance at the design load, but its force curve does not contain this force.
+    /// A bushing needs a certain force for balance at the design load, but no point of its force curve has this force.
     OutOfReach {
         /// Name of the bushing, or of the mount of the subframe.
         bushing: String,
@@ -54,12 +54,13 @@ pub enum Motion {
 /// What is missing at a state that has no result.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Lack {
-    /// The solver found no equilibrium beyond a fraction of the change.
+    /// The solver found no equilibrium beyond a fraction of the requested change of loads, travel and rack.
     Equilibrium,
-    /// The solver reached no fraction of its last change, because the equilibrium that it found is not stable.
+    /// The equilibrium that the solver found is not stable. So the solver reached no fraction of its last change of
+    /// loads, travel and rack.
     Stability,
-    /// The equilibrium is not stable, because at most the torsional stiffness of bushings holds a part. The text is the name of
-    /// this part.
+    /// The equilibrium is not stable, because nothing but the torsional stiffness of bushings holds a part. The text is
+    /// the name of this part.
     Stiffness(String),
     /// The equilibrium has no derivatives, because its equations are singular.
     Derivatives,
@@ -70,8 +71,8 @@ pub enum Lack {
 /// Reason why there is no equilibrium, or no result in an equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoEquilibrium {
-    /// Fraction of the change that the solver reached, from 0 (no part of the change) to 1 (full change). In a level of a
-    /// test, the change starts at zero load.
+    /// Fraction of the change of loads, travel and rack that the solver reached, from 0 (no part of the change) to 1
+    /// (full change). In a level of a test, the change starts at zero load.
     pub share: f64,
     /// Kind of the failure.
     pub lack: Lack,
@@ -143,8 +144,8 @@ impl NoEquilibrium {
         }
     }
 
-    /// Lack of an equilibrium after a fraction of the change, or of its stability. `barely_held` returns the part that at most
-    /// the torsional stiffness of bushings holds.
+    /// Selects the failure after a fraction `share` of the change: no equilibrium, or no stability. `barely_held` returns
+    /// the part that nothing but the torsional stiffness of bushings holds.
     pub(super) fn lack(
         share: f64,
         obstacle: &Obstacle,

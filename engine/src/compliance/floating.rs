@@ -17,16 +17,17 @@ use crate::number::{Matrix3, Real, Valued, Vector3, outlined};
 /// Link with a bushing at the carrier. Its reference point is its inner end.
 #[derive(Clone, Debug)]
 pub(super) struct Floating<T> {
-    /// Vector from the inner to the outer end.
+    /// Vector from the inner to the outer end of the link, in the design position.
     pub(super) along: Vector3<T>,
     pub(super) on_rack: bool,
     /// Bushing at the inner end; `None` for a ball joint.
     pub(super) inner: Option<Bushing<T>>,
     /// Bushing at the carrier.
     pub(super) outer: Bushing<T>,
-    /// Vector from the carrier's reference point to the outer end.
+    /// Vector from the carrier's reference point to the outer end of the link.
     pub(super) joint: Vector3<T>,
-    /// Vector along the link's line. The square of the vector's length is a stiffness, as in `Swinging::spin`.
+    /// Vector along the link's line. The square of its length is a stiffness against rotation about this line, as in
+    /// `Swinging::spin`.
     pub(super) spin: Vector3<T>,
 }
 
@@ -54,7 +55,7 @@ impl<T: Valued> Floating<T> {
         (e, turn)
     }
 
-    /// Returns the states of the bushings: first the inner bushing, then the outer bushing.
+    /// Returns the states of the link's bushings: first the inner bushing, then the outer bushing.
     pub(super) fn bushing_states(
         &self,
         at: &Conditions<T>,
@@ -186,7 +187,7 @@ struct LinkBlocks<T: Valued> {
 }
 
 impl<T: Valued> LinkBlocks<T> {
-    /// Eliminates `N` unknowns, starting with the unknown of index `first`.
+    /// Eliminates `N` unknowns of the link from its equations, starting with the unknown of index `first`.
     #[inline(always)]
     fn eliminate<const N: usize>(
         &self,
@@ -239,7 +240,7 @@ impl<T: Valued> LinkBlocks<T> {
     }
 }
 
-/// Entries of four blocks, row by row.
+/// Entries of four 3 x 3 blocks as a 6 x 6 matrix, row by row.
 #[inline(always)]
 fn by_rows<T: Valued>(blocks: &[[Matrix3<T>; 2]; 2]) -> [[T; 6]; 6] {
     let mut rows = [[blocks[0][0].columns[0].x; 6]; 6];

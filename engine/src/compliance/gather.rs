@@ -1,4 +1,4 @@
-//! Sums of the forces and tangents of a wheel's parts.
+//! Sums of the forces of a wheel's parts and of their tangents (derivatives with respect to displacements).
 
 use super::ground::{Frames, Holder};
 use super::limb::{Beside, Sum};
@@ -14,8 +14,9 @@ pub(super) struct Gathered<T> {
     /// Gap of each rigid joint, and the derivatives of the gap with respect to the carrier's motion, in the axes of the
     /// joint's holder.
     pub(super) joints: [(T, [T; 6]); MOST_JOINTS],
-    /// Forces of the parts that also depend on coordinates other than the carrier's. Each entry contains the index of
-    /// the part, the body that holds it, and its forces. A bar on a rigid part has the index [`MOST_LIMBS`].
+    /// Forces of the parts that also depend on coordinates in [`Beside`]: the displacement of a spring's upper end, or
+    /// the twist of the anti-roll bar. Each entry contains the index of the part, the body that holds it, and its forces.
+    /// A bar on a rigid part has the index [`MOST_LIMBS`].
     pub(super) beside: Vec<(usize, Holder, Beside<T>)>,
 }
 

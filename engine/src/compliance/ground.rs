@@ -34,7 +34,7 @@ pub(super) const RACK: usize = 6;
 /// Index of the bar's twist among the shared unknowns.
 pub(super) const TWIST: usize = 7;
 
-/// Body that holds the inner end of a part.
+/// Body that holds the inner end of a part: body of the vehicle, or subframe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Holder {
     Body,
@@ -91,7 +91,7 @@ pub(super) struct Surroundings<T> {
 }
 
 impl<T: Valued> Surroundings<T> {
-    /// Positions of the shared bodies, of which only the rack is displaced.
+    /// Positions of the shared bodies if only the rack is displaced.
     #[inline(always)]
     pub(super) fn of_rack(rack: T) -> Self {
         Surroundings {
@@ -101,7 +101,7 @@ impl<T: Valued> Surroundings<T> {
         }
     }
 
-    /// Converts the positions to the axes of the other wheel.
+    /// Converts the positions of the shared bodies to the axes of the other wheel.
     pub(super) fn mirrored(&self) -> Self {
         let Placed { shift, turn } = &self.subframe;
         let [a, b, c] = turn.columns;
@@ -158,7 +158,7 @@ pub(super) struct Coupling<T> {
     pub(super) own: [[T; SHARED]; SHARED],
     pub(super) by_corner: [[T; MOST]; SHARED],
     pub(super) corner_by: [[T; SHARED]; MOST],
-    /// Responses of those parts with their own degrees of freedom that also depend on the coordinates in `Beside`. Each
+    /// Responses of the parts that have their own degrees of freedom and also depend on the coordinates in `Beside`. Each
     /// response is stored with the index of its part.
     pub(super) beside: Vec<(usize, [[T; BESIDE]; 6])>,
 }
@@ -254,7 +254,7 @@ impl<T: Scalar> System<T> {
     }
 
     /// Returns the step of the carrier, and the step of the coordinates in [`Beside`]. Both steps are relative to the
-    /// body that holds the part `limb` (a part with its own degrees of freedom).
+    /// body that holds the part `limb` (index of a part with its own degrees of freedom).
     pub(super) fn seen_step(
         &self,
         limb: usize,
@@ -274,8 +274,8 @@ impl<T: Scalar> System<T> {
         )
     }
 
-    /// Returns the step of the carrier, and the step of the coordinates in [`Beside`]. Both steps are relative to a
-    /// holder.
+    /// Returns the step of the carrier, and the step of the coordinates in [`Beside`]. Both steps are relative to the
+    /// body `holder`, and to the rack if `on_rack` is true.
     pub(super) fn seen_by(
         &self,
         holder: Holder,
@@ -321,12 +321,12 @@ impl<T: Scalar> System<T> {
     }
 }
 
-/// Present position of the subframe, with the vectors of equations (1) to (4).
+/// Present position of the subframe, with the vectors of equations (1) to (4) of this module.
 pub(super) struct Pose<T> {
     pub(super) rotation: Matrix3<T>,
-    /// Vector r of equation (1).
+    /// Vector r of equation (1) of this module, from the subframe's reference point S to the carrier's reference point O.
     pub(super) lever: Vector3<T>,
-    /// Vector p of equation (4) for the spring's upper end.
+    /// Vector p of equation (4) of this module, from the subframe's reference point to the spring's upper end.
     pub(super) upper: Option<Vector3<T>>,
     /// True while the program computes the forces at the design load (see [`Conditions::balance_only`]). Then forces do
     /// not rotate with the subframe, and their lever arms stay constant.
@@ -346,7 +346,7 @@ impl<T: Valued> Pose<T> {
 }
 
 impl<T: Valued> SubframePart<T> {
-    /// Returns the displacements and options relative to the subframe.
+    /// Returns the displacements of a wheel's parts and the options, relative to the subframe.
     fn seen(&self, body: &Conditions<T>, subframe: &Placed<T>) -> Conditions<T> {
         let back = subframe.turn.transposed();
         let unturned = |v: Vector3<T>| v + back.apply(v);
@@ -376,7 +376,7 @@ impl<T: Valued> SubframePart<T> {
         }
     }
 
-    /// Adds the forces of the mounts at the body.
+    /// Adds the forces of the subframe's mounts at the body.
     fn add_mounts(&self, frames: &Frames<T>, around: &Surroundings<T>, coupling: &mut Coupling<T>) {
         let mut sum = Sum::zero(around.rack);
         for mount in &self.mounts {

@@ -125,7 +125,7 @@ impl Compliance {
     }
 }
 
-/// Elastic suspension whose numbers are recorded on a tape.
+/// Elastic suspension whose numbers are recorded on a tape, for derivatives with respect to inputs.
 #[derive(Clone, Debug)]
 pub struct OnTape<'t> {
     /// The suspension.

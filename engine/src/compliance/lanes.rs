@@ -3,11 +3,11 @@
 //! Each lane solves the equations of one wheel (`system.rs`) with the convergence check of `solve.rs`. A lane that has
 //! converged keeps its state while other lanes continue. So the results of a lane do not depend on the content or the
 //! number of the other lanes, to the last bit. In lanes, a product and a following sum are rounded only once. So the
-//! results differ from those of the solver for one wheel by rounding errors.
+//! results differ from the results of the solver for one wheel by rounding errors.
 //!
-//! Lanes first try the whole change in one step. If this step fails for a travel and the design position is an
-//! equilibrium, they try two, four and eight equal steps. If a lane needs even smaller steps, or its equilibrium is not
-//! stable, the lane has no result. The solver for one wheel then solves this wheel from the beginning.
+//! Lanes first try the whole change of travel, rack or loads in one step. If this step fails for a travel and the design
+//! position is an equilibrium, they try two, four and eight equal steps. If a lane needs even smaller steps, or its
+//! equilibrium is not stable, the lane has no result. The solver for one wheel then solves this wheel from the beginning.
 
 #![expect(
     clippy::needless_range_loop,
@@ -165,8 +165,8 @@ impl<B: SimdReal> WheelsInLanes<B> {
         found
     }
 
-    /// Finds the equilibria after a change in `parts` equal steps. `task` returns the inputs of the equilibria after a
-    /// fraction of the change.
+    /// Finds the equilibria after a change of travel and rack in `parts` equal steps. `task` returns the inputs of the
+    /// equilibria after a fraction of the change.
     #[inline(always)]
     fn in_parts(
         &self,
@@ -310,7 +310,7 @@ fn stable_lanes<B: SimdReal>(
     is_stable
 }
 
-/// Returns true if the equilibrium in a lane is stable, from the equations of this lane.
+/// Returns true if the equilibrium in a lane is stable, given the equations of this lane.
 fn is_stable_lane(entries: &[[[f64; MOST_LANES]; 6]], bounds: Bounds, lane: usize) -> bool {
     let mut rows = [[0.0; 6]; MOST];
     for (row, entries) in rows.iter_mut().zip(entries) {

@@ -4,8 +4,9 @@
 //! f = shape(d + d0) + offset                                                                      (1)
 //! ```
 //!
-//! f0 and d0, with shape(d0) = f0, are force and deflection at the design load. d0 is 0 for torques. It is also 0 if the
-//! parts are not relaxed at the design load. The offset is a constant preload, as in Adams. The shape is
+//! d is the deflection from the design position. At the design load, the law has the force f0 and the deflection d0, with
+//! shape(d0) = f0. d0 is 0 for torques. It is also 0 if the parts are not relaxed at the design load. The offset is a
+//! constant preload, as in Adams. The shape is
 //!
 //! ```text
 //! k d + c d^3,   or a curve through points                                                        (2)
@@ -32,13 +33,13 @@ pub enum Shape<T = f64> {
     Curve {
         /// Points of the curve.
         curve: ForceCurve,
-        /// Factor on the forces.
+        /// Factor on the forces of the curve.
         scale: T,
     },
 }
 
 impl Shape {
-    /// Slope at zero deflection, for a law without preload.
+    /// Slope at zero deflection: force per deflection, for a law without preload.
     pub fn initial_rate(&self) -> f64 {
         self.slope(0.0)
     }
@@ -61,7 +62,7 @@ impl<T: Copy> Shape<T> {
 }
 
 impl<T: Valued> Shape<T> {
-    /// Returns the force and its slope at a deflection.
+    /// Returns the force and the slope of the shape at a deflection.
     #[inline(always)]
     pub(super) fn at(&self, deflection: T) -> (T, T) {
         match self {
@@ -77,7 +78,7 @@ impl<T: Valued> Shape<T> {
         }
     }
 
-    /// Returns the slope at zero deflection.
+    /// Returns the slope of the shape at zero deflection.
     pub(super) fn slope(&self, like: T) -> T {
         self.at(like.zero()).1
     }
@@ -123,7 +124,7 @@ impl<T: Scalar> Shape<T> {
     }
 }
 
-/// Law with its preload.
+/// Law of a bushing or link along one axis, with its preload.
 #[derive(Clone, Debug)]
 pub(super) struct Law<T> {
     pub(super) shape: Shape<T>,
@@ -156,7 +157,7 @@ impl<T: Valued> Law<T> {
         }
     }
 
-    /// Returns force and slope at a deflection from the design position, by equation (1).
+    /// Returns force and slope of the law at a deflection from the design position, by equation (1) of this module.
     #[inline(always)]
     pub(super) fn at(&self, deflection: T) -> (T, T) {
         match &self.shape {
@@ -211,8 +212,8 @@ impl<T: Scalar> Law<T> {
 mod tests {
     use super::*;
 
-    /// At the design position, the law has the given force plus the offset. At another deflection, it equals the unloaded
-    /// law, shifted by d0.
+    /// At the design position, the law has the given force f0 plus the offset. At another deflection, it equals the law
+    /// without preload, shifted by d0.
     #[test]
     fn a_preloaded_law_is_the_unloaded_one_moved() {
         let cubic = Shape::Cubic {

@@ -1,9 +1,10 @@
 //! Arms with rigid or elastic legs (rods) on which a spring or the drop link of an anti-roll bar acts.
 //!
-//! The spring or drop link acts at the seat, a point of the arm. The seat is fixed in the frame of the arm's axis e and
-//! outer joint. Let r be the unit vector from the axis to the joint, n = e x r, and l the joint's distance from the
-//! axis. Let b and c be the seat's distances along r and n, and r' and n' the transposes of r and n. A force F at the
-//! seat is equivalent to this force at the joint, with this tangent if F is constant:
+//! The spring or drop link acts at the seat, a point of the arm. The seat is fixed in the frame of the arm's axis (unit
+//! vector e) and outer joint. Let r be the unit vector from the axis to the joint, n = e x r, and l the joint's distance
+//! from the axis. Let b and c be the seat's distances along r and n, and r' and n' the transposes of r and n. A force F
+//! at the seat is equivalent to the following force at the joint. The tangent is its derivative with respect to the
+//! joint's displacement, if F is constant:
 //!
 //! ```text
 //! n p/l,   p = F.(b n - c r);   tangent -(p/l^2)(r n' + n r') - (F.(b r + c n)/l^2) n n'          (1)
@@ -28,7 +29,7 @@ pub(super) struct LegPoint<T> {
     pub(super) axis: Vector3<T>,
     /// Vector from the axis to the outer joint, normal to the axis.
     pub(super) radius: Vector3<T>,
-    /// Distances b and c of equation (1).
+    /// Distances b and c of the point, as in equation (1) of this module.
     pub(super) place: [T; 2],
 }
 
@@ -39,7 +40,8 @@ pub(super) struct LegSeat<T> {
     pub(super) seat: Seat<T>,
 }
 
-/// Present frame of an arm with legs: r, n/l, the vector b n - c r, and the displacement of the point.
+/// Present frame of an arm with legs: r, n, 1/l, the distances b and c of equation (1), and the displacement of the
+/// point.
 struct LegFrame<T> {
     radial: Vector3<T>,
     normal: Vector3<T>,
@@ -53,7 +55,7 @@ struct LegFrame<T> {
 }
 
 impl<T: Valued> LegFrame<T> {
-    /// Returns the force at the joint that is equivalent to a force at the point, by equation (1).
+    /// Returns the force at the outer joint that is equivalent to a force at the point, by equation (1) of this module.
     #[inline(always)]
     fn at_joint(&self, point: &PointForce<T>, balance_only: bool) -> PointForce<T> {
         let (r, n, [b, c]) = (self.radial, self.normal, self.place);
@@ -189,8 +191,8 @@ impl<T: Valued> LegSeat<T> {
     }
 }
 
-/// Drop link of an anti-roll bar. Its outer end is on the carrier, on an arm with legs, or on a rocker. The foot is then the
-/// outer end of the rocker's rod.
+/// Drop link of an anti-roll bar. Its outer end is on the carrier, on an arm with legs, or on a rocker. If it is on a
+/// rocker, the outer end of the rocker's rod takes its place in [`BarFoot`].
 #[derive(Clone, Debug)]
 pub(super) struct BarPart<T> {
     pub(super) foot: BarFoot<T>,
@@ -207,7 +209,7 @@ pub(super) enum BarFoot<T> {
 }
 
 impl<T: Valued> BarPart<T> {
-    /// Displacement of the foot.
+    /// Displacement of the outer end of the drop link (or of the rod of its rocker).
     fn displacement(&self, carrier: &Placed<T>) -> Vector3<T> {
         match &self.foot {
             BarFoot::Carrier(lever) => carrier.displacement(*lever),

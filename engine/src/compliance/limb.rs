@@ -2,7 +2,8 @@
 //!
 //! The inner unknowns y of a part are additional to the displacement x of the part's outer support. The support is the
 //! joint of an arm, or the whole carrier. The inner unknowns are eliminated from the equations. Let f and m be the
-//! derivatives of the energy with respect to x and y. The full Newton step, which needs no iteration for y, is
+//! derivatives of the energy with respect to x and y, and let the indices x and y mark derivatives. The full Newton step,
+//! which needs no iteration for y, is
 //!
 //! ```text
 //! dy = -(m_y^-1 m + m_y^-1 m_x dx)                                                                (1)
@@ -72,7 +73,8 @@ impl<T: Valued> Sum<T> {
         self.add_block(3, 3, by_turn);
     }
 
-    /// Adds a force at a point, by equation (3). `lever` is the vector from the reference point to this point.
+    /// Adds a force at a point, by equation (3) of this module. `lever` is the vector from the reference point to this
+    /// point.
     #[inline(always)]
     pub(super) fn add_point(&mut self, lever: Vector3<T>, point: &PointForce<T>) {
         outlined!(
@@ -123,7 +125,7 @@ impl<T: Valued> Conditions<T> {
         Vector3::new(zero, along, zero)
     }
 
-    /// Forces and tangents of a bushing.
+    /// Force and torque of a bushing, with their tangents.
     #[inline(always)]
     pub(super) fn force(
         &self,
@@ -156,7 +158,7 @@ pub(super) struct Beside<T> {
     pub(super) by_carrier: [[T; 6]; BESIDE],
     /// Tangent of the carrier's force and moment with respect to the additional coordinates.
     pub(super) carrier_by: [[T; BESIDE]; 6],
-    /// Response of the inner unknowns: dy = -(rest + by dx + inner_by de). The step de is that of the additional
+    /// Response of the inner unknowns: dy = -(rest + by dx + inner_by de), with the step de of the additional
     /// coordinates. The terms `rest` and `by` are in [`Followers`].
     pub(super) inner_by: [[T; BESIDE]; 6],
 }
@@ -221,7 +223,7 @@ impl<T: Valued> LimbState<T> {
     }
 }
 
-/// Response dy = -(rest + by dx) of the inner unknowns, by equation (1).
+/// Response dy = -(rest + by dx) of the inner unknowns to the displacement dx, by equation (1) of this module.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Followers<T> {
     pub(super) count: usize,
@@ -263,8 +265,8 @@ impl<T: Valued> Followers<T> {
         }
     }
 
-    /// Makes the response of a rocker whose rod acts on an arm. The arm moves with `joint`. `slide` contains the
-    /// derivative with respect to the rod's end, and the constant term.
+    /// Makes the response of a rocker whose rod acts on an arm. The arm moves with the joint at the vector `joint`.
+    /// `slide` contains the derivative of the rocker's rotation with respect to the rod's end, and its constant term.
     pub(super) fn of_joint(joint: Vector3<T>, slide: Option<(Vector3<T>, T)>) -> Self {
         let slide = slide.map(|(by, rest)| (joint.zero(), by, rest));
         Followers {
@@ -274,7 +276,7 @@ impl<T: Valued> Followers<T> {
         }
     }
 
-    /// Makes the response of a rocker whose rod acts on the carrier.
+    /// Makes the response of a rocker whose rod acts on the carrier. `slide` is as in [`Followers::slide`].
     pub(super) fn of_carrier(like: T, slide: Option<(Vector3<T>, Vector3<T>, T)>) -> Self {
         Followers {
             slide,
@@ -331,7 +333,7 @@ impl<T: Valued> Followers<T> {
     }
 }
 
-/// Result of the calculation of a part.
+/// Result of the calculation of a part: response, residuals and stability of its inner unknowns.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Evaluated<T: Valued> {
     pub(super) followers: Followers<T>,
@@ -345,7 +347,7 @@ pub(super) struct Evaluated<T: Valued> {
     pub(super) least_pivot: T::Plain,
 }
 
-/// Solved inner equations: m_y^-1 m, m_y^-1 m_x, and the smallest pivot divided by the largest.
+/// Solved inner equations: m_y^-1 m and m_y^-1 m_x of equation (1), and the smallest pivot divided by the largest.
 pub(super) struct Eliminated<T: Valued, const N: usize, const C: usize> {
     pub(super) rest: [T; N],
     pub(super) by: [[T; C]; N],
@@ -362,8 +364,8 @@ pub(super) fn tangent_of<T: Valued>(entry: T, is_correction: bool) -> T {
     }
 }
 
-/// Solves the inner equations. The function divides the pivots by the squares of the lengths `units`. `None` if a
-/// direction has no stiffness in every SIMD lane.
+/// Solves the inner equations of a part. The function divides the pivots by the squares of the lengths `units`. `None` if
+/// a direction has no stiffness in every SIMD lane.
 #[inline(always)]
 pub(super) fn eliminated<T: Valued, const N: usize, const C: usize>(
     own: [[T; N]; N],

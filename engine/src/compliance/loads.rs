@@ -52,7 +52,7 @@ impl<T: Real> WheelLoads<T> {
         }
     }
 
-    /// Returns the load at a fraction `share` of the way from this load to `to`. The trail is that of `to`.
+    /// Returns the load at a fraction `share` of the way from this load to the load `to`, with the trail of `to`.
     pub(super) fn towards(&self, to: &Self, share: T) -> Self {
         let from = self;
         let between = |a: Vector3<T>, b: Vector3<T>| a + (b - a) * share;
@@ -135,14 +135,14 @@ fn wrench<T: Real>(
 }
 
 impl<T: Valued> WheelPart<T> {
-    /// Force and moment of a load.
+    /// Force and moment of a load on the carrier, about the carrier's reference point.
     #[inline(always)]
     pub(super) fn wrench(&self, carrier: &Placed<T>, loads: &WheelLoads<T>) -> LoadWrench<T> {
         let axis = carrier.lever(self.spin_axis);
         wrench(loads, axis, carrier.lever(self.centre), self.radius)
     }
 
-    /// Subtracts the wrench of a load and its tangent from the sum.
+    /// Subtracts the force and moment of a load, and their tangent, from the sum.
     #[inline(always)]
     pub(super) fn subtract(&self, carrier: &Placed<T>, loads: &WheelLoads<T>, sum: &mut Sum<T>) {
         outlined!(

@@ -1,17 +1,16 @@
 //! Parts at the carrier itself: the top mount of a strut, a spring on the carrier, rigid rods and joints.
 //!
 //! **Top mount.** The strut's line is fixed in the carrier, along the unit vector a. A point of the carrier, at the
-//! vector l from the carrier's reference point, coincides with `strut_top` in the design position. The point of the
-//! mount is on the line, at the distance t from that point of the carrier. With the carrier's shift u and rotation R
-//! (D = R - I), the point of the mount moves by d. Small changes du and dt and a small rotation w change d by dd:
+//! vector l from the carrier's reference point, coincides with `strut_top` in the design position. The mount is on the
+//! line, at the distance t from that point of the carrier. With the carrier's shift u and rotation R (D = R - I), the
+//! mount moves by d. Small changes du and dt and a small rotation w change d by dd:
 //!
 //! ```text
 //! d = u + D l + a t,   dd = du + w x r + a dt,   r = R l + a t                                    (1)
 //! ```
 //!
-//! A bushing with three rates holds the point of the mount. The spring acts between its lower end on the carrier and the
-//! point of the mount. The rod can rotate freely about its line. The tilt of the strut from its direction a0 in the
-//! design position,
+//! A bushing with three rates holds the mount. The spring acts between its lower end on the carrier and the mount. The
+//! rod of the strut can rotate freely about its line. The tilt of the strut from its direction a0 in the design position,
 //!
 //! ```text
 //! q = (a0 x a) s/sin s,   cos s = a0.a                                                            (2)
@@ -59,7 +58,8 @@ impl<T: Valued> Mount<T> {
         at.carrier.displacement(self.top) + along * slide
     }
 
-    /// Returns the length of the spring, with its first and second derivative with respect to t.
+    /// Returns the length of the spring, with its first and second derivative with respect to the sliding distance t of
+    /// equation (1).
     fn spring_length(&self, slide: T) -> (T, T, T) {
         let moved = self.along * slide;
         let line = Stretched::of(self.spring_line, moved);
@@ -72,7 +72,7 @@ impl<T: Valued> Mount<T> {
         )
     }
 
-    /// Returns the tilt for a direction of the strut, by equation (2).
+    /// Returns the tilt for a direction `along` of the strut, by equation (2) of this module.
     fn tilt(&self, along: Vector3<T>) -> [T; 2] {
         let across = self.along.cross(along);
         let ratio = angle_by_sine(across.norm_squared(), self.along.dot(along));
@@ -101,7 +101,7 @@ impl<T: Valued> Mount<T> {
         }
     }
 
-    /// Adds the moment of the tilt and its tangent.
+    /// Adds the moment of the mount against the tilt, and its tangent.
     fn add_tilt(&self, along: Vector3<T>, sum: &mut Sum<T>) {
         let mut by_turn = Matrix3::null(along.x);
         let mut moment = by_turn.columns[0];

@@ -10,9 +10,10 @@
 //! The change of a rod's length is l - L = (2 v0.d + d.d)/(l + L), with the relative displacement d of its ends (2). This
 //! form keeps all digits.
 //!
-//! A rod with axial stiffness turns a rocker by theta about the rocker's axis. The balance of moments about this axis is a
-//! scalar equation, which eliminates theta. Let F be the force on the rod's outer end at p, and K = dF/dp. Let g be the
-//! moment about the axis, g' = dg/dtheta, and k = dg/dp with the transpose k'. Tangent, force and response are
+//! A rod with axial stiffness turns a rocker by theta about the rocker's axis. The balance of moments about this axis is
+//! a scalar equation, which eliminates theta. Let F be the force on the rod's outer end at p, and K = dF/dp. Let g be the
+//! moment about the axis, g' = dg/dtheta, and k = dg/dp with the transpose k'. The tangent, the force and the response of
+//! theta are
 //!
 //! ```text
 //! K - k k'/g',   F - k g/g',   dtheta = -(g + k.dp)/g'                                            (3)
@@ -92,8 +93,8 @@ impl<T: Valued> PointForce<T> {
         ]
     }
 
-    /// Makes the force of a tension, with its tangent by equation (1). The unit vector `u` points from the fixed to the
-    /// moving point.
+    /// Makes the force of a tension `pull`, with its tangent by equation (1) of this module. The unit vector `u` points
+    /// from the fixed to the moving point.
     #[inline(always)]
     pub(super) fn along(u: Vector3<T>, pull: T, rate: T, inverse_length: T) -> Self {
         let across = pull * inverse_length;
@@ -104,7 +105,7 @@ impl<T: Valued> PointForce<T> {
     }
 }
 
-/// Line between two points: change of its length, present length, and direction, by equation (2).
+/// Line between two points: change of its length by equation (2) of this module, present length, and direction.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stretched<T> {
     pub(super) stretch: T,
@@ -169,7 +170,7 @@ pub(super) struct BarSeat<T> {
     pub(super) rate: T,
 }
 
-/// Force of half an anti-roll bar at the point [`BarSeat::point`], by equation (4).
+/// Force of half an anti-roll bar at the point [`BarSeat::point`], by equation (4) of this module.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BarForce<T> {
     pub(super) point: PointForce<T>,
@@ -216,7 +217,8 @@ impl<T: Valued> BarSeat<T> {
     }
 }
 
-/// Response dtheta = -(rest + by.dp) of the rocker, by equation (3).
+/// Response dtheta = -(rest + by.dp) of the rocker's rotation theta to the displacement dp of the rod's outer end, by
+/// equation (3).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slide<T> {
     pub(super) by: Vector3<T>,
@@ -286,9 +288,9 @@ impl<T: Valued> Seat<T> {
         (lower - self.upper).norm()
     }
 
-    /// Returns the force for a displacement of the seat. If `balance_only` is true (forces at the design load), the result
-    /// omits the stiffness of the spring, the tension of an elastic rod and `held`. `slide` is tan(theta/2) of a rocker with
-    /// an elastic rod. `held` is an external moment about the rocker's axis.
+    /// Returns the force at the seat for a displacement of the seat. If `balance_only` is true (forces at the design
+    /// load), the result omits the stiffness of the spring, the tension of an elastic rod and `held`. `slide` is
+    /// tan(theta/2) of a rocker with an elastic rod. `held` is an external moment about the rocker's axis.
     #[inline(always)]
     pub(super) fn force(
         &self,

@@ -10,8 +10,8 @@
 //! ```
 //!
 //! v is a small motion of the parts, without torsional stiffness and at constant height of the contact point. The program
-//! solves these equations with the same elimination as an equilibrium. No force affects the spin of a link about its
-//! line, so an artificial stiffness holds this spin.
+//! eliminates the unknowns of these equations in the same way as for an equilibrium. No force affects the rotation of a
+//! link about its line, so an artificial stiffness holds this rotation.
 
 use super::build::{Built, BushingPlace, LinkPlace};
 use super::ground::{Frames, Holder, SHARED, Surroundings};
@@ -34,7 +34,7 @@ pub(super) enum NoPreload {
     },
 }
 
-/// Small step from the design position. It can be converted to a step relative to the bodies that hold a wheel's parts.
+/// Small step from the design position. It can be converted to a step relative to the body that holds a part.
 pub(super) struct SeenStep<'s, T> {
     pub(super) step: &'s Step<T>,
     pub(super) around: &'s Surroundings<T>,
@@ -69,8 +69,9 @@ impl<T: Scalar> Built<T> {
         })
     }
 
-    /// Adds the vertical force as an unknown, and the equation that holds the contact point. Returns an error if a part
-    /// can move without resistance. If `bounds` is given, the carrier is checked in the same way.
+    /// Adds the vertical force at the contact point as an unknown, and the equation that keeps the height of the contact
+    /// point. Returns an error if a part can move without resistance. If `bounds` is given, the carrier is checked in the
+    /// same way.
     pub(super) fn border_for_preload(
         &self,
         equations: &mut Equations<T>,
@@ -91,7 +92,8 @@ impl<T: Scalar> Built<T> {
         }
     }
 
-    /// Sets the forces that follow from a step of equation (1). Returns the state in the design position.
+    /// Sets the forces of bushings and links that follow from a step of equation (1) of this module. Returns the state in
+    /// the design position.
     pub(super) fn set_preload(&mut self, seen: &SeenStep<'_, T>) -> Result<State<T>, NoPreload> {
         let step = seen.step;
         let mut start = State::design(self.system.like());
@@ -148,7 +150,7 @@ impl<T: Scalar> Built<T> {
         Ok(())
     }
 
-    /// Returns the relative shift of the two bodies that a bushing connects.
+    /// Returns the shift of one body relative to the other body of a bushing, in a small step.
     fn shift_at(&self, place: BushingPlace, seen: &SeenStep<'_, T>) -> Vector3<T> {
         let step = seen.step;
         let body = |lever: Vector3<T>| shifted(&step.carrier, lever);

@@ -1,7 +1,7 @@
-//! Angles and positions of the wheel in an equilibrium. The formulas are those of the catalogue of characteristics.
+//! Angles and positions of the wheel in an equilibrium. The formulas come from the catalogue of characteristics.
 //!
-//! The spin is the rotation of the carrier about the spin axis. With the direction h of the carrier that was the wheel's
-//! heading in the design position,
+//! The spin is the rotation of the carrier about the spin axis. In the design position, the direction h of the carrier is
+//! along the wheel's heading. The spin is
 //!
 //! ```text
 //! spin = atan2(h.u, h.T),   u = T x a                                                             (1)
@@ -53,7 +53,7 @@ pub struct WheelFigures<T = f64> {
     pub camber: T,
     /// Caster angle and kingpin inclination; `None` without joints that give a steering axis.
     pub steering: Option<[T; 2]>,
-    /// Spin of the carrier, by equation (1).
+    /// Spin of the carrier, by equation (1) of this module.
     pub spin: T,
     /// Position of the wheel centre.
     pub centre: Vector3<T>,
@@ -89,7 +89,7 @@ impl<T: Real> WheelGeometry<T> {
 }
 
 impl<T: Scalar> WheelGeometry<T> {
-    /// Collects the points from which the pose of a wheel is computed, for a design.
+    /// Collects the points of a design from which the pose of its wheel is computed.
     pub(super) fn of(mechanism: &Mechanism, design: &[Vector3<T>], built: &Built<T>) -> Self {
         let (origin, system) = (built.reference, &built.system);
         let mount = system

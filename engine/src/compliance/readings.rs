@@ -87,7 +87,7 @@ impl<T: Scalar> Built<T> {
         links.map(|place| place.and_then(tension)).collect()
     }
 
-    /// State of the spring.
+    /// State of the spring: its length, its force, and contact with its stops.
     pub(super) fn spring_reading(
         &self,
         state: &State<T>,
@@ -293,7 +293,7 @@ fn reading<T: Scalar>(state: &BushingState<T>, bushing: &Bushing<T>) -> BushingR
 }
 
 impl<T: Valued> Limb<T> {
-    /// Returns the rotation of a part in a step.
+    /// Returns the rotation vector of a part in a Newton step.
     #[inline(always)]
     pub(super) fn turn_vector(&self, step: &LimbStep<T>) -> Vector3<T> {
         let [a, b, c, d, e, f] = step.inner;
@@ -308,7 +308,7 @@ impl<T: Valued> Limb<T> {
         }
     }
 
-    /// Returns the rotation of a part in a step. The rotation of a link about its own line is removed.
+    /// Returns the rotation vector of a part in a Newton step, without the rotation of a link about its own line.
     #[inline(always)]
     pub(super) fn turn_across(&self, step: &LimbStep<T>) -> Vector3<T> {
         let turn = self.turn_vector(step);

@@ -17,15 +17,15 @@ use crate::mechanism::Turn;
 use crate::model::Rod;
 use crate::number::{Each, Matrix3, Valued, Vector3};
 
-/// Rotation of a rocker or lever by a rigid rod, with the derivatives with respect to the position of the rod's outer
-/// end, by equation (1).
+/// Rotation of a rocker or lever by a rigid rod. It includes the derivatives with respect to the position of the rod's
+/// outer end, by equation (1) of this module.
 pub(super) struct RodTurn<T> {
     turn: Turn<T>,
     first: Vector3<T>,
     axis: Vector3<T>,
-    /// Derivative of the angle.
+    /// Derivative of the angle with respect to the position of the rod's outer end.
     pub(super) by: Vector3<T>,
-    /// Second derivative of the angle.
+    /// Second derivative of the angle with respect to the position of the rod's outer end.
     pub(super) second: Matrix3<T>,
 }
 
@@ -64,7 +64,7 @@ impl<T: Valued> RodTurn<T> {
         found
     }
 
-    /// Angle, positive in the direction in which the rod pushes.
+    /// Angle of the rotation, positive in the direction in which the rod pushes.
     #[inline(always)]
     pub(super) fn angle(&self) -> T {
         self.turn.angle(Rod::DropLink)
@@ -87,8 +87,8 @@ impl<T: Valued> RodTurn<T> {
         [now, along * self.turn.sense(Rod::DropLink), bend]
     }
 
-    /// Returns the derivatives of a value with respect to the rod's outer end, by equation (2). `first` and `second`
-    /// are the derivatives of the value with respect to the angle.
+    /// Returns the first and second derivative of a value with respect to the rod's outer end, by equation (2) of this
+    /// module. `first` and `second` are the derivatives of the value with respect to the angle.
     #[inline(always)]
     pub(super) fn chained(&self, first: T, second: T) -> (Vector3<T>, Matrix3<T>) {
         let columns = self.second.columns.each(|column| column * first);
@@ -104,8 +104,8 @@ mod tests {
     use super::*;
     use crate::number::Dual;
 
-    /// Nested derivative numbers lead to the same first and second derivatives. The test compares the derivatives of
-    /// the angle, and of the distance between a point on the rocker and a fixed point.
+    /// Nested derivative numbers lead to the same first and second derivatives as equations (1) and (2). The test
+    /// compares the derivatives of the angle, and of the distance between a point on the rocker and a fixed point.
     #[test]
     fn derivatives_agree_with_nested_numbers() {
         let mut seed = 0.3_f64;

@@ -1,7 +1,7 @@
 //! Equilibrium by Newton's method, with a gradual increase of the loads.
 //!
-//! Between two equilibria, loads, wheel travel and rack change together along a straight line. The solver first tries
-//! the whole change. It tries half of this fraction of the change if
+//! Between two equilibria, loads, wheel travel and rack change together along a straight line. The solver first tries the
+//! whole change. It tries half of the present fraction of the change if
 //!
 //! - the first correction exceeds 60 mm or 0.3 rad: the linear prediction is not reliable,
 //! - a correction exceeds 0.8 of the previous correction: the method does not contract,
@@ -26,11 +26,11 @@ use crate::threads::checkpoint;
 
 /// Lever, mm, that converts a rotation to a displacement for comparison with a shift.
 const TURN_LEVER: f64 = 300.0;
-/// Largest shift in a first correction, mm.
+/// Largest shift in the first correction of Newton's method, mm.
 const LONGEST_SHIFT: f64 = 60.0;
-/// Largest rotation in a first correction, radians.
+/// Largest rotation in the first correction of Newton's method, radians.
 const LARGEST_TURN: f64 = 0.3;
-/// Largest ratio of a correction to the previous correction.
+/// Largest ratio of a correction of Newton's method to the previous correction.
 const CONTRACTION: f64 = 0.8;
 /// The solver has converged if the shift in the last correction is at most this, mm.
 const LAST_SHIFT: f64 = 1e-11;
@@ -44,11 +44,11 @@ const ROUNDING: f64 = 1e-8;
 const FORESEEN: f64 = 100.0;
 /// Smallest fraction of the change in one step.
 const LEAST_SHARE: f64 = 1e-6;
-/// Largest number of Newton steps for one fraction. If every step reduces the correction by the factor 0.8, this number
-/// of steps reduces 60 mm to 1e-11 mm.
+/// Largest number of Newton steps for one fraction of the change. If every step reduces the correction by the factor 0.8,
+/// this number of steps reduces 60 mm to 1e-11 mm.
 const MOST_STEPS: usize = 140;
 
-/// Reason why there is no equilibrium after a fraction of the change.
+/// Reason why there is no equilibrium after a fraction of the change of loads, travel and rack.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Obstacle {
     /// A motion has no stiffness.
@@ -64,7 +64,7 @@ pub(super) enum Obstacle {
 pub(super) struct Solution<T> {
     pub(super) state: State<T>,
     pub(super) task: Task<T>,
-    /// Number of Newton steps to this equilibrium, without those of failed attempts.
+    /// Number of Newton steps to this equilibrium. Steps of failed attempts do not count.
     pub(super) steps: usize,
 }
 
@@ -121,7 +121,7 @@ impl Equations<f64> {
 }
 
 impl<T: Valued> System<T> {
-    /// Computes the Newton step in a state. The equations of this state overwrite those of the earlier state.
+    /// Computes the Newton step in a state. The equations of this state overwrite the equations of the earlier state.
     #[inline(always)]
     pub(super) fn newton_step(
         &self,
@@ -288,7 +288,7 @@ impl Judge {
         }
     }
 
-    /// Checks a correction by its largest shift and its largest rotation.
+    /// Checks a correction of Newton's method by its largest shift and its largest rotation.
     #[inline]
     pub(super) fn judge(&mut self, sizes: [f64; 2]) -> Result<Verdict, Obstacle> {
         self.steps += 1;
@@ -354,7 +354,8 @@ pub(super) fn is_definite<T: Scalar>(
     )
 }
 
-/// Returns true if a tangent of the carrier is definite for the motions that satisfy these rows, like [`is_definite`].
+/// Returns true if a tangent of the carrier is positive definite for the motions that satisfy these rows, like
+/// [`is_definite`].
 pub(super) fn is_definite_on(
     tangent: &[[f64; 6]; 6],
     rows: &mut [[f64; 6]],

@@ -71,7 +71,8 @@ impl<T: Valued> Swinging<T> {
         bushing.state(self.deflection(end, at, state), &state.placed.turn)
     }
 
-    /// Returns the displacement of a point of the arm. `lever` is the vector from the outer joint to this point.
+    /// Returns the displacement of a point of the arm. `lever` is the vector from the outer joint to this point, in the
+    /// design position.
     #[inline(always)]
     pub(super) fn displacement(
         &self,
@@ -104,7 +105,7 @@ impl<T: Valued> Swinging<T> {
         self.bar.is_some() || self.seat.as_ref().is_some_and(|(_, seat)| seat.is_across)
     }
 
-    /// Adds the forces of bushings and ball joints at the ends.
+    /// Adds the forces of bushings and ball joints at the inner ends of the part.
     #[inline(always)]
     fn add_ends(&self, at: &Conditions<T>, state: &LimbState<T>, own: &mut OwnSum<T>) {
         for end in &self.ends {
@@ -246,7 +247,7 @@ struct OwnSum<T> {
 struct Pivot<T> {
     lever: Vector3<T>,
     normals: [Vector3<T>; 2],
-    /// Gap of the joint along each of its two normals.
+    /// Gap of the joint along each of its two normals ([`End::normals`]).
     open: [T; 2],
 }
 
@@ -301,7 +302,7 @@ impl<T: Valued> OwnSum<T> {
         self.by_turn = self.by_turn.plus(&twist);
     }
 
-    /// Eliminates the three rotations.
+    /// Eliminates the three rotations of the part from its equations.
     #[inline(always)]
     fn eliminate_turns(&mut self, followers: &mut Followers<T>) -> Option<Firmness<T>> {
         let rows: [[T; 3]; 3] = entries(&self.by_turn);
@@ -337,7 +338,7 @@ impl<T: Valued> OwnSum<T> {
         })
     }
 
-    /// Forms the equations for the three rotations and for the two forces in a ball joint.
+    /// Forms the equations for the three rotations of the part and for the two forces in a ball joint.
     #[inline(always)]
     fn with_pivot(&self, pivot: &Pivot<T>) -> InnerEquations<T, 5> {
         let zero = self.moment.x.zero();
@@ -370,8 +371,9 @@ impl<T: Valued> OwnSum<T> {
         (rows, force, by_joint, joint_by)
     }
 
-    /// Eliminates the three rotations and the two forces in a ball joint. These forces are normal to the lever of the
-    /// joint in the design position. With both joints held, the part can only rotate about the lever.
+    /// Eliminates the three rotations of the part and the two forces in a ball joint. These forces are normal to the
+    /// vector from the outer joint to the ball joint in the design position. With both joints held, the part can only
+    /// rotate about this vector.
     #[inline(always)]
     fn eliminate_with_pivot(
         &mut self,

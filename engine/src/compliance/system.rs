@@ -39,7 +39,7 @@ pub(super) use state::{State, Step};
 
 /// Largest number of parts with their own degrees of freedom: five links and a spring on the carrier.
 pub(super) const MOST_LIMBS: usize = 6;
-/// If a pivot is below this fraction of the largest pivot, a motion has no stiffness.
+/// If a pivot of the equations is below this fraction of the largest pivot, a motion has no stiffness.
 pub(super) const LOOSE: f64 = 1e-9;
 /// Largest number of rigid joints.
 pub(super) const MOST_JOINTS: usize = 5;
@@ -216,7 +216,7 @@ impl<T: Valued> System<T> {
         self.wheel.centre.x.zero()
     }
 
-    /// Forms the equations (1) of a single wheel in a state.
+    /// Forms the equations (1) of this module for a single wheel in a state.
     #[inline(always)]
     pub(super) fn equations(
         &self,
@@ -255,7 +255,7 @@ impl<T: Valued> System<T> {
         Ok(equations)
     }
 
-    /// Forms the equations (1) like `equations`. They overwrite the equations of an earlier state.
+    /// Forms the equations (1) of this module like `equations`. They overwrite the equations of an earlier state.
     #[inline(always)]
     pub(super) fn renew_equations(
         &self,
@@ -346,7 +346,7 @@ impl<T: Valued> System<T> {
         equations.size += 1;
     }
 
-    /// Returns the wrench of a vertical unit force at the contact point.
+    /// Returns the force and moment (wrench) of a vertical unit force at the contact point, on the carrier.
     #[inline(always)]
     pub(super) fn vertical_force(&self, carrier: &Placed<T>) -> [T; 6] {
         let mut unit = WheelLoads::none(carrier.shift.x);
@@ -354,7 +354,7 @@ impl<T: Valued> System<T> {
         self.wheel.wrench(carrier, &unit).to_array()
     }
 
-    /// Returns the state after a step.
+    /// Returns the state after a step of all unknowns.
     #[inline(always)]
     pub(super) fn stepped(&self, state: &State<T>, step: &Step<T>) -> State<T> {
         outlined!(

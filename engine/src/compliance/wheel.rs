@@ -223,9 +223,9 @@ impl<T: Scalar> ElasticWheel<T> {
         }
     }
 
-    /// Returns the rotation that corresponds to the spin of a link about its line. The rotation axis is the axis of the
-    /// vehicle nearest to this line. Only torsional stiffness resists this rotation. For an arm, the line is from its outer
-    /// joint to its front end; other parts get the x axis.
+    /// Returns the rotation of a link about its line. The rotation axis is the axis of the vehicle nearest to this line.
+    /// Only torsional stiffness resists this rotation. For an arm, the line is from its outer joint to its front end;
+    /// other parts get the x axis.
     pub(super) fn spin_of(&self, limb: usize) -> Motion {
         let along = match &self.built.system.limbs[limb] {
             Limb::Swinging(arm) => arm.ends[0].lever,
@@ -369,8 +369,8 @@ impl ElasticWheel {
         }
     }
 
-    /// Returns the part that at most the torsional stiffness of bushings holds in the design position. `None` if there is no
-    /// such part.
+    /// Returns the name of a part that at most the torsional stiffness of bushings holds in the design position. `None`
+    /// if there is no such part.
     fn barely_held(&self) -> Option<String> {
         match self.built.clone().preload(self.bounds) {
             Err(NoPreload::Singular(singular)) => Some(name_of(&self.built.names, singular)),
@@ -378,8 +378,8 @@ impl ElasticWheel {
         }
     }
 
-    /// Finds the motion with the least stiffness by inverse iteration on the tangent. Returns its displacement per unit
-    /// force, the part that moves, and the direction of the motion.
+    /// Finds the motion of the suspension with the least stiffness by inverse iteration on the tangent. Returns its
+    /// displacement per unit force, the part that moves, and the direction of the motion.
     pub(super) fn softest(
         &self,
         state: &State<f64>,

@@ -33,8 +33,8 @@ impl<T: Scalar> AxlePlace<T> {
         }
     }
 
-    /// Returns the pose relative to another reference position. `home` is the rotation from that reference position to
-    /// the design position.
+    /// Returns the pose of the axle relative to another reference position. `home` is the rotation from that reference
+    /// position to the design position.
     pub(crate) fn counted_from(&self, home: &Matrix3<f64>) -> Self {
         let axes = [self.forward, self.line, self.forward.cross(self.line)];
         let turned = |column: Vector3<f64>| {
@@ -128,8 +128,8 @@ impl<T: Scalar> ElasticAxle<T> {
         Some(axle)
     }
 
-    /// Adds derivatives to an equilibrium of [`ElasticAxle::on_its_links`]. The wheel travels and the rack displacement
-    /// are those of the equilibrium `held`.
+    /// Adds derivatives to an equilibrium of [`ElasticAxle::on_its_links`]. Its wheel travels and rack displacement equal
+    /// the values in the equilibrium `held`.
     pub(in crate::compliance) fn carried_on_links(
         &self,
         at: &AxleEquilibrium,

@@ -1,14 +1,16 @@
-//! Equations of both wheels while the shared bodies are held.
+//! Equations of both wheels while the bodies that they share (subframe, rack, anti-roll bar) are held.
 //!
-//! Each independently suspended wheel has its own matrix. A solid axle is one body with both wheels. Each side contains the
-//! elastic parts of its half, in its own axes. Both sides use the same reference point. With the tangent A and the forces r
-//! of the carrier, and the signs M of the reflection,
+//! Each independently suspended wheel has its own matrix. A solid axle is one body with both wheels. Each side contains
+//! the elastic parts of its half, in its own axes. Both sides use the same reference point. Let A be the tangent of the
+//! carrier: the derivatives of its forces r with respect to its motion x. The index l or r names the side, and M are the
+//! signs of the reflection. Then
 //!
 //! ```text
 //! A = A_l + M A_r M,   r = r_l + M r_r,   x_r = M x_l                                             (1)
 //! ```
 //!
-//! The axle has these six unknowns of the carrier. The equations of the rigid links and of the two held heights follow.
+//! The axle has these six unknowns of the carrier. The equations of the rigid links and of the two held wheel heights
+//! follow.
 
 #![expect(
     clippy::needless_range_loop,
@@ -146,7 +148,7 @@ impl<T: Scalar> Corners<T> {
         })))
     }
 
-    /// Solves the equations of both wheels for the forces `parts`.
+    /// Solves the equations of both wheels for the motions under the forces `parts`.
     pub(super) fn solve(&self, parts: &[[T; MOST]; 2]) -> [[T; MOST]; 2] {
         match self {
             Corners::Apart(factors) => [0, 1].each(|side: usize| factors[side].solve(&parts[side])),
@@ -187,8 +189,8 @@ impl Corners<f64> {
         }
     }
 
-    /// Returns true if the symmetric `matrix` of the shared unknowns stays positive definite while the wheels move freely.
-    /// `columns` are the derivatives of the forces on both wheels with respect to these unknowns.
+    /// Returns true if the symmetric `matrix` of the shared unknowns stays positive definite while the wheels move
+    /// freely. `columns` are the derivatives of the forces on both wheels with respect to these shared unknowns.
     pub(super) fn keep_definite<const N: usize>(
         &self,
         sides: &[SideEquations<f64>; 2],
@@ -223,7 +225,7 @@ impl Corners<f64> {
     }
 }
 
-/// Symmetric part of the tangent. Each row of a rigid joint or of a held height is also a column.
+/// Symmetric part of the tangent in `equations`. Each row of a rigid joint or of a held height is also a column.
 fn symmetric(equations: &Equations<f64>) -> [[f64; MOST]; MOST] {
     let mut symmetric = [[0.0; MOST]; MOST];
     for i in 0..6 {

@@ -26,7 +26,7 @@ pub struct AxleCompliance<T = f64> {
     pub rack_rate: Option<T>,
     /// Steering column, in series with the rack. `None` for a rigid column.
     pub column: Option<SteeringColumn<T>>,
-    /// Rate of the anti-roll bar: torque per angle between its levers. `None` without a bar.
+    /// Rate of the anti-roll bar: torque per difference of the angles of its levers. `None` without a bar.
     pub bar_rate: Option<T>,
 }
 
@@ -130,7 +130,7 @@ impl AxleCompliance {
 
 impl<T> AxleCompliance<T> {
     /// Returns the value of a parameter of the parts that both wheels share. For bushings, the indices of the wheel's
-    /// bushings come first, and then those of the subframe's mounts.
+    /// bushings come first, and then the indices of the subframe's mounts.
     pub(super) fn shared_number(&mut self, parameter: Parameter) -> Option<&mut T> {
         let (number, axis) = match parameter {
             Parameter::RackRate => return self.rack_rate.as_mut(),

@@ -1,5 +1,5 @@
-//! Derivatives of an axle's equilibrium with respect to loads, travels and rack. The method is that of
-//! `compliance/derivatives.rs` for one wheel.
+//! Derivatives of an axle's equilibrium with respect to loads, travels and rack. The method of
+//! `compliance/derivatives.rs` for one wheel is used for both wheels.
 
 use super::equations::{AxleEquations, AxleState, AxleStep, AxleTask, Purpose};
 use super::{AxleEquilibrium, ElasticAxle};
@@ -23,7 +23,7 @@ pub enum AxleChange<T = f64> {
     Rack,
 }
 
-/// Factorised equations of an equilibrium, with the wheel heights or the wheel loads held.
+/// Factorised equations of an equilibrium of an axle, with the wheel heights or the wheel loads held.
 #[derive(Clone, Debug)]
 pub struct AxleTangent<T: Valued = f64> {
     pub(super) state: AxleState<T>,
@@ -32,7 +32,7 @@ pub struct AxleTangent<T: Valued = f64> {
 }
 
 impl<T: Scalar> ElasticAxle<T> {
-    /// Computes the tangent in an equilibrium.
+    /// Computes the tangent (factorised equations) in an equilibrium.
     pub fn tangent(&self, at: &AxleEquilibrium<T>, held: HeldQuantity) -> Option<AxleTangent<T>> {
         let (state, task) = self.held_as(at, held);
         Some(AxleTangent {
@@ -42,7 +42,7 @@ impl<T: Scalar> ElasticAxle<T> {
         })
     }
 
-    /// Adds derivatives to an equilibrium of the same design.
+    /// Adds derivatives with respect to inputs to an equilibrium of the same design.
     pub(super) fn carried(
         &self,
         at: &AxleState<f64>,
@@ -160,8 +160,8 @@ impl<T: Scalar> ElasticAxle<T> {
         })
     }
 
-    /// Returns two numbers for a side: the parts with their own degrees of freedom, and the rigid joints. Tests check
-    /// the size of the system with these numbers.
+    /// Returns two numbers for a side: the number of parts with their own degrees of freedom, and the number of rigid
+    /// joints. Tests check the size of the system with these numbers.
     pub fn parts(&self, side: Side) -> [usize; 2] {
         let system = &self.wheels[side as usize].built.system;
         [system.limbs.len(), system.joints.len()]

@@ -21,7 +21,7 @@ use super::corners::Corners;
 use crate::linear::square::{MOST, SquareLu};
 use crate::number::{Each, Scalar, Valued, Vector3, array_of, larger};
 
-/// Parts between the body and both wheels, except the subframe's mounts.
+/// Elastic parts between the body and both wheels, except the subframe's mounts.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct SharedParts<T> {
     pub(in super::super) has_subframe: bool,
@@ -102,12 +102,12 @@ pub(in super::super) struct SideEquations<T: Valued> {
     around: Surroundings<T>,
 }
 
-/// Equations in a state, with the factors for equation (1).
+/// Equations of both wheels in a state, with the factors for equation (1) of this module.
 #[derive(Clone, Debug)]
 pub(in super::super) struct AxleEquations<T: Valued> {
     pub(in super::super) sides: [SideEquations<T>; 2],
     corners: Corners<T>,
-    /// A_c^-1 B_c of both wheels. There is one entry for each shared unknown that moves.
+    /// A_c^-1 B_c of equation (1) for both wheels. There is one entry for each shared unknown that moves.
     responses: Vec<[[T; MOST]; 2]>,
     /// Indices of the shared unknowns that move.
     active: Vec<usize>,
@@ -141,7 +141,7 @@ impl<T: Scalar> SideEquations<T> {
         self.coupling.own[i][j].scaled(sign(side, i) * sign(side, j))
     }
 
-    /// Returns the product C_c x for one force on the shared bodies.
+    /// Returns the product C_c x of equation (1) for one force on the shared bodies.
     fn on_shared(&self, side: usize, shared: usize, x: &[T; MOST]) -> T {
         let by = &self.coupling.by_corner[shared];
         let mut sum = x[0].zero();
@@ -173,7 +173,7 @@ impl<T: Scalar> SharedParts<T> {
         active
     }
 
-    /// Computes the equations in a state.
+    /// Computes the equations of both wheels and of the shared bodies in a state.
     pub(in super::super) fn equations(
         &self,
         wheels: &[ElasticWheel<T>; 2],
@@ -361,7 +361,7 @@ impl<T: Scalar> AxleEquations<T> {
         self.own[i][j]
     }
 
-    /// Residuals with opposite sign, for a Newton step.
+    /// Residuals of the equations with opposite sign, for a Newton step.
     pub(in super::super) fn residuals(&self) -> ([[T; MOST]; 2], [T; SHARED]) {
         let wheels = [0, 1].each(|side: usize| self.sides[side].equations.residual.each(|c| -c));
         (wheels, self.force.each(|c| -c))
@@ -374,7 +374,7 @@ impl<T: Scalar> AxleEquations<T> {
         self.step(axle, &wheels, &shared, false)
     }
 
-    /// Computes all unknowns from the unknowns of equation (1).
+    /// Computes all unknowns of a step from the unknowns of equation (1).
     pub(in super::super) fn step(
         &self,
         axle: &[ElasticWheel<T>; 2],
@@ -417,7 +417,7 @@ impl<T: Scalar> AxleEquations<T> {
 }
 
 impl<T: Scalar> AxleState<T> {
-    /// Returns the state after a step.
+    /// Returns the state after a step of all unknowns.
     pub(in super::super) fn stepped(
         &self,
         axle: &[ElasticWheel<T>; 2],

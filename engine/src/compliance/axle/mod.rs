@@ -54,7 +54,7 @@ impl<T: Scalar> AxleEquilibrium<T> {
 pub struct ElasticAxle<T = f64> {
     wheels: [ElasticWheel<T>; 2],
     shared: SharedParts<T>,
-    /// Rate of the anti-roll bar.
+    /// Rate of the anti-roll bar: torque per difference of the angles of its levers.
     bar_rate: Option<T>,
 }
 
@@ -116,7 +116,7 @@ impl<T: Scalar> ElasticAxle<T> {
         self.wheels[0].built.system.like()
     }
 
-    /// Design position with the forces at the design load.
+    /// Design position with the forces of the elastic parts at the design load.
     fn start(&self) -> AxleState<T> {
         AxleState {
             wheels: [self.wheels[0].start, self.wheels[1].start],
@@ -187,8 +187,8 @@ impl<T: Scalar> ElasticAxle<T> {
         }
     }
 
-    /// Checks that every part has stiffness while the heights are held. The check finds a free motion of carriers or shared
-    /// bodies only if a pivot of the equations is exactly zero.
+    /// Checks that every part has stiffness while the heights of both wheels are held. The check finds a free motion of
+    /// carriers or shared bodies only if a pivot of the equations is exactly zero.
     fn check_held(&self) -> Result<(), AxleFault> {
         let state = self.start();
         let task = self.level([0.0; 2], 0.0);
@@ -374,7 +374,8 @@ fn common_reference(suspensions: [&Suspension; 2]) -> Option<Vector3<f64>> {
 }
 
 impl<T: Scalar> ElasticAxle<T> {
-    /// Converts this equilibrium to a state and its inputs, in which the quantity `held` stays fixed.
+    /// Converts this equilibrium to a state and its inputs. The quantity `held` (wheel heights or wheel loads) stays
+    /// fixed in them.
     fn held_as(&self, at: &AxleEquilibrium<T>, held: HeldQuantity) -> (AxleState<T>, AxleTask<T>) {
         let (mut state, mut task) = (at.state, at.task);
         for (side, wheel) in self.wheels.iter().enumerate() {

@@ -1,4 +1,5 @@
-//! Equilibria of an axle. The method is that of `compliance/solve.rs` and `compliance/wheel.rs` for one wheel.
+//! Equilibria of an axle. The methods of `compliance/solve.rs` and `compliance/wheel.rs` for one wheel are used for both
+//! wheels.
 
 use super::equations::{AxleHeld, AxleSingular, AxleState, AxleStep, AxleTask, Purpose, lever_of};
 use super::{AXLE, AxleEquilibrium, ElasticAxle};
@@ -164,8 +165,8 @@ impl ElasticAxle {
         }
     }
 
-    /// Returns the part that at most the torsional stiffness of bushings holds in the design position. `None` if there is no
-    /// such part.
+    /// Returns the name of a part that at most the torsional stiffness of bushings holds in the design position. `None`
+    /// if there is no such part.
     fn barely_held(&self) -> Option<String> {
         let (start, level) = (self.start(), self.level([0.0; 2], 0.0));
         let found = self
@@ -179,7 +180,7 @@ impl ElasticAxle {
         }
     }
 
-    /// Returns the name of a part whose unknowns are eliminated, and the direction in which this part moves without
+    /// Returns the name of a part with its own degrees of freedom, and the direction in which this part moves without
     /// stiffness.
     pub(super) fn limb_of(&self, side: usize, limb: usize) -> (String, Motion) {
         let wheel = &self.wheels[side];
@@ -187,8 +188,8 @@ impl ElasticAxle {
         (name, wheel.spin_of(limb))
     }
 
-    /// Finds the motion with the least stiffness by inverse iteration on the tangent. Returns its displacement per unit
-    /// force, the part that moves, and the direction of the motion.
+    /// Finds the motion with the least stiffness by inverse iteration on the tangent of both wheels and the shared
+    /// bodies. Returns its displacement per unit force, the part that moves, and the direction of the motion.
     pub(super) fn softest(
         &self,
         state: &AxleState<f64>,

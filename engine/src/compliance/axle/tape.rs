@@ -1,4 +1,5 @@
-//! Elastic axle with numbers on a tape. The tape records how results depend on chosen inputs of the axle.
+//! Elastic axle with numbers on a tape: a record of all operations, from which derivatives of results with respect to
+//! chosen inputs follow.
 
 use super::equations::AxleTask;
 use super::{AxleCompliance, AxleEquilibrium, ElasticAxle};
@@ -9,7 +10,7 @@ use crate::compliance::system::Hold;
 use crate::model::Suspension;
 use crate::number::{Each, Scalar, Tape, Tracked, Vector3};
 
-/// Elastic axle whose numbers are recorded on a tape.
+/// Elastic axle whose numbers are recorded on a tape, for derivatives with respect to inputs.
 #[derive(Clone, Debug)]
 pub struct AxleOnTape<'t> {
     /// The axle.

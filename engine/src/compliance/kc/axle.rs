@@ -1,9 +1,9 @@
 //! Rig tests of both wheels of an axle.
 //!
-//! Results of a wheel are per unit of the load on that wheel. Their signs are those of a study with one wheel. Results
-//! of the axle are per unit of a force to the vehicle's left, or of a moment to the right, at each wheel. Results of a roll
-//! test are per roll angle. Steer is positive to the left. With track t, wheel loads F and contact points C, roll angle and
-//! roll moment are
+//! Results of a wheel are per unit of the load on that wheel, with the same signs as in a study with one wheel. Results
+//! of the axle are per unit of a force to the vehicle's left, or of a moment to the right, at each wheel. Results of a
+//! roll test are per roll angle. Steer is positive to the left. With track t, wheel loads F and contact points C (indices
+//! l for left and r for right), roll angle and roll moment are
 //!
 //! ```text
 //! phi = atan2(C_r.z - C_l.z, t),   M = t (F_r - F_l)/2                                            (1)
@@ -106,7 +106,7 @@ impl<T: Scalar> Here<T> {
         Some((axle, tangent))
     }
 
-    /// Returns the derivatives of the angles and positions of both wheels with respect to an input.
+    /// Returns the derivatives of the angles and positions of both wheels with respect to the input `change`.
     fn by(&mut self, held: HeldQuantity, change: &AxleChange<T>) -> Option<[WheelFigures<T>; 2]> {
         let (axle, tangent) = self.moving(held)?;
         Some(axle.figures_along(tangent, change))
@@ -119,7 +119,7 @@ impl<T: Scalar> Here<T> {
     }
 }
 
-/// Returns the derivatives of roll angle and roll moment for opposite travels, by equation (1).
+/// Returns the derivatives of roll angle and roll moment for opposite travels, by equation (1) of this module.
 fn roll<T: Scalar>(
     (axle, at): (&ElasticAxle<T>, &AxleEquilibrium<T>),
     by: &[WheelFigures<T>; 2],
@@ -222,8 +222,8 @@ impl<'a> AxleKcRun<'a> {
         self.vehicle.suspensions[0].frame.sign(Axis::Y)
     }
 
-    /// Finds the equilibrium of a station under the conditions of a test. `tests` are all tests at this equilibrium.
-    /// The rack displacement is along the kernel's +y.
+    /// Finds the equilibrium of a station under the conditions of a test. `tests` are all tests that start from this
+    /// equilibrium. The rack displacement is along the kernel's +y.
     pub(crate) fn here<'t>(
         &self,
         conditions: Conditions,
@@ -289,8 +289,8 @@ impl<'a> AxleKcRun<'a> {
         }
     }
 
-    /// Collects the data for the results of a wheel. The axes for both wheels are those of the left wheel's study,
-    /// because both wheels share the rack.
+    /// Collects the data for the results of a wheel. Both wheels use the axes of the left wheel's study, because both
+    /// wheels share the rack.
     fn sheet(&self, side: Side, has_axis: bool) -> Sheet<'_> {
         Sheet {
             suspension: self.vehicle.suspensions[0],
@@ -342,14 +342,16 @@ impl<'a> AxleKcRun<'a> {
         }
     }
 
-    /// Returns the results of a test with their units. The results of the wheels come first.
+    /// Returns the names of the results of a test, with their units and the wheel or axle. The results of the wheels come
+    /// first.
     pub fn quantities(&self, test: &KcTest) -> Vec<(&'static str, Unit, KcSubject)> {
         let mut here = Here::of(self.axle.clone(), self.axle.unsolved());
         let figures = self.figures(&mut here, test, None).into_iter();
         figures.map(|f| (f.quantity, f.unit, f.of)).collect()
     }
 
-    /// Returns the secants over the window of a test; `None` if there is no equilibrium at an end of the window.
+    /// Returns the secants (mean slopes) of both wheels over the window of a test. `None` if there is no equilibrium at
+    /// an end of the window.
     pub(crate) fn window_secants(&self, here: &Here, test: &KcTest) -> Option<[WheelFigures; 2]> {
         let (low, high) = (self.end(here, test, -1.0)?, self.end(here, test, 1.0)?);
         Some(Side::ALL.each(|side| {

@@ -6,7 +6,7 @@ use crate::compliance::ends::{EquilibriumEnd, Way};
 use crate::model::LengthUnit;
 
 impl KcTest {
-    /// Ranges of the search in both directions of the load.
+    /// Ranges of the search for an end of equilibrium, in both directions of the test load.
     pub(super) fn ways(&self, length: LengthUnit) -> [Way; 2] {
         match self.load {
             TestLoad::Aligning => Way::of_moment(length),

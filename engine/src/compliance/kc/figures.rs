@@ -19,7 +19,7 @@ pub(super) struct Figure<T> {
     pub(super) value: Option<T>,
 }
 
-/// Data from which the test results are computed, in addition to the state.
+/// Data from which the test results are computed, in addition to the state of the wheel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sheet<'a> {
     pub(super) suspension: &'a Suspension,
@@ -69,7 +69,7 @@ const TRACTION: AngleNames = [
 ];
 
 impl Sheet<'_> {
-    /// Computes the results of a test.
+    /// Computes the results of a test from the values of a state.
     pub(super) fn figures<T: Scalar>(&self, test: &KcTest, read: &Read<T>) -> Vec<Figure<T>> {
         match test.load {
             TestLoad::Heave => self.by_heave(read),
@@ -121,8 +121,8 @@ impl Sheet<'_> {
         found
     }
 
-    /// Computes the results that are derivatives with respect to the roll angle. `read` already contains these
-    /// derivatives.
+    /// Computes the results that are derivatives with respect to the roll angle. `read` already contains the derivatives
+    /// with respect to this angle.
     fn by_roll<T: Scalar>(&self, read: &Read<T>) -> Vec<Figure<T>> {
         let to_left = self.left_sign();
         let steer = read.by.map(|by| by.toe.scaled(to_left));
@@ -236,7 +236,8 @@ impl Sheet<'_> {
             .collect()
     }
 
-    /// Returns force per length, from length per force. `None` if the displacement is below [`LEAST_COMPLIANCE`].
+    /// Returns the stiffness (force per length) from the displacement per force. `None` if the displacement is below
+    /// [`LEAST_COMPLIANCE`].
     pub(super) fn stiffness<T: Scalar>(&self, displacement: Option<T>) -> Option<T> {
         let millimetre = self.suspension.length_unit.per_metre() / 1000.0;
         let least = LEAST_COMPLIANCE / 1000.0 * millimetre;

@@ -21,7 +21,7 @@ pub enum KcValue {
         test: KcTest,
         /// Name of the result.
         quantity: &'static str,
-        /// True for the secant over the window; false for the derivative at the station.
+        /// True for the secant (mean slope) over the test's window; false for the derivative at the station.
         is_secant: bool,
     },
     /// Characteristic of the wheel in the equilibrium.
@@ -60,7 +60,7 @@ impl<'s, T: Scalar> Station<'s, T> {
         tangent.as_ref()
     }
 
-    /// Value of a characteristic, or its derivative with respect to wheel travel.
+    /// Value of a characteristic in the state, or its derivative with respect to wheel travel.
     fn characteristic(&mut self, of: Characteristic, is_rate: bool) -> Option<T> {
         if !is_rate && !of.info().reads_rates() {
             let value = self.wheel.characteristic(&self.at, of);
@@ -76,8 +76,8 @@ impl<'s, T: Scalar> Station<'s, T> {
         ElasticWheel::of_inputs(inputs, of, is_rate)
     }
 
-    /// Returns the values of the station; `None` for a value that does not exist. `secant` computes the secants over
-    /// the window of a test.
+    /// Returns the values of the station; `None` for a value that does not exist. `secant` computes the secants (mean
+    /// slopes) over the window of a test.
     fn values(
         &mut self,
         wanted: &[KcValue],
@@ -139,7 +139,7 @@ impl<'s, T: Scalar> Station<'s, T> {
         self.sheet.figures(test, &read)
     }
 
-    /// Returns the results of a test, computed from secants.
+    /// Returns the results of a test, computed from the secants `by` instead of derivatives.
     pub(super) fn secants(&mut self, test: &KcTest, by: Option<WheelFigures<T>>) -> Vec<Figure<T>> {
         let read = self.read(test, by);
         self.sheet.figures(test, &read)
@@ -162,7 +162,7 @@ impl<'s, T: Scalar> Station<'s, T> {
 pub struct KcGradient<'g> {
     /// Index of the value among the requested values.
     pub number: usize,
-    /// Value at the station; `None` if it does not exist.
+    /// Value of the test result or characteristic at the station; `None` if it does not exist.
     pub value: Option<f64>,
     /// Derivatives in the order of the inputs.
     pub by: &'g [f64],
@@ -237,7 +237,7 @@ impl KcRun<'_> {
         [-1.0, 1.0].each(|sign: f64| end_loads(&unit, sign * test.window))
     }
 
-    /// Computes the secant over the window of a test.
+    /// Computes the secant (mean slope) over the window of a test.
     fn window_secant(
         &self,
         at: &Equilibrium,
@@ -253,7 +253,8 @@ impl KcRun<'_> {
         Some(super::window_secant(test, &end(0)?, &end(1)?))
     }
 
-    /// Computes the secant over the window of a test, with the derivatives of both ends of the window.
+    /// Computes the secant (mean slope) over the window of a test. It includes the derivatives of the states at both ends
+    /// of the window.
     fn secant_on_tape<'t>(
         &self,
         at: &Equilibrium,

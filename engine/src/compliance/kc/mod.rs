@@ -2,9 +2,9 @@
 //!
 //! At a station (travel, rack), the wheel is in equilibrium without horizontal loads, and its height is fixed. A test
 //! starts from this equilibrium and changes a load, the travel or the rack. Its results are derivatives with respect to
-//! this change. The window of a test is the range of its load. The results also contain secants over this window. The
-//! levels of a test are equilibria at equally spaced loads in the window. The results of a wheel are those of a left wheel
-//! in ISO 8855 axes. Only results along the rack, and the compliance matrix, are in the study's axes.
+//! this change. The window of a test is the range of its load. The results also contain secants (mean slopes) over this
+//! window. The levels of a test are equilibria at equally spaced loads in the window. The results of a wheel are given
+//! for a left wheel in ISO 8855 axes. Only results along the rack, and the compliance matrix, are in the study's axes.
 
 mod axle;
 mod ends;
@@ -40,9 +40,9 @@ pub struct KcFigure {
     pub quantity: &'static str,
     /// Unit of `value` and of `secant`.
     pub unit: Unit,
-    /// Derivative at the station; `None` if it does not exist.
+    /// Derivative with respect to the test's load or motion at the station; `None` if it does not exist.
     pub value: Option<f64>,
-    /// Secant over the window. `None` without levels, or if an end of the window has no equilibrium.
+    /// Secant (mean slope) over the window. `None` without levels, or if an end of the window has no equilibrium.
     pub secant: Option<f64>,
     /// Wheel or axle to which the result belongs.
     pub of: KcSubject,
@@ -162,7 +162,7 @@ impl<'a> KcRun<'a> {
         KcRun::of(suspension, &suspension.design, compliance, tyre_rate)
     }
 
-    /// Prepares the tests, like `new`. The hardpoints are at `design`.
+    /// Prepares the tests, like `new`. The hardpoints of the suspension are at `design`.
     pub fn of(
         suspension: &'a Suspension,
         design: &[Vector3<f64>],
@@ -375,8 +375,8 @@ pub fn quantities(
         .collect()
 }
 
-/// Finds the levels of a test, from the lowest load to the highest. `next` finds the equilibrium under a load, from a
-/// neighbouring equilibrium.
+/// Finds the levels of a test, from the lowest load to the highest. `next` finds the equilibrium under a load, starting
+/// from a neighbouring equilibrium.
 fn levels<E: Copy>(
     at: &E,
     test: &KcTest,
@@ -388,8 +388,8 @@ fn levels<E: Copy>(
     let mut sides = [Vec::new(), Vec::new()];
     for (sign, side) in [-1, 1].into_iter().zip(&mut sides) {
         let mut before = Ok(*at);
-        // Number of levels that the search reached. If a level failed, this number includes the fraction of it that was
-        // reached.
+        // Number of levels that the search reached. If a level failed, this number includes the fraction of its load that
+        // the search reached.
         let mut reached = 0.0;
         for step in 1..=count {
             let level = sign * step;
@@ -421,7 +421,8 @@ fn end_loads(unit: &WheelLoads, factor: f64) -> WheelLoads {
     loads
 }
 
-/// Returns the secant between both ends of a wheel's window; `None` if there is no equilibrium at an end.
+/// Returns the secant (mean slope) between the lowest and the highest level of a test, for one wheel. `None` if one of
+/// these levels has no equilibrium.
 fn secant(levels: &[KcLevel], wheel: usize) -> Option<WheelFigures> {
     let (low, high) = (levels.first()?, levels.last()?);
     let (a, b) = (low.state.as_ref().ok()?, high.state.as_ref().ok()?);
@@ -434,7 +435,7 @@ fn secant(levels: &[KcLevel], wheel: usize) -> Option<WheelFigures> {
     Some(quotient(&a, &b, inverse))
 }
 
-/// Returns the secant over a test's window, from the states at its negative and its positive end.
+/// Returns the secant (mean slope) over a test's window, from the wheel's states at its negative and its positive end.
 fn window_secant<T: Scalar>(
     test: &KcTest,
     low: &WheelFigures<T>,

@@ -27,7 +27,7 @@ pub enum TestLoad {
 }
 
 impl TestLoad {
-    /// All tests, with their names in studies.
+    /// All loads and motions of tests, with their names in studies.
     pub const ALL: [(&'static str, TestLoad); 8] = [
         ("heave", TestLoad::Heave),
         ("roll", TestLoad::Roll),
@@ -101,7 +101,7 @@ pub struct KcTest {
     pub trail: f64,
     /// Quantity that stays fixed while the load changes.
     pub held: HeldQuantity,
-    /// Half the width of the load range: force, or force times length.
+    /// Half the width of the load range (window): force, or force times length.
     pub window: f64,
     /// Number of load levels on each side of zero load. Each level is an equilibrium.
     pub levels: usize,
@@ -152,7 +152,7 @@ impl KcTest {
         }
     }
 
-    /// Returns the default tests of a study: motions and loads. If no part is elastic, the only loads are those that
+    /// Returns the default tests of a study: motions and loads. If no part is elastic, the only loads are the loads that
     /// cause jacking, without levels.
     pub fn defaults(is_rigid: bool, has_spring: bool, length: LengthUnit) -> Vec<KcTest> {
         let test = |load| KcTest::new(load, length);
@@ -264,7 +264,7 @@ impl KcTest {
         (load, place)
     }
 
-    /// Returns the input that the test changes by one unit.
+    /// Returns the input of the equilibrium that the test changes by one unit.
     pub(super) fn change(&self, vehicle: &VehicleFigures) -> Change {
         match self.load {
             // A study with a single wheel cannot have a roll test.

@@ -1,5 +1,5 @@
-//! Forces of an arm that depend on coordinates other than the carrier's: the spring's upper end and the bar's twist.
-//! The rotations of the arm are eliminated.
+//! Forces of an arm that depend on coordinates in addition to the carrier's motion: the displacement of the spring's
+//! upper end and the twist of the anti-roll bar. The rotations of the arm are eliminated.
 
 #![expect(
     clippy::needless_range_loop,

@@ -12,7 +12,7 @@ use crate::linear::elimination::eliminate;
 use crate::linear::square::{MOST, SquareLu};
 use crate::number::{Each, MaskOf, Scalar, SimdReal, Valued, array_of, outlined};
 
-/// Equations in a state.
+/// Equations of a wheel in a state.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::compliance) struct Equations<T: Valued> {
     pub(in crate::compliance) size: usize,
@@ -100,7 +100,7 @@ impl<T: Valued> Equations<T> {
         self.inner[limb] = of.inner;
     }
 
-    /// Sets the row and the column of a rigid joint.
+    /// Sets the row and the column of a rigid joint with its gap `miss`.
     #[inline(always)]
     pub(in crate::compliance) fn set_joint(&mut self, number: usize, miss: T, row: [T; 6]) {
         let k = 6 + number;
@@ -172,7 +172,7 @@ impl<T: Valued> Equations<T> {
 }
 
 impl<T: Scalar> Equations<T> {
-    /// Tangent of the carrier.
+    /// Tangent of the carrier: derivatives of the forces on it with respect to its shift and rotation.
     pub(in crate::compliance) fn tangent(&self) -> [[f64; 6]; 6] {
         array_of(|i| array_of(|j| self.matrix[i][j].value()))
     }

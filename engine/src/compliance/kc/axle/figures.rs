@@ -10,7 +10,7 @@ use crate::model::{AxlePosition, Side};
 use crate::number::{Each, Scalar};
 
 impl AxleKcRun<'_> {
-    /// Computes the results of a test. The results of the wheels come first.
+    /// Computes the results of a test from derivatives and secants. The results of the wheels come first.
     pub(crate) fn figures<T: Scalar>(
         &self,
         here: &mut Here<T>,

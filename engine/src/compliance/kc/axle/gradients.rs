@@ -6,7 +6,8 @@ use crate::compliance::{AxleOnTape, AxleParameter, Parameter, WheelFigures};
 use crate::model::Side;
 use crate::number::{Each, Tape, Tracked};
 
-/// Derivatives of a test result and of its secant, in this order. `None` for a result or a secant without a value.
+/// Derivatives of a test result and of its secant (mean slope over the test's window), in this order. `None` for a result
+/// or a secant without a value.
 pub type FigureGradients = [Option<Vec<f64>>; 2];
 
 impl AxleKcRun<'_> {
@@ -62,9 +63,10 @@ impl AxleKcRun<'_> {
         Some(gradients)
     }
 
-    /// Returns the derivatives of a test's secants with respect to the first `inputs` numbers on the tape. Afterwards
-    /// the function removes the window's ends from the tape. A tape with the ends of all tests would not fit into the
-    /// processor's cache. The tangents of the station must have been computed before.
+    /// Returns the derivatives of a test's secants (mean slopes over the test's window) with respect to the first
+    /// `inputs` numbers on the tape. Afterwards the function removes both ends of the window from the tape. A tape with
+    /// the ends of all tests would not fit into the processor's cache. The tangents of the station must have been
+    /// computed before.
     fn secant_gradients<'t>(
         &self,
         plain: &Here,
@@ -114,7 +116,8 @@ impl AxleKcRun<'_> {
         })
     }
 
-    /// Returns the secants over the window of a test. These secants include the derivatives of both ends of the window.
+    /// Returns the secants (mean slopes) over the window of a test. They include the derivatives of the states at both
+    /// ends of the window.
     pub(crate) fn secants_on_tape<'t>(
         &self,
         plain: &Here,

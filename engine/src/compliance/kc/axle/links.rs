@@ -25,7 +25,7 @@ impl AxleKcRun<'_> {
     }
 
     /// Returns the results of the links for the whole axle: tensions of the links that exist only once, and the roll
-    /// stiffness without springs.
+    /// stiffness of the links.
     pub(super) fn link_figures<T: Scalar>(&self, here: &Here<T>) -> Vec<AxleFigure<T>> {
         if !here.axle.is_joined() {
             return Vec::new();
@@ -77,7 +77,7 @@ fn is_of_wheel<T>(figure: &AxleFigure<T>) -> bool {
     matches!(figure.of, KcSubject::Wheel(_))
 }
 
-/// Returns the roll stiffness of an axle that only its links hold: roll moment per roll angle.
+/// Returns the roll stiffness of an axle without springs and anti-roll bar: roll moment per roll angle.
 fn roll_stiffness<T: Scalar>(here: &Here<T>) -> Option<T> {
     let (axle, at) = here.links.as_ref()?;
     let one = axle.travel(at, Side::Left).one();

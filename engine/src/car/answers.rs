@@ -10,7 +10,7 @@ use crate::sorting::sort_by_key;
 pub struct CaseResult {
     /// Index of the case.
     pub case: usize,
-    /// The result.
+    /// The result, for example the roll angle or a wheel load.
     pub quantity: CarQuantity,
 }
 
@@ -19,7 +19,7 @@ pub struct CaseResult {
 pub struct CarRequest<'c> {
     /// Load cases.
     pub cases: &'c [Case],
-    /// Results, ordered by case.
+    /// Requested results, ordered by case.
     pub results: Vec<CaseResult>,
 }
 

@@ -7,7 +7,7 @@ use crate::mechanism::NoPose;
 /// A load case. Accelerations are in units of g, in the axes of the ground.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
-    /// Name.
+    /// Name of the case.
     pub name: String,
     /// Longitudinal acceleration, positive forward.
     pub ax: f64,
@@ -63,9 +63,9 @@ impl Setting {
 /// Source of the longitudinal forces of the tyres.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Longitudinal {
-    /// The brakes.
+    /// The brakes. The longitudinal forces then follow the distribution of the braking force.
     Brake,
-    /// The drive.
+    /// The drive (engine or motors). The longitudinal forces then follow the distribution of the drive force.
     Drive,
 }
 
@@ -74,7 +74,7 @@ pub enum Longitudinal {
 pub enum LateralShares {
     /// In proportion to the wheel loads.
     ByLoad,
-    /// Half on each wheel.
+    /// Half of the lateral force on each wheel.
     Equal,
     /// Fractions of the force that the left wheels carry: [front, rear].
     Left([f64; 2]),
@@ -85,7 +85,7 @@ pub enum LateralShares {
 pub enum LongitudinalShares {
     /// In proportion to the wheel loads.
     ByLoad,
-    /// Half on each wheel.
+    /// Half of the longitudinal force on each wheel.
     Equal,
 }
 
@@ -137,7 +137,7 @@ pub enum NoEquilibrium {
     NoPose {
         /// Axle: 0 front, 1 rear.
         axle: usize,
-        /// Reason.
+        /// Reason why the wheel has no pose.
         failure: NoPose,
     },
     /// Newton's method does not converge, or the search reaches its largest number of steps.

@@ -19,7 +19,7 @@ impl WheelPlace {
     /// All variants, in their order.
     pub const ALL: [WheelPlace; 4] = [WheelPlace(0), WheelPlace(1), WheelPlace(2), WheelPlace(3)];
 
-    /// Name in columns.
+    /// Name of the wheel in columns.
     pub fn name(self) -> &'static str {
         ["front_left", "front_right", "rear_left", "rear_right"][self.0]
     }
@@ -62,7 +62,7 @@ impl AxleEnd {
 pub struct CarInfo {
     /// Name in studies. For a result of an axle, `{}` is replaced by `front` or `rear`.
     pub name: &'static str,
-    /// Type of unit.
+    /// Type of the unit of the result.
     pub unit: Unit,
     /// Meaning of a positive value.
     pub positive: &'static str,
@@ -383,7 +383,7 @@ impl CarQuantity {
         }
     }
 
-    /// Name, without the unit.
+    /// Name of the result in columns, without the unit.
     pub fn name(self) -> String {
         match self {
             CarQuantity::Wheel(place, result) => {

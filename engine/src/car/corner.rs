@@ -36,7 +36,7 @@ pub struct Corner<T> {
     pub sign: f64,
     /// Wheel centre W.
     pub centre: Vector3<T>,
-    /// Spin axis a, outboard.
+    /// Unit vector a along the spin axis, outboard.
     pub spin: Vector3<T>,
     /// Length of the spring.
     pub spring: T,

@@ -30,12 +30,12 @@ pub(super) const LONGITUDINAL: usize = 13;
 pub(super) const CONTACTS: usize = 0;
 pub(super) const BALANCES: usize = 4;
 pub(super) const BODY: usize = 8;
-/// Indices of three equations (8) of the whole car: vertical force, roll moment, pitch moment.
+/// Indices of three equations of the whole car, (8) of [`super`]: vertical force, roll moment, pitch moment.
 pub(super) const VERTICAL: usize = 10;
 pub(super) const ROLL_MOMENT: usize = 11;
 pub(super) const PITCH_MOMENT: usize = 12;
 /// Indices of the equations that prescribe these unknowns in a motion of the body: height gamma, roll phi, pitch theta.
-/// Index 0 is the first equation that replaces an equation (8) of the whole car.
+/// Index 0 is the first equation that replaces an equation (8) of [`super`].
 pub(super) const HELD_ROWS: [usize; 3] = [2, 0, 1];
 
 /// Inputs that stay fixed while the solver changes the unknowns.
@@ -86,9 +86,9 @@ pub struct WheelState<T> {
 /// A state of the car with its forces.
 #[derive(Clone, Copy, Debug)]
 pub struct Balance<T> {
-    /// Values of the unknowns.
+    /// Values of the unknowns x of [`super`].
     pub unknowns: [T; UNKNOWNS],
-    /// Directions of the ground.
+    /// Directions of the ground in the body's axes.
     pub road: Road<T>,
     /// The wheels: front left, front right, rear left, rear right.
     pub wheels: [WheelState<T>; 4],
@@ -212,7 +212,7 @@ impl<T: Scalar> Balance<T> {
 
 /// Ground under a car, and the acceleration of the car's masses, including gravity.
 pub(super) struct Ground<T> {
-    /// Directions of the ground.
+    /// Directions of the ground in the body's axes.
     pub road: Road<T>,
     /// Height gamma of the ground.
     pub height: T,
@@ -276,8 +276,8 @@ impl<T: Local> Resultant<T> {
         self.moment = self.moment + at.cross(by);
     }
 
-    /// Computes the residuals of the equations (8) of the whole car. Forces are along i (forward), e (left) and n (up) of
-    /// [`super`]. The roll moment is about the body's own x axis.
+    /// Computes the residuals of the equations of the whole car, (8) of [`super`]. Forces are along i (forward), e (left)
+    /// and n (up). The roll moment is about the body's own x axis.
     #[inline(always)]
     fn residuals(&self, held: &Held<'_>, road: &Road<T>) -> [T; 6] {
         let inertia = held.car.yaw_inertia.unwrap_or(0.0) * held.case.yaw_acceleration;

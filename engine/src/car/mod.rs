@@ -136,7 +136,7 @@ pub struct Car {
     pub brake_share_front: Option<f64>,
     /// Fraction of the drive force on the front axle.
     pub drive_share_front: Option<f64>,
-    /// Yaw inertia, kg m2.
+    /// Yaw inertia of the car, kg m2.
     pub yaw_inertia: Option<f64>,
     /// Pitch inertia of the sprung mass, kg m2.
     pub pitch_inertia: Option<f64>,
@@ -208,7 +208,7 @@ impl Car {
         format!("{end} axle: {reason}")
     }
 
-    /// Length units per metre.
+    /// Number of length units of the study per metre.
     pub fn per_metre(&self) -> f64 {
         self.length_unit.per_metre()
     }

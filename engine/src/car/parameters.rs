@@ -152,10 +152,10 @@ pub enum Parameter {
 }
 
 impl Parameter {
-    /// Number of parameters.
+    /// Number of all parameters of a car and a case.
     pub const COUNT: usize = COUNT;
 
-    /// Index among all parameters.
+    /// Index of the parameter among all parameters.
     pub fn place(self) -> usize {
         match self {
             Parameter::Axle(axle, own) => axle * OF_AXLE + own as usize,

@@ -11,7 +11,7 @@ use crate::number::{Dual, Each, Jet, Real, Scalar, array_of};
 /// A state with its derivatives. All results are computed from these numbers.
 #[derive(Clone, Debug)]
 pub struct Solved<'c, T> {
-    /// The car.
+    /// The car whose state this is.
     pub car: &'c Car,
     /// State without derivatives.
     pub now: Balance<T>,

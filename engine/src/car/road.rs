@@ -5,7 +5,7 @@ use crate::number::{Local, LocalFunction, Scalar, Vector3};
 /// Directions of the ground in the body's axes.
 #[derive(Clone, Copy, Debug)]
 pub struct Road<T> {
-    /// Upward normal.
+    /// Upward normal of the ground.
     pub up: Vector3<T>,
     /// Forward direction along the ground.
     pub forward: Vector3<T>,

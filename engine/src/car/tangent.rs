@@ -37,7 +37,7 @@ impl Factors {
         self.lu.solve(right)
     }
 
-    /// Inverse of the tangent.
+    /// Inverse of the tangent, from its LU factors.
     pub(super) fn inverse(&self) -> Matrix {
         let mut inverse = self.lu.inverse();
         for row in &mut inverse {

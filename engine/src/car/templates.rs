@@ -3,7 +3,7 @@
 /// Template for a car: the name of the template, then the name and the text of each study file.
 pub type CarTemplate = (&'static str, [(&'static str, &'static str); 3]);
 
-/// All templates.
+/// All templates for cars.
 pub const TEMPLATES: [CarTemplate; 2] = [
     (
         "car",

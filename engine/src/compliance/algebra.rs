@@ -138,7 +138,7 @@ pub(super) struct Placed<T> {
 }
 
 impl<T: Real> Placed<T> {
-    /// Returns the design position.
+    /// Returns the design position: no displacement and no rotation.
     #[inline(always)]
     pub(super) fn design(like: T) -> Self {
         let turn = Matrix3::null(like);

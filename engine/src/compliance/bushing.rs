@@ -28,10 +28,11 @@ use super::algebra::Logarithm;
 use super::law::Law;
 use crate::number::{Matrix3, Outlined, SimdReal, Valued, Vector3, outlined};
 
-/// If the square of the bushing's rotation angle t is below this limit, power series compute c of equation (4) and its
-/// derivative.
+/// If the square of the bushing's rotation angle t is below this limit, power series compute c of equation (4) of this
+/// module and its derivative.
 const SMALL_ANGLE_SQUARED: f64 = 0.25;
-/// Coefficients |B_2k|/(2k)! (Bernoulli numbers B) of the powers of t^2 in c of equation (4), from the highest power.
+/// Coefficients |B_2k|/(2k)! (Bernoulli numbers B) of the powers of t^2 in c of equation (4) of this module, from the
+/// highest power.
 const SERIES: [f64; 7] = [
     1.0 / 74_724_249_600.0,
     691.0 / 1_307_674_368_000.0,
@@ -71,7 +72,7 @@ pub(super) struct BushingForce<T> {
     pub(super) by_turn: Matrix3<T>,
 }
 
-/// Coefficient c of equation (4), and its derivative with respect to t divided by t.
+/// Coefficient c of equation (4) of this module, and its derivative with respect to the angle t, divided by t.
 #[inline(always)]
 fn coefficient<T: Valued>(rotation: &Logarithm<T>) -> (T, T) {
     let square = rotation.vector.norm_squared();
@@ -90,7 +91,7 @@ fn coefficient<T: Valued>(rotation: &Logarithm<T>) -> (T, T) {
     large
 }
 
-/// Power series of the coefficient c of equation (4), and of its derivative. The argument is t^2.
+/// Power series of the coefficient c of equation (4) of this module, and of its derivative. The argument is t^2.
 #[inline(always)]
 fn small_coefficient<T: Valued>(square: T) -> (T, T) {
     let (mut value, mut slope) = (square.constant(SERIES[0]), square.zero());
@@ -101,8 +102,8 @@ fn small_coefficient<T: Valued>(square: T) -> (T, T) {
     (value, slope + slope)
 }
 
-/// Coefficient c of equation (4) for a large angle. Few angles are large, so this code is compiled as a separate
-/// function.
+/// Coefficient c of equation (4) of this module for a large angle. Few angles are large, so this code is compiled as a
+/// separate function.
 struct LargeCoefficient<T>(Logarithm<T>);
 
 impl<T: Valued> Outlined for LargeCoefficient<T> {
@@ -158,8 +159,8 @@ impl<T: Valued> TorqueTangent<T> {
 }
 
 impl<T: Valued> Bushing<T> {
-    /// Returns deflection and force of the bushing. `e` is the vector e of equation (1), in the axes of body i, and
-    /// `turn` is R_i' R_j - I.
+    /// Returns deflection and force of the bushing. `e` is the vector e of equation (1) of this module, in the axes of
+    /// body i, and `turn` is R_i' R_j - I.
     #[inline(always)]
     pub(super) fn state(&self, e: Vector3<T>, turn: &Matrix3<T>) -> BushingState<T> {
         let rotation = Logarithm::of(turn);
@@ -238,7 +239,7 @@ impl<T: Valued> Bushing<T> {
         let (g, rates) = self.torques(phi);
         let (once, half) = (phi.cross(g), c.constant(0.5));
         let twice = phi.cross(once);
-        // Columns of N in equation (6), one for each rotation about an axis of the bushing.
+        // Columns of N in equation (6) of this module, one for each rotation about an axis of the bushing.
         let one = c.one();
         let zero = c.zero();
         let tangent = TorqueTangent {

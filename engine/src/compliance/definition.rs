@@ -188,7 +188,7 @@ pub enum AxialStiffness<T = f64> {
 pub struct Compliance<T = f64> {
     /// Position in which the elastic parts are relaxed.
     pub relaxed: Relaxed,
-    /// Bushings of the wheel.
+    /// Bushings of the wheel's suspension.
     pub bushings: Vec<BushingPart<T>>,
     /// Links with axial stiffness.
     pub links: Vec<LinkPart<T>>,

@@ -38,9 +38,9 @@ const LARGEST_MOMENT: f64 = 1e5;
 const LONGEST_TRAVEL: f64 = 1000.0;
 /// Typical travel, mm. Steps of the search are relative to the present value, or to the typical value if that is larger.
 const USUAL_TRAVEL: f64 = 20.0;
-/// Typical load, N.
+/// Typical load of the search, N.
 const USUAL_LOAD: f64 = 1000.0;
-/// Typical moment, N m.
+/// Typical moment of the search, N m.
 const USUAL_MOMENT: f64 = 100.0;
 /// Largest step of the search, as a fraction of the value or of the larger typical value.
 const LARGEST_STEP: f64 = 0.05;
@@ -62,14 +62,14 @@ pub enum EndCause {
     GivesWay {
         /// Name of the part that gives way.
         part: String,
-        /// Direction of the motion.
+        /// Direction of the motion without stiffness.
         motion: Motion,
     },
     /// The equilibrium is no longer stable, but every motion has stiffness. The fields describe the softest motion.
     Unstable {
         /// Name of the part with the softest motion.
         part: String,
-        /// Direction of the motion.
+        /// Direction of the softest motion.
         motion: Motion,
     },
     /// The force that drives the motion reaches [`LARGEST_FORCE`]: rigid parts are fully extended or in contact.
@@ -124,7 +124,7 @@ pub(super) fn is_slack(spring: &SpringReading) -> bool {
 pub struct EquilibriumEnd {
     /// Last value of the travel, rack displacement or load with an equilibrium.
     pub value: f64,
-    /// Cause of the end.
+    /// Cause of the end of equilibrium.
     pub cause: EndCause,
     /// Events before the end, each with the value beyond which the event is present. The list omits events that are already
     /// present at 0.
@@ -176,7 +176,7 @@ pub(super) enum Refusal {
     Obstacle(Option<usize>, Obstacle),
     /// The force that drives the motion is too large.
     Force(DrivingForce),
-    /// An event has happened.
+    /// An event for which the search looks has happened.
     Event,
     /// The search took too many steps.
     Tries,

@@ -22,16 +22,17 @@ const MOST_STEPS: usize = 200;
 /// Force as a function of deflection.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape<T = f64> {
-    /// Cubic polynomial, the left form of equation (2).
+    /// Cubic polynomial, the left form of equation (2) of this module.
     Cubic {
         /// Linear coefficient k: force per deflection.
         rate: T,
         /// Cubic coefficient c: force per cubed deflection.
         cubic: T,
     },
-    /// Curve through points, the right form of equation (2). Beyond the first and last point, the curve is straight.
+    /// Curve through points, the right form of equation (2) of this module. Beyond the first and last point, the curve is
+    /// straight.
     Curve {
-        /// Points of the curve.
+        /// Points of the curve: deflections and forces.
         curve: ForceCurve,
         /// Factor on the forces of the curve.
         scale: T,
@@ -124,7 +125,7 @@ impl<T: Scalar> Shape<T> {
     }
 }
 
-/// Law of a bushing or link along one axis, with its preload.
+/// Law of a link, or of a bushing along or about one axis, with its preload.
 #[derive(Clone, Debug)]
 pub(super) struct Law<T> {
     pub(super) shape: Shape<T>,
@@ -132,7 +133,7 @@ pub(super) struct Law<T> {
     pub(super) preload: T,
     /// Deflection d0 at the design load.
     deflection: T,
-    /// Constant preload.
+    /// Constant preload, added to the force of the shape.
     pub(super) offset: T,
 }
 

@@ -40,7 +40,7 @@ pub(super) struct LegSeat<T> {
     pub(super) seat: Seat<T>,
 }
 
-/// Present frame of an arm with legs: r, n, 1/l, the distances b and c of equation (1), and the displacement of the
+/// Present frame of an arm with legs: r, n, 1/l, b and c of equation (1) of this module, and the displacement of the
 /// point.
 struct LegFrame<T> {
     radial: Vector3<T>,

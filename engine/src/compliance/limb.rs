@@ -347,7 +347,8 @@ pub(super) struct Evaluated<T: Valued> {
     pub(super) least_pivot: T::Plain,
 }
 
-/// Solved inner equations: m_y^-1 m and m_y^-1 m_x of equation (1), and the smallest pivot divided by the largest.
+/// Solved inner equations: m_y^-1 m and m_y^-1 m_x of equation (1) of this module, and the smallest pivot divided by the
+/// largest.
 pub(super) struct Eliminated<T: Valued, const N: usize, const C: usize> {
     pub(super) rest: [T; N],
     pub(super) by: [[T; C]; N],

@@ -21,7 +21,7 @@ pub struct WheelLoads<T = f64> {
     pub trail: T,
     /// Force at the wheel centre.
     pub centre: Vector3<T>,
-    /// Moment on the carrier.
+    /// Moment on the carrier, with a fixed direction.
     pub moment: Vector3<T>,
 }
 

@@ -59,7 +59,7 @@ impl<T: Valued> Mount<T> {
     }
 
     /// Returns the length of the spring, with its first and second derivative with respect to the sliding distance t of
-    /// equation (1).
+    /// equation (1) of this module.
     fn spring_length(&self, slide: T) -> (T, T, T) {
         let moved = self.along * slide;
         let line = Stretched::of(self.spring_line, moved);
@@ -305,7 +305,7 @@ pub(super) enum Joint<T> {
     Pin {
         /// Vector from the carrier's reference point to the fixed point.
         lever: Vector3<T>,
-        /// Fixed direction.
+        /// Direction in which the body holds the point.
         direction: Vector3<T>,
     },
 }

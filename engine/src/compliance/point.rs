@@ -178,7 +178,7 @@ pub(super) struct BarForce<T> {
     pub(super) by_twist: Vector3<T>,
     /// Derivative of the energy with respect to the twist of the bar's middle.
     pub(super) torque: T,
-    /// Angle of the lever.
+    /// Angle of the anti-roll bar's lever.
     pub(super) angle: T,
 }
 
@@ -218,7 +218,7 @@ impl<T: Valued> BarSeat<T> {
 }
 
 /// Response dtheta = -(rest + by.dp) of the rocker's rotation theta to the displacement dp of the rod's outer end, by
-/// equation (3).
+/// equation (3) of this module.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slide<T> {
     pub(super) by: Vector3<T>,

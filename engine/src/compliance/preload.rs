@@ -29,7 +29,7 @@ pub(super) enum NoPreload {
     OutOfReach {
         /// Index of the bushing.
         bushing: usize,
-        /// Index of the axis.
+        /// Index of the axis of the bushing.
         axis: usize,
     },
 }

@@ -104,8 +104,9 @@ mod tests {
     use super::*;
     use crate::number::Dual;
 
-    /// Nested derivative numbers lead to the same first and second derivatives as equations (1) and (2). The test
-    /// compares the derivatives of the angle, and of the distance between a point on the rocker and a fixed point.
+    /// Nested derivative numbers lead to the same first and second derivatives as equations (1) and (2) of this module.
+    /// The test compares the derivatives of the angle, and of the distance between a point on the rocker and a fixed
+    /// point.
     #[test]
     fn derivatives_agree_with_nested_numbers() {
         let mut seed = 0.3_f64;

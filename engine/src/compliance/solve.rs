@@ -314,7 +314,7 @@ impl Judge {
         Ok(Verdict::GoesOn)
     }
 
-    /// Number of corrections.
+    /// Number of corrections that have been checked: the number of Newton steps.
     pub(super) fn steps(&self) -> usize {
         self.steps
     }

@@ -69,7 +69,7 @@ impl<T: Scalar> Equilibrium<T> {
 pub struct BushingReading<T = f64> {
     /// Deflection along x, y and z.
     pub deflection: Vector3<T>,
-    /// Rotation vector.
+    /// Rotation vector of the bushing, in radians.
     pub rotation: Vector3<T>,
     /// Force on the moving body.
     pub force: Vector3<T>,

@@ -72,7 +72,7 @@ impl Block {
         self.faults.clear();
     }
 
-    /// Number of designs.
+    /// Number of designs in the block.
     pub fn designs(&self) -> usize {
         self.designs
     }

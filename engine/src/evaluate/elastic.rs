@@ -12,7 +12,7 @@ use crate::study::{ComplianceStudy, WheelStudy};
 /// A value that a sweep or a tolerance analysis reads.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ElasticRead {
-    /// The value.
+    /// Test result or characteristic to read.
     pub value: KcValue,
     /// Derivative of the value with respect to wheel travel, if the study requests this derivative in the design position.
     pub slope: Option<KcValue>,

@@ -31,7 +31,7 @@ pub(super) struct Designs<'d> {
 /// One design of a block.
 #[derive(Clone, Copy)]
 pub(super) struct Design<'d> {
-    /// Index in the block.
+    /// Index of the design in the block.
     pub number: usize,
     /// Points of both wheels. They are the same for a single wheel, and for an axle whose right wheel is the mirror image.
     pub wheels: Pairs<'d>,

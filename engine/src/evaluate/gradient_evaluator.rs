@@ -20,9 +20,9 @@ pub struct Evaluated {
     points: usize,
     /// Number of wheels with gradients: two for an axle.
     sides: usize,
-    /// Values, `[design][quantity][station]`.
+    /// Values of the quantities, `[design][quantity][station]`.
     values: Vec<f64>,
-    /// Gradients, `[design][quantity][station][side][point]`.
+    /// Gradients of the quantities, `[design][quantity][station][side][point]`.
     gradients: Vec<Vector3<f64>>,
     /// Reason why each design cannot be solved. `None` if the design can be solved.
     faults: Vec<Option<DesignFault>>,

@@ -214,9 +214,9 @@ pub(crate) fn scatter<B: SimdReal>(
 /// Visitor of the poses of a group: it reads values or computes gradients. Both uses share this type, so that the tracker is
 /// compiled only once.
 pub(super) enum Visitor<'v, 'r, 't, B: SimdReal> {
-    /// Reads values.
+    /// Reads values of quantities.
     Values(&'v mut Reading<'r, B>),
-    /// Computes gradients.
+    /// Computes gradients of quantities.
     Gradients(&'v mut Differentiating<'r, 't, B>),
 }
 

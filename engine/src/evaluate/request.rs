@@ -14,7 +14,7 @@ use std::borrow::Cow;
 /// Quantities at stations, for one wheel or for an axle.
 #[derive(Clone, Debug)]
 pub(crate) struct Request<'s> {
-    /// Column of each quantity.
+    /// Column of results for each quantity.
     columns: Vec<Column>,
     stations: Stations,
     of: Requested<'s>,
@@ -90,7 +90,7 @@ impl<'s> Request<'s> {
         self
     }
 
-    /// Column of each quantity.
+    /// Column of results for each quantity.
     pub(crate) fn columns(&self) -> &[Column] {
         &self.columns
     }

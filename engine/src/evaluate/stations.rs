@@ -72,7 +72,7 @@ impl Stations {
         }
     }
 
-    /// Number of stations.
+    /// Number of stations: drive values times rack displacements.
     pub fn count(&self) -> usize {
         self.values().len() * self.racks.len()
     }

@@ -45,7 +45,7 @@ pub struct Effects {
     pub deviation: f64,
     /// Part of the output's variance that the least-squares plane explains.
     pub r2: Option<f64>,
-    /// Effect of each variable.
+    /// Effect of each variable on the output.
     pub of: Vec<Effect>,
 }
 

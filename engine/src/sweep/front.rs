@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub struct Candidate {
     /// Number of the design.
     pub design: u64,
-    /// Values of the variables.
+    /// Values of the variables of the design.
     #[serde(with = "super::or_null")]
     pub variables: Vec<f64>,
     /// Outputs of the design. NaN if a value does not exist.

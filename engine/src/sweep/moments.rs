@@ -54,7 +54,7 @@ fn add_to(sums: &mut [f64], others: &[f64]) {
 /// variable's range. y is the difference of an output from its value in the study's own design.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Moments {
-    /// Number of designs.
+    /// Number of designs in the sums.
     pub count: u64,
     /// Sums of u, by variable.
     #[serde(with = "super::or_null")]
@@ -187,7 +187,7 @@ impl BinnedSums {
 /// these designs. Groups with a design without values are left out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SaltelliSums {
-    /// Number of groups.
+    /// Number of groups in the sums.
     pub groups: u64,
     /// Sums of y_A + y_B, by output.
     #[serde(with = "super::or_null")]

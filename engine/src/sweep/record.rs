@@ -38,15 +38,15 @@ pub struct SweepRecord {
     pub digest: String,
     /// Name of the study.
     pub study: String,
-    /// Name of the topology.
+    /// Name of the suspension's topology; `car` for a car.
     pub topology: String,
-    /// Unit of every length.
+    /// Unit of every length in the study.
     pub length_unit: String,
     /// Method of sampling: `grid`, `latin_hypercube`, `sobol`, `random`, `saltelli` or `file`.
     pub method: String,
     /// Seed of the samples.
     pub seed: Option<u32>,
-    /// Number of designs.
+    /// Number of designs in the sweep.
     pub designs: u64,
     /// Number of blocks of each part except the last, which may be shorter.
     pub blocks_of_part: u64,
@@ -75,7 +75,7 @@ pub struct SweepRecord {
 /// A variable and its column.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct VariableRecord {
-    /// Column of the variable.
+    /// Name of the variable's column.
     pub column: String,
     /// Lowest value of the variable in the sweep.
     pub low: f64,
@@ -234,12 +234,12 @@ impl SweepRecord {
         Coordinate::ALL.iter().any(|c| c.key() == drive)
     }
 
-    /// Number of blocks.
+    /// Number of blocks in the sweep.
     pub fn blocks(&self) -> u64 {
         self.designs.div_ceil(self.block())
     }
 
-    /// Number of parts.
+    /// Number of parts of the sweep.
     pub fn parts(&self) -> u64 {
         self.blocks().div_ceil(self.blocks_of_part.max(1))
     }

@@ -34,7 +34,7 @@ pub struct Failing {
 }
 
 impl Rows {
-    /// Number of designs.
+    /// Number of designs in the rows.
     pub fn designs(&self) -> usize {
         self.failing.len()
     }

@@ -8,14 +8,14 @@ use crate::study::{DesignTable, Rate, Sampled, Sampling, SweepVariable};
 /// Source of the designs of a sweep: ranges of variables, or a table.
 #[derive(Clone, Debug)]
 pub enum Samples {
-    /// Designs sampled from ranges.
+    /// Designs sampled from the ranges of variables.
     Sampled(Sampled),
     /// Designs from a file.
     Table(DesignTable),
 }
 
 impl Samples {
-    /// Number of designs.
+    /// Number of designs in the sweep.
     pub fn designs(&self) -> u64 {
         match self {
             Samples::Sampled(sampled) => sampled.designs(),

@@ -19,7 +19,7 @@ const EXAMPLES: usize = 5;
 /// Statistics of some designs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SweepStatistics {
-    /// Number of designs.
+    /// Number of designs in these statistics.
     pub designs: u64,
     /// Number of designs solved at every station.
     pub solved: u64,
@@ -63,7 +63,7 @@ pub struct SweepStatistics {
 pub struct FailureCount {
     /// Kind of failure: the word in the `status` column.
     pub status: String,
-    /// Reason in words.
+    /// Reason of the failure in words.
     pub reason: String,
     /// Number of designs that failed for this reason.
     pub designs: u64,

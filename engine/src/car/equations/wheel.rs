@@ -11,7 +11,7 @@ use crate::number::{Each, Local, LocalFunction, Scalar, Vector3, outlined};
 /// Forces on one wheel, and the wheel's fraction of the lateral force of its axle.
 #[derive(Clone, Copy)]
 pub(super) struct Forces<T> {
-    /// Wheel load.
+    /// Wheel load N, along the upward normal of the ground.
     pub load: T,
     /// Lateral force.
     pub side: T,
@@ -105,8 +105,8 @@ impl<T: Copy> Work<T> {
 }
 
 impl<T: Local> Work<T> {
-    /// Returns the four terms that the work of the wheel load balances in equation (7): elastic, geometric, longitudinal,
-    /// unsprung. `is_own` is true if the travel is the wheel's own travel.
+    /// Returns the four terms that the work of the wheel load balances in equation (7) of [`super::super`]: elastic,
+    /// geometric, longitudinal, unsprung. `is_own` is true if the travel is the wheel's own travel.
     #[inline(always)]
     fn parts(&self, forces: &Forces<T>, is_own: bool) -> [T; 4] {
         let springs = self.spring + forces.bar * self.bar;
@@ -122,7 +122,7 @@ impl<T: Local> Work<T> {
         ]
     }
 
-    /// Residual of equation (7) for one wheel.
+    /// Residual of equation (7) of [`super::super`] (balance of a wheel along its travel) for one wheel.
     #[inline(always)]
     fn residual(&self, forces: &Forces<T>, is_own: bool) -> T {
         let [elastic, geometric, longitudinal, unsprung] = self.parts(forces, is_own);
@@ -152,7 +152,8 @@ impl<T: Copy> Stance<T> {
 }
 
 impl<T: Local> Stance<T> {
-    /// Residual of the contact equation: (4) for a rigid tyre, (5) for a tyre spring, (6) for a lifted wheel.
+    /// Residual of the contact equation of [`super::super`]: (4) for a rigid tyre, (5) for a tyre spring, (6) for a
+    /// lifted wheel.
     #[inline(always)]
     pub(super) fn contact_residual(&self, load: T) -> T {
         match self.contact {
@@ -163,7 +164,8 @@ impl<T: Local> Stance<T> {
     }
 }
 
-/// Residuals of equation (7) for both travels of an axle. Each travel of a solid axle or twist beam moves both wheels.
+/// Residuals of equation (7) of [`super::super`] for both travels of an axle. Each travel of a solid axle or twist beam
+/// moves both wheels.
 #[inline(always)]
 pub(super) fn travel_residuals<T: Local>(
     [left, right]: [&Stance<T>; 2],
@@ -180,8 +182,8 @@ pub(super) fn travel_residuals<T: Local>(
     residuals
 }
 
-/// Computes the components of the wheel loads of an axle by equation (9). For a solid axle or twist beam, these
-/// components are the solution of two simultaneous equations.
+/// Computes the components of the wheel loads of an axle by equation (9) of [`super::super`]. For a solid axle or twist
+/// beam, these components are the solution of two simultaneous equations.
 #[inline(always)]
 pub(super) fn load_parts<T: Local>(
     [left, right]: [&Stance<T>; 2],
@@ -210,7 +212,7 @@ pub(super) fn load_parts<T: Local>(
     parts
 }
 
-/// Position of a tyre relative to the ground, by equation (2).
+/// Position of a tyre relative to the ground, by equation (2) of [`super::super`].
 #[derive(Clone, Copy)]
 struct Tread<T> {
     /// Length s of the component of the upward normal n that is perpendicular to the spin axis.
@@ -351,7 +353,7 @@ fn spring_force<T: Local>(
 }
 
 /// A wheel on the ground before its forces are known: its position by equation (2), and the factors of the forces in
-/// (4) to (8).
+/// equations (4) to (8) of [`super::super`].
 #[derive(Clone, Copy)]
 pub(in crate::car) struct Placed<T> {
     corner: Corner<T>,

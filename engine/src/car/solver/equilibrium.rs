@@ -26,13 +26,13 @@ pub struct Equilibrium {
 }
 
 impl Equilibrium {
-    /// Travels of the wheels.
+    /// Travels of the wheels: front left, front right, rear left, rear right.
     #[inline]
     pub(in crate::car) fn travels(&self) -> [f64; 4] {
         [0, 1, 2, 3].each(|k| self.unknowns[TRAVELS + k])
     }
 
-    /// Loads of the wheels.
+    /// Loads of the wheels: front left, front right, rear left, rear right.
     pub(in crate::car) fn loads(&self) -> [f64; 4] {
         [0, 1, 2, 3].each(|k| self.unknowns[LOADS + k])
     }

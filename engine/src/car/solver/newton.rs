@@ -36,8 +36,8 @@ pub(super) const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// Limit for steps that are longer than the shortest step so far. Newton's method fails if their number exceeds the
 /// allowed number of steps, divided by this constant. Only steps with a new tangent count.
 const MOST_LONGER: usize = 5;
-/// Smallest value of L in equation (1). L is the relative change of the tangent if the unknowns change by their typical
-/// sizes.
+/// Smallest value of L in equation (1) of this module. L is the relative change of the tangent if the unknowns change by
+/// their typical sizes.
 const CURVATURE: f64 = 100.0;
 
 /// LU factors of a tangent, with the unknowns at which the tangent was computed. These unknowns are `None` for the
@@ -276,7 +276,7 @@ impl Iteration {
 /// Bound L of equation (1) of this module on the relative change of the tangent.
 #[derive(Default)]
 struct Curvature {
-    /// Largest value of L that the steps so far show by equation (1).
+    /// Largest value of L that the steps so far show by equation (1) of this module.
     shown: f64,
     /// Factor (|x - y| + |s|) |s| of L in equation (1) of this module, for the last step; 0 before the first step.
     last: f64,

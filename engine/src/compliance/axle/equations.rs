@@ -93,7 +93,7 @@ pub(in super::super) enum AxleSingular {
     Shared,
 }
 
-/// Equations of one wheel.
+/// Equations of one wheel, with its forces on the shared bodies.
 #[derive(Clone, Debug)]
 pub(in super::super) struct SideEquations<T: Valued> {
     pub(in super::super) equations: Equations<T>,
@@ -107,7 +107,7 @@ pub(in super::super) struct SideEquations<T: Valued> {
 pub(in super::super) struct AxleEquations<T: Valued> {
     pub(in super::super) sides: [SideEquations<T>; 2],
     corners: Corners<T>,
-    /// A_c^-1 B_c of equation (1) for both wheels. There is one entry for each shared unknown that moves.
+    /// A_c^-1 B_c of equation (1) of this module, for both wheels. There is one entry for each shared unknown that moves.
     responses: Vec<[[T; MOST]; 2]>,
     /// Indices of the shared unknowns that move.
     active: Vec<usize>,
@@ -141,7 +141,7 @@ impl<T: Scalar> SideEquations<T> {
         self.coupling.own[i][j].scaled(sign(side, i) * sign(side, j))
     }
 
-    /// Returns the product C_c x of equation (1) for one force on the shared bodies.
+    /// Returns the product C_c x of equation (1) of this module, for one force on the shared bodies.
     fn on_shared(&self, side: usize, shared: usize, x: &[T; MOST]) -> T {
         let by = &self.coupling.by_corner[shared];
         let mut sum = x[0].zero();
@@ -326,7 +326,7 @@ fn holds<T: Scalar>(matrix: &[[T; MOST]; MOST], active: &[usize], bounds: Bounds
 }
 
 impl<T: Scalar> AxleEquations<T> {
-    /// Solves equation (1) for the displacements caused by these forces.
+    /// Solves equation (1) of this module for the displacements caused by these forces.
     pub(in super::super) fn solve(
         &self,
         wheels: &[[T; MOST]; 2],
@@ -374,7 +374,7 @@ impl<T: Scalar> AxleEquations<T> {
         self.step(axle, &wheels, &shared, false)
     }
 
-    /// Computes all unknowns of a step from the unknowns of equation (1).
+    /// Computes all unknowns of a step from the unknowns of equation (1) of this module.
     pub(in super::super) fn step(
         &self,
         axle: &[ElasticWheel<T>; 2],

@@ -7,9 +7,9 @@ use crate::model::{PointId, Rod};
 pub(in crate::compliance) enum BushingPlace {
     /// End of a part with its own degrees of freedom.
     Limb {
-        /// Index of the part.
+        /// Index of the part in the system.
         limb: usize,
-        /// Index of the end.
+        /// Index of the end of the part.
         end: usize,
     },
     /// Top mount of the strut.
@@ -23,7 +23,7 @@ pub(in crate::compliance) enum BushingPlace {
 /// Location of a link with axial stiffness in the system of equations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::compliance) enum LinkPlace {
-    /// Rod of the carrier.
+    /// Rod with axial stiffness that holds the carrier.
     Rod(usize),
     /// Rod of the rocker on which the spring acts.
     RockerRod,
@@ -73,7 +73,7 @@ pub(in crate::compliance) enum JointPlace {
     Pivot(PointId),
     /// Mount of a strut. It stays on the line of the strut.
     Line(PointId),
-    /// Point of the carrier.
+    /// Point at which the body or subframe holds the carrier directly.
     Pin(PointId),
 }
 

@@ -16,13 +16,13 @@ pub enum TestLoad {
     Steering,
     /// Side force to the inside of the car.
     Lateral,
-    /// Rearward force.
+    /// Rearward force on the wheel.
     Braking,
-    /// Forward force.
+    /// Forward force on the wheel.
     Traction,
     /// Moment about the vertical axis.
     Aligning,
-    /// Upward force.
+    /// Upward force on the wheel.
     Vertical,
 }
 
@@ -78,7 +78,7 @@ pub enum TestMode {
 }
 
 impl TestMode {
-    /// Name in results.
+    /// Name of the mode in results.
     pub fn name(self) -> &'static str {
         match self {
             TestMode::OneWheel => "",
@@ -92,7 +92,7 @@ impl TestMode {
 /// Trail of the second default lateral test, mm.
 const DEFAULT_TRAIL: f64 = 30.0;
 
-/// One rig test.
+/// One rig test: its load or motion, and its conditions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KcTest {
     /// Load or motion that the test applies.

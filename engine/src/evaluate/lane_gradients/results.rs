@@ -9,7 +9,7 @@ use crate::number::Vector3;
 pub(super) struct Found {
     /// Indices of the stations of a single design, one list for each group that the lanes hold together.
     pub(super) groups: Vec<Vec<usize>>,
-    /// Number of lanes.
+    /// Number of SIMD lanes.
     pub(super) lanes: usize,
     pub(super) points: usize,
     /// Angles of a pose, `[angle][lane]`.

@@ -18,7 +18,7 @@ pub(super) struct Goals {
     groups: Vec<Group>,
     /// Variables that are rates of elastic parts.
     rates: Vec<Variable>,
-    /// Number of targets.
+    /// Number of targets to assess.
     targets: usize,
     /// Margin columns of the constraints.
     pub columns: Vec<OutputColumn>,
@@ -66,9 +66,9 @@ impl Place {
 struct Group {
     place: Place,
     layout: TargetLayout,
-    /// Indices of the targets.
+    /// Indices of the targets at these stations.
     targets: Vec<usize>,
-    /// Indices of the constraints.
+    /// Indices of the constraints at these stations.
     constraints: Vec<usize>,
 }
 

@@ -64,7 +64,7 @@ pub struct CarInfo {
     pub name: &'static str,
     /// Type of the unit of the result.
     pub unit: Unit,
-    /// Meaning of a positive value.
+    /// Meaning of a positive value of the result.
     pub positive: &'static str,
     /// Formula in the notation of the manual.
     pub formula: &'static str,

@@ -8,7 +8,7 @@ use crate::number::{Each, Real, Vector3};
 /// Derivatives of a wheel's pose with respect to one travel of its axle, while the body of the car is held.
 #[derive(Clone, Copy, Debug)]
 pub struct WheelRates<T> {
-    /// Derivative W' of the wheel centre.
+    /// Derivative W' of the position of the wheel centre.
     pub centre: Vector3<T>,
     /// Angular velocity of the wheel carrier, per unit of travel.
     pub turn: Vector3<T>,
@@ -21,7 +21,7 @@ pub struct WheelRates<T> {
 /// Motion of a steered solid axle, without its knuckles, while the left wheel rises and the right wheel falls.
 #[derive(Clone, Copy, Debug)]
 pub struct AxleMotion<T> {
-    /// A point of the axle.
+    /// A point of the solid axle.
     pub point: Vector3<T>,
     /// Velocity of `point`.
     pub velocity: Vector3<T>,

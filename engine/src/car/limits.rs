@@ -62,7 +62,7 @@ struct Ray<'c> {
 }
 
 impl Ray<'_> {
-    /// Makes the case at an acceleration, g.
+    /// Makes the case of the ray whose resultant acceleration along the ground has this value, in g.
     fn at(&self, g: f64) -> Case {
         let factor = g * self.per_g;
         let own = self.case;
@@ -75,7 +75,7 @@ impl Ray<'_> {
     }
 }
 
-/// A state on the ray.
+/// State of the car at one acceleration of the ray.
 #[derive(Clone)]
 struct At {
     g: f64,

@@ -69,7 +69,7 @@ impl CarMember {
         format!("{}_{}", self.place.name(), self.name)
     }
 
-    /// Meaning of a positive value.
+    /// Meaning of a positive value of the force.
     pub fn positive(&self) -> &'static str {
         match self.what {
             What::Link(..) | What::Rod(_) => "tension",

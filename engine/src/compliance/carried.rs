@@ -52,7 +52,7 @@ impl ElasticMember {
         }
     }
 
-    /// Meaning of a positive value.
+    /// Meaning of a positive value of the force or torque.
     pub(crate) fn positive(&self) -> &'static str {
         match self.part {
             MemberPart::Rod(_)

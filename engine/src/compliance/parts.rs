@@ -41,7 +41,7 @@ pub(super) struct Mount<T> {
 /// Deflections and forces of a top mount.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MountState<T> {
-    /// Deflection in the mount's axes.
+    /// Deflection of the mount's bushing, in the mount's axes.
     pub(super) deflection: Vector3<T>,
     /// Force of the bushing of the mount.
     pub(super) force: Vector3<T>,

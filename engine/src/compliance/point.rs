@@ -40,7 +40,7 @@ use crate::number::{MaskOf, Matrix3, SimdReal, Valued, Vector3, outlined};
 /// position.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PointForce<T> {
-    /// First derivative of the energy.
+    /// First derivative of the energy with respect to the point's position.
     pub(super) force: Vector3<T>,
     /// Force after elimination of inner unknowns, as in the equations of balance.
     pub(super) condensed: Vector3<T>,

@@ -176,7 +176,7 @@ impl<T: Valued> Limb<T> {
         }
     }
 
-    /// Returns the state after a step.
+    /// Returns the state of the part after a step of its inner unknowns.
     #[inline(always)]
     fn stepped(&self, state: &LimbState<T>, step: &LimbStep<T>) -> LimbState<T> {
         let [a, b, c, d, e, f] = step.inner;

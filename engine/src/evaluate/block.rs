@@ -28,7 +28,7 @@ pub struct FailedStation {
 pub struct Block {
     outputs: usize,
     stations: usize,
-    /// Number of slopes of each design.
+    /// Number of slopes (derivatives in the design position) of each design.
     gains: usize,
     designs: usize,
     /// Values, `[design / SIDE_BY_SIDE][output][station][design % SIDE_BY_SIDE]`.

@@ -28,7 +28,7 @@ pub enum NotInLanes {
 }
 
 impl NotInLanes {
-    /// Reason, as the end of a sentence.
+    /// Reason in words, as the end of a sentence.
     pub fn describe(self) -> &'static str {
         match self {
             NotInLanes::Asked => "the run requested it",

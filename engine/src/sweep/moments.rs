@@ -132,7 +132,7 @@ pub struct BinnedSums {
 /// Sums of shifted outputs and scaled variables, grouped by the level of one variable.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LevelSums {
-    /// Number of designs, by level.
+    /// Number of designs in each level.
     pub counts: Vec<u64>,
     /// Sums of the shifted outputs, `[level][output]`.
     #[serde(with = "super::or_null")]

@@ -56,7 +56,7 @@ pub struct SweepPlan<'s> {
     study: &'s Study,
 }
 
-/// A derivative in the design position.
+/// A derivative of a quantity in the design position.
 #[derive(Clone, Debug)]
 struct Gain {
     column: String,
@@ -185,7 +185,7 @@ impl<'s> SweepPlan<'s> {
         self.request.of_wheel()
     }
 
-    /// Columns of values, by quantity.
+    /// Columns of the quantities' values, one for each quantity.
     pub fn values(&self) -> &[Column] {
         self.request.columns()
     }

@@ -105,11 +105,11 @@ pub struct MoveRecord {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
-    /// Smallest value over the motion.
+    /// Smallest value of the output over the motion.
     Min,
-    /// Largest value over the motion.
+    /// Largest value of the output over the motion.
     Max,
-    /// Value in the design position.
+    /// Value of the output in the design position.
     Design,
     /// Derivative with respect to the drive in the design position.
     Gain,

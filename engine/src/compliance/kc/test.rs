@@ -20,7 +20,7 @@ pub enum TestLoad {
     Braking,
     /// Forward force on the wheel.
     Traction,
-    /// Moment about the vertical axis.
+    /// Moment about the vertical axis, on the wheel.
     Aligning,
     /// Upward force on the wheel.
     Vertical,

@@ -42,7 +42,7 @@ pub struct Iteration {
     pub misfit: f64,
     /// Length of the accepted step in fractions of the ranges; 0 if none was accepted.
     pub step: f64,
-    /// Damping of the last trial.
+    /// Damping of the last trial step.
     pub damping: f64,
     /// Number of variables at bounds at the end of the iteration.
     pub held: usize,
@@ -222,9 +222,9 @@ pub struct Fit {
 /// State of constraints at the end of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConstraintState {
-    /// Values of the rows.
+    /// Values of the constraint rows.
     pub values: DVector<f64>,
-    /// Largest violation, in the unit of the rows.
+    /// Largest violation among the constraint rows, in the unit of the rows.
     pub violation: f64,
     /// True for each row that some variable moves. The other rows count neither as satisfied nor as violated.
     pub movable: Vec<bool>,

@@ -1,5 +1,5 @@
-//! Common parts of all methods in this folder. argmin runs the method; the record keeps the iterations of the run and the
-//! reason for the end of the run. Only this module calls argmin.
+//! Common parts of all minimisation methods in this folder. argmin runs the method; the record keeps the iterations of the
+//! run and the reason for the end of the run. Only this module calls argmin.
 
 use super::{ActiveBound, Bounds, Control, Infeasible, Iteration, Options, Termination};
 use argmin::core::{Executor, IterState, Problem, Solver, TerminationReason, TerminationStatus};

@@ -9,7 +9,7 @@ use nalgebra::DVector;
 /// Number of variables with respect to which one pass differentiates.
 pub(super) const AT_ONCE: usize = 4;
 
-/// A value with its derivatives with respect to a few variables.
+/// A number with its derivatives with respect to [`AT_ONCE`] variables.
 pub(super) type ByVariables = Dual<f64, AT_ONCE>;
 
 /// Design of a wheel, and the rates at which the variables move its points.

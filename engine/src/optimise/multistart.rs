@@ -103,7 +103,7 @@ fn nearest_of_least(
     nearest(starts, good, distance, SAME_MISFIT)
 }
 
-/// Index of the start with the smallest violation of the constraints.
+/// Index of the start whose result has the smallest violation of the constraints.
 pub(super) fn least_violation(starts: &[Start]) -> Option<usize> {
     let by_violation =
         |a: &(usize, &Fit), b: &(usize, &Fit)| a.1.violation().total_cmp(&b.1.violation());

@@ -24,11 +24,11 @@ const NEGLIGIBLE: f64 = 1e-2;
 /// Largest imbalance with which the multipliers count as those of a minimum. The error of the goal is about the square of the
 /// imbalance.
 const BALANCED: f64 = 1e-8;
-/// First radius, in half ranges.
+/// Largest component of the first step, in half ranges of the variables (trust radius).
 const FIRST_RADIUS: f64 = 1.0;
-/// Radius that contains the whole box.
+/// Trust radius, in half ranges, that contains the whole box of the variables.
 const WHOLE: f64 = 4.0;
-/// Smallest accepted ratio of actual to predicted reduction.
+/// Smallest accepted ratio of actual to predicted reduction of the goal.
 const ACCEPTABLE: f64 = 1e-4;
 const POOR: f64 = 0.25;
 const GOOD: f64 = 0.75;
@@ -200,7 +200,7 @@ impl SequentialConvex<'_> {
         self.current.levels.first().unwrap_or(&self.current.goal)
     }
 
-    /// Goal and violation of a point.
+    /// Goal (half the squared norm of its residuals) and violation of a point.
     fn pair(&self, of: &Assessment) -> [f64; 2] {
         let counts = |row| self.takes_part(row);
         let violation = of.violation_of(self.equalities, &self.levels, counts);

@@ -13,7 +13,7 @@ pub(in crate::optimise) struct LimitedValue {
     pub of: usize,
     /// Limits of the value.
     pub limited: Limited,
-    /// Indices of the rows that hold the limits of the constraint.
+    /// Indices of the rows that hold the limits of the value.
     pub check: Check,
 }
 

@@ -39,10 +39,10 @@ pub enum Error {
         /// Expected values, in words.
         expected: &'static str,
     },
-    /// The study does not request this result.
+    /// The study does not request this result. The text names the missing request.
     #[error("the study has {0}")]
     NotAsked(&'static str),
-    /// A list is empty.
+    /// A list is empty. The text names the missing item.
     #[error("no {0} is given; expected at least one")]
     Empty(&'static str),
     /// The study describes an axle, and the called function is for one wheel.
@@ -59,7 +59,7 @@ pub enum Error {
     /// The wheel has no pose at this travel and rack displacement.
     #[error("no pose at travel {travel} {unit}, rack {rack} {unit}: {reason}")]
     NoPose {
-        /// Wheel travel.
+        /// Wheel travel at which the wheel has no pose.
         travel: f64,
         /// Rack displacement, in the suspension's axes.
         rack: f64,

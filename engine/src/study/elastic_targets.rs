@@ -406,7 +406,7 @@ pub(super) fn rate(
     })
 }
 
-/// Name and rate of a part. The rate is not relative.
+/// Name of a part, and its rate. The rate is not relative: a variable changes it by amounts, not by factors.
 type Found = (String, Rate);
 
 fn absolute(name: &str, parameter: Parameter, design: f64) -> Found {

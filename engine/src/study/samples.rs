@@ -33,9 +33,9 @@ impl Sample {
 /// Target range of a quantity of an axle in one pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxleSample {
-    /// Pose.
+    /// Pose of the axle.
     pub placement: Placement,
-    /// Quantity.
+    /// Quantity with the target range.
     pub quantity: Quantity,
     /// Target range of the quantity. Its field `drive` is the value of the coordinate that varies, as written in the study.
     pub wanted: Sample,

@@ -6,11 +6,11 @@ use super::*;
 /// Quantity of a target, with its name and unit in the study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TargetQuantity {
-    /// Quantities, in the kernel's frame.
+    /// Quantities in the kernel's frame (left wheel, x forward, y left, z up).
     pub kind: TargetKind,
-    /// Name with the unit, as in a column heading.
+    /// Name of the quantity with the unit, as in a column heading.
     pub column: String,
-    /// Kind of unit.
+    /// Physical type of the quantity's value. It determines the unit.
     pub unit: Unit,
     /// Unit of length of the study.
     pub length: LengthUnit,
@@ -25,7 +25,7 @@ pub enum TargetKind {
     Wheel(Measure),
     /// A quantity of an axle, or the same quantity of both wheels.
     Axle(Vec<crate::axle::Quantity>),
-    /// A value of one wheel with elastic parts.
+    /// A value of one wheel with elastic parts in equilibrium.
     Elastic(KcValue),
 }
 
@@ -120,7 +120,7 @@ impl Site {
 /// length unit).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Target {
-    /// Quantity of the target.
+    /// Quantity that has the target.
     pub of: TargetQuantity,
     /// Target value, curve or band of this quantity.
     pub wanted: Wanted,
@@ -219,14 +219,14 @@ pub enum Wanted {
     /// A target curve over the drive. The tuning compares the curve at the stations of the motion between the ends of the
     /// curve.
     Curve {
-        /// Drive value (as in [`Motion::values`]) and target value, in the order of the drive value.
+        /// Drive value (as in [`Motion::values`]) and target value of each point, in the order of the drive value.
         points: Vec<[f64; 2]>,
-        /// Interpolation between its points.
+        /// Interpolation between the points of the curve.
         interpolation: Interpolation,
     },
     /// A single value at one drive value.
     At {
-        /// Drive value.
+        /// Drive value at which the target applies.
         drive: f64,
         /// Target value.
         value: f64,
@@ -251,9 +251,9 @@ pub enum Limit {
     Value(f64),
     /// A limit curve over the drive. The curve sets no limit beyond its ends.
     Curve {
-        /// Drive value and limit, in the order of the drive value.
+        /// Drive value and limit of each point, in the order of the drive value.
         points: Vec<[f64; 2]>,
-        /// Interpolation between its points.
+        /// Interpolation between the points of the limit curve.
         interpolation: Interpolation,
     },
 }
@@ -261,7 +261,7 @@ pub enum Limit {
 /// Limits that a design must satisfy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constraint {
-    /// Description in words.
+    /// Description of the constraint in words.
     pub name: String,
     /// Measures that must all be within limits.
     pub parts: Vec<Limited>,
@@ -308,8 +308,8 @@ impl Limited {
         [self.lower, self.upper].map(|limit| limit.map(printed))
     }
 
-    /// Margin between the measure and one of its limits, in `unit`. `row` is (measure - limit)/scale, with the opposite
-    /// sign for a lower limit. The margin is negative if the limit is violated.
+    /// Margin (distance) between the measure and one of its limits, in `unit`. `row` is (measure - limit)/scale, with the
+    /// opposite sign for a lower limit. The margin is negative if the limit is violated.
     pub(crate) fn margin(&self, row: f64) -> f64 {
         match (self.of.is_versine(), self.upper) {
             (true, Some(limit)) => {

@@ -10,7 +10,7 @@ pub struct Move {
     pub point: PointId,
     /// Coordinate that changes, in the study's axes.
     pub axis: Axis,
-    /// Displacement per unit of the variable.
+    /// Displacement of the point along the axis per unit of the variable.
     pub factor: f64,
 }
 
@@ -67,7 +67,7 @@ pub struct Optimise {
 /// Fixed sample of built vehicles (builds), with the tolerances of `[tolerance]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scatter {
-    /// Number of builds.
+    /// Number of builds in the sample.
     pub builds: usize,
     /// Seed of the random builds.
     pub seed: u32,
@@ -133,7 +133,8 @@ pub struct Variable {
     pub turn: Option<Turn>,
     /// Rate of an elastic part that the variable changes instead of coordinates.
     pub rate: Option<Rate>,
-    /// Lowest and highest offset from the design, in the study's axes. Degrees for a rotation. For a rate, see [`Rate::at`].
+    /// Lowest and highest offset of the variable from the design, in the study's axes and length unit. Degrees for a
+    /// rotation. For a rate, see [`Rate::at`].
     pub range: [f64; 2],
     /// Cost of a change across the full range, relative to the other variables. The size of a design change includes this
     /// cost in the search for the smallest change.

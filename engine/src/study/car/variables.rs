@@ -205,7 +205,8 @@ impl Resolver<'_> {
         choose(figure, "value of the car", &figures, self.problems)
     }
 
-    /// Percentage of a value of the study. `instead` is the key to use if the value is 0.
+    /// Converts a percentage of the study's value `now` to the unit of this value. Refuses a value of 0; the message names
+    /// `instead` as the key to use.
     pub(super) fn percent_of(&mut self, part: &Number, now: f64, instead: &str) -> Option<f64> {
         let percent = above_zero(part, self.problems)?;
         if now == 0.0 {
@@ -238,7 +239,7 @@ impl Resolver<'_> {
         Some(())
     }
 
-    /// A variable with its range.
+    /// Reads a variable with its range. `None` if it has an error.
     pub(super) fn variable(&mut self, car: &Car, own: &Written<'_>) -> Option<CarVariable> {
         let place = own.place.clone();
         let moves = self.moves(car, own)?;

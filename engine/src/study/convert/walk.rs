@@ -58,7 +58,7 @@ impl At {
     }
 }
 
-/// Conversion of one text.
+/// Conversion of the text of one study.
 pub(super) struct Walk<'a> {
     root: Root,
     subject: Subject<'a>,
@@ -122,7 +122,7 @@ impl<'a> Walk<'a> {
 struct Pass<'a> {
     root: Root,
     facts: Facts<'a>,
-    /// Trails of the study's tests.
+    /// Trails of the study's tests. A trail is the distance from the contact point back to the side force.
     trails: Vec<f64>,
     text: &'a str,
     problems: Problems,

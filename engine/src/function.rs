@@ -68,7 +68,7 @@ impl DesignFunction {
         DesignFunction::with_variables(study, DesignVariable::of(study))
     }
 
-    /// Makes the function of a study, with the given variables instead of those of the study.
+    /// Makes the function of a study, with the given variables instead of the study's variables.
     pub fn with_variables(
         study: &Study,
         names: Vec<DesignVariable>,

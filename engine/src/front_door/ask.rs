@@ -295,8 +295,8 @@ impl Target {
         })
     }
 
-    /// Makes a target value of a characteristic at one travel. The motion does not need a station at this travel. Units and
-    /// `tolerance` are those of [`Target::curve`].
+    /// Makes a target value of a characteristic at one travel. The motion does not need a station at this travel. The
+    /// value has the unit of the characteristic's column. `tolerance` is the acceptable deviation, in the same unit.
     ///
     /// # Errors
     /// [`Error::Lacking`] if the suspension lacks an input of the characteristic. Also returns an error if a number is not

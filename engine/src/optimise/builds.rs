@@ -217,7 +217,7 @@ impl<'a> BuiltWheel<'a> {
             // The nominal design with its derivatives with respect to the next few variables, and the parts made from it.
             along_variables(&parts.drawn, nominal, first, moved);
             let mut along = Parts::of_drawing(mechanism, moved);
-            // Replaces the nominal values by those of the build. The derivatives stay, because the scatter of the build is
+            // Replaces the nominal values by the build's values. The derivatives stay, because the scatter of the build is
             // the same at every x. [`Alignment::design`] adds the derivatives of the adjustments.
             for (dual, value) in along.points.iter_mut().zip(&parts.points) {
                 (dual.x.value, dual.y.value, dual.z.value) = (value.x, value.y, value.z);

@@ -87,8 +87,9 @@ pub(super) fn searches(
 }
 
 impl Search {
-    /// Begins a search from the parabola through station `k` and its neighbours. `None` if there are fewer than three
-    /// stations, if a neighbour has a worse value, or if the parabola has no extreme near the station.
+    /// Begins a search from the parabola through station `k` and its neighbours. `sign` is 1 for a largest value and -1 for
+    /// a smallest value. `None` if there are fewer than three stations. Also `None` if a neighbour has a larger (or
+    /// smaller) value, or if the parabola has no extreme near the station.
     fn about(k: usize, count: usize, at: impl Fn(usize) -> (f64, f64), sign: f64) -> Option<Self> {
         let first = k.checked_sub(1);
         let beyond = |other: usize| sign * at(other).1 > sign * at(k).1;

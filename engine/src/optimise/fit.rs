@@ -293,8 +293,8 @@ impl Fit {
     }
 }
 
-/// Minimises from the point of the box nearest to `start`. `index` is the number of this start. An error gives the reason
-/// why there are no residuals at this point.
+/// Minimises from `start`, or from the nearest point within `bounds`. `index` is the number of this start. An error gives
+/// the reason why there are no residuals at this point.
 pub fn fit(
     index: usize,
     problem: impl LeastSquares,

@@ -390,7 +390,8 @@ fn single_end([first, last]: [&Found; 2], good: f64) -> Option<&Found> {
 /// A gap between two points of a Pareto front of two criteria that may contain further points.
 #[derive(Clone, Debug)]
 struct Gap {
-    /// Two points: first the one with the lower first criterion, then the one with the lower second criterion.
+    /// Indices of the points at the ends of the gap: first the point with the lower first criterion, then the point with
+    /// the lower second criterion.
     ends: [usize; 2],
     low: [f64; 2],
     high: [f64; 2],

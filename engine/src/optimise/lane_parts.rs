@@ -19,7 +19,7 @@ pub(super) enum LanePart {
     Formula(Measure, Vec<Source>),
 }
 
-/// Source of a vector: quantities, given by their indices, or the design.
+/// Source of a vector in a formula: quantities computed in SIMD lanes, given by their indices, or the points of the design.
 #[derive(Clone, Copy)]
 pub(super) enum Source {
     /// Coordinates of a point.

@@ -68,7 +68,7 @@ pub struct LevenbergMarquardt<'a> {
     record: FitRecord<'a>,
     /// Factor mu of equation (2) of this module.
     damping_factor: f64,
-    /// Residuals and Jacobian at the variables of the state.
+    /// Residuals and Jacobian at the present point of the run.
     current: Linearisation,
     model: LocalModel<'a>,
     trial_x: DVector<f64>,

@@ -48,8 +48,8 @@ impl Multistart {
     }
 }
 
-/// Minimises from `starts` points in parallel, on the CPU threads of the current rayon pool. The starts are the point of the
-/// box nearest to `design`, and points of a low-discrepancy sequence over the box.
+/// Minimises from `starts` points in parallel, on the CPU threads of the current rayon pool. The first start is `design`,
+/// or the nearest point within `bounds`. The other starts are points of a low-discrepancy sequence within `bounds`.
 ///
 /// `problem` makes a problem for each start. The result does not depend on the number of CPU threads. The best fit is the one
 /// with the least misfit. Fits count as equal if their misfits are below [`Options::misfit_below`], or if they found the same

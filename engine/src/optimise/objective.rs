@@ -154,7 +154,8 @@ impl<'a> Objective<'a> {
         }
         // Axles and elastic parts are not evaluated in lanes.
         let width = width.filter(|_| layout.beside.is_none());
-        // Constraints apply to the nominal design.
+        // Constraints apply to the nominal design, which is evaluated without lanes. So the builds in lanes have no
+        // constraint rows.
         objective.lanes = width.and_then(|width| LaneRows::new(suspension, layout, false, width));
         objective.robust = Some(Robust::new(assembled, scatter, variables.len(), width)?);
         Ok(objective)
@@ -234,7 +235,7 @@ impl<'a> Objective<'a> {
             }
             return self.evaluate_beside(x, None, Some((into, 0)), rows);
         };
-        // Constraints apply to the nominal design.
+        // Constraints apply to the nominal design. So its rows are evaluated before the builds replace the nominal design.
         let found = match &mut rows {
             Some(rows) => {
                 let rigid = self.evaluate_moved(None, Some(&mut **rows));

@@ -14,7 +14,7 @@
 //!
 //! A computed slope is a sum of products, so rounding keeps it from being exactly zero. Residuals have the rounding error
 //! [`Options::misfit_below`], or a larger rounding error if short steps have shown it. For example, the rounding error of
-//! an equilibrium is larger than that of a pose. Variables have a resolution: no method makes smaller steps. A slope counts
+//! an equilibrium is larger than the error of a pose. Variables have a resolution: no method makes smaller steps. A slope counts
 //! as zero if the rounding error and the resolution can explain it. So a fit to exact measurements converges. Its residuals
 //! and their slope consist of rounding errors only, even if the slope is large relative to the residuals.
 //!

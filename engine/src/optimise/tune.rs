@@ -423,7 +423,7 @@ impl<'a> Tuner<'a> {
             let kept = kept.map(|c| self.optimise.constraints[*c].clone());
             let some = Optimise {
                 constraints: kept.collect(),
-                // Constraints apply to the nominal design.
+                // Constraints apply to the nominal design, so the tuning with some of them needs no builds.
                 ..self.optimise.nominal()
             };
             let layout = TargetLayout::of(&some, self.vehicle);

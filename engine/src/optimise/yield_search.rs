@@ -27,7 +27,7 @@
 //! width. The search starts at the optimum without scatter, with a large tau, and reduces tau in steps ([`WIDTHS`]). The code
 //! then evaluates the end of each step with [`JUDGED`] further builds, which the search has not used. It keeps the end with
 //! the most builds within all bands. The optimum without scatter is one of the ends. So only sampling error can make the
-//! yield lower than that of this optimum.
+//! yield lower than the yield of this optimum.
 
 use super::constrained::{Assessment, Constrained, Shape, constrained_fit};
 use super::station_reader::refused;
@@ -240,8 +240,8 @@ impl<'a> YieldSearch<'a> {
         }
     }
 
-    /// Describes a tuning of builds towards these targets. All residuals have the same weight, because the weight of a
-    /// target is its number of residuals.
+    /// Describes a tuning of builds towards these targets. The weight of a target is its number of residuals, so all
+    /// residuals have the same weight.
     fn goals(&self, targets: Vec<Target>, scatter: &Scatter) -> Optimise {
         let mut goals = Optimise {
             targets,

@@ -145,7 +145,8 @@ impl Plan {
         effects.extend(rockers.map(rocker));
         effects.push(Effect::of("loads", self.load_forces(study)));
         effects.push(Effect::of("certificate", self.certificate(study)));
-        // Divides the costs by the cost of a pose of this topology.
+        // The costs so far are relative to a pose from the closed form of a strut. They are divided by the relative cost of
+        // a pose of this topology, which has no closed form.
         if !has_closed_form(mechanism) {
             let per_pose = |e: &&mut Effect| e.name != "position" && e.name != "rack";
             for effect in effects.iter_mut().filter(per_pose) {

@@ -126,7 +126,7 @@ pub struct CarTolerance {
     pub builds: u64,
     /// Seed, as the study gives it.
     pub seed: u32,
-    /// Seed for the random numbers of the car's own values.
+    /// Seed for the random numbers of the values of the car, such as masses.
     pub figure_seed: u32,
     /// Tolerances of the axles' parts, [front, rear].
     pub axles: [Tolerance; 2],

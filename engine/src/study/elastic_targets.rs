@@ -273,7 +273,7 @@ pub(super) struct RateKeys<'a> {
 }
 
 /// Collects the keys of a rate from an entry at `place`. The last two arguments list keys of the entry that a rate does not
-/// accept; the values of the last ones are numbers.
+/// accept: first the keys with other values, then the keys with numbers.
 macro_rules! rate_keys {
     ($written:expr, $place:expr, [$($other:ident),*], [$($number:ident),*]) => {
         RateKeys {

@@ -240,8 +240,8 @@ impl Outputs {
     }
 }
 
-/// Load on the wheel, the same in every pose. Its components are along the axes of a left wheel in the design position: x
-/// forward, y left, z up. These axes do not rotate with the wheel.
+/// Load on the wheel, the same in every pose. Its components are along the axes of a left wheel: x forward, y left, z up.
+/// These axes are fixed in the body; they do not rotate with the wheel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Load {
     /// Prefix of the names of the load's columns.

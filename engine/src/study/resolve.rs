@@ -101,7 +101,7 @@ impl Study {
         resolve(path, format!("{name} (with --set)"), text, directory, parts)
     }
 
-    /// Returns the study with edits `path=value`, like those of `--set`. `name` is the file name in messages. Files that the
+    /// Returns the study with edits `path=value`, as `--set` makes them. `name` is the file name in messages. Files that the
     /// study names are in the same directory as before.
     pub fn with_overrides(&self, name: &str, overrides: &[String]) -> Result<Study, StudyErrors> {
         let text = overrides::apply(name, &self.text, overrides)?;

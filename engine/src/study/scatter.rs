@@ -131,8 +131,8 @@ pub struct Source {
     pub rate: Option<Rate>,
     /// Distribution of the random number.
     pub law: Law,
-    /// Wheel of an axle that has these dimensions, in the kernel's frame of its side. `None` for a part that both wheels
-    /// share. The dimensions are then those of the left wheel.
+    /// Wheel of an axle that has the dimensions of the source, in the axes of a left wheel (mirrored for a right wheel).
+    /// `None` for a part that both wheels share. The dimensions then belong to the left wheel.
     pub side: Option<Side>,
     /// Dimensions of the source, as they are in the mechanism of a solid axle's other wheel. Empty for other vehicles.
     pub seen_from_other: Vec<(BuildParameter, f64)>,

@@ -14,7 +14,8 @@ pub struct TargetQuantity {
     pub unit: Unit,
     /// Unit of length of the study.
     pub length: LengthUnit,
-    /// Sign of the study's axis: -1 if it points opposite to the axis of the engine's frame.
+    /// Sign of the study's axis: 1 if it has the direction of a left wheel's axis (x forward, y left, z up), -1 if the
+    /// opposite direction.
     pub sign: f64,
 }
 
@@ -41,12 +42,13 @@ impl TargetQuantity {
         }
     }
 
-    /// Factor that converts a value in the kernel's frame, in radians, length units and newtons, to the printed value.
+    /// Factor that converts a value inside the program to the printed value. Inside the program, values are in the axes of
+    /// a left wheel (x forward, y left, z up), in radians, length units and newtons.
     pub fn factor(&self) -> f64 {
         self.unit.printed_factor(self.length) * self.sign
     }
 
-    /// Converts a printed value to the kernel's frame.
+    /// Converts a printed value to the value inside the program. See [`TargetQuantity::factor`].
     pub fn from_printed(&self, printed: f64) -> f64 {
         self.unit.from_printed(printed, self.length) * self.sign
     }
@@ -116,8 +118,8 @@ impl Site {
     }
 }
 
-/// Target curve, value or band. Values are in the kernel's frame, in radians, length units or newtons (for gains: radians per
-/// length unit).
+/// Target curve, value or band. Values are in the axes of a left wheel (x forward, y left, z up). They are in radians,
+/// length units or newtons (for gains: radians per length unit).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Target {
     /// Quantity that has the target.
@@ -295,8 +297,8 @@ pub struct Limited {
 }
 
 impl Limited {
-    /// Lower and upper limit in `unit`. `None` without a limit. The limits of a force in a member and of a coordinate have their
-    /// sign in the kernel's axes.
+    /// Lower and upper limit in `unit`. `None` without a limit. The limits of a force in a member and of a coordinate have
+    /// the signs of a left wheel's axes (x forward, y left, z up).
     pub fn limits(&self) -> [Option<f64>; 2] {
         let printed = |limit: f64| {
             if self.of.is_versine() {

@@ -15,8 +15,9 @@ pub struct Move {
 }
 
 impl Move {
-    /// Applies a value of the variable to a coordinate of a design in the kernel's frame. With `absolute`, the coordinate
-    /// becomes `factor` times the value. Otherwise it changes by `factor` times the value.
+    /// Applies a value of the variable to a coordinate of `design`, which has the axes of a left wheel (x forward, y left,
+    /// z up). With `absolute`, the coordinate becomes `factor` times the value. Otherwise it changes by `factor` times the
+    /// value.
     pub fn apply(&self, frame: &Frame, value: f64, absolute: bool, design: &mut [Vector3<f64>]) {
         let coordinate = &mut design[self.point.0][self.axis];
         let along = frame.sign(self.axis) * self.factor * value;

@@ -33,8 +33,8 @@ const SLACK: f64 = 1e-9;
 pub(super) enum Proposal {
     /// The step is the minimum of the model.
     Optimal,
-    /// The rows cannot all be satisfied within the radius. Contains the smallest possible value of the largest violation, and
-    /// the rows and bounds that contradict one another.
+    /// The rows cannot all be satisfied by a step within the trust radius. Contains the smallest possible value of the
+    /// largest violation, and the rows and bounds that contradict one another.
     Relaxed { remaining: f64, culprits: Vec<Held> },
 }
 
@@ -213,8 +213,8 @@ impl<'a> ConvexModel<'a> {
             self.kept_offsets
                 .push(trial.rows.residuals[row] - dot(normal, &self.step));
         }
-        // Levels are curved, like the rows. So the difference between the norm at the trial and the predicted norm is
-        // subtracted from the level.
+        // The norm of a level's residuals is curved, like the rows. So the difference between the norm at the trial and the
+        // norm that the model predicts there is subtracted from the level.
         let levels = self.levels.clone();
         for (k, level) in self.levels.iter_mut().enumerate() {
             let promised = self.held[k].norm_after(&self.step, &mut self.scratch);
@@ -316,7 +316,7 @@ impl<'a> ConvexModel<'a> {
                 )
             })
             .collect();
-        // Includes only the bounds of the variable itself, not the limit by the radius.
+        // Includes only the bounds of the variables themselves, not the limit by the trust radius.
         for (j, multiplier) in self.bound_multipliers.iter().enumerate() {
             let on_bound = self.distance_below[j] == 0.0 || self.distance_above[j] == 0.0;
             if on_bound && *multiplier != 0.0 {

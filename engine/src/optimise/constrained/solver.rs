@@ -21,10 +21,10 @@ pub(in crate::optimise) const KEPT: f64 = 1e-7;
 /// A run ends when the relative reduction of the goal is below this fraction of [`Options::reduction_below`]. The relative
 /// error of the multipliers is about the square root of this relative reduction.
 const NEGLIGIBLE: f64 = 1e-2;
-/// Largest imbalance with which the multipliers count as those of a minimum. The error of the goal is about the square of the
-/// imbalance.
+/// Largest imbalance of the optimality conditions with which the multipliers count as the multipliers of a minimum. The error
+/// of the goal is about the square of the imbalance.
 const BALANCED: f64 = 1e-8;
-/// Largest component of the first step, in half ranges of the variables (trust radius).
+/// Limit of the components of the first step, in half ranges of the variables (trust radius).
 const FIRST_RADIUS: f64 = 1.0;
 /// Trust radius, in half ranges, that contains the whole box of the variables.
 const WHOLE: f64 = 4.0;
@@ -109,8 +109,8 @@ impl ConstrainedFit {
     }
 }
 
-/// Minimises from the point of the box nearest to `start`. An error gives the reason why there are no residuals at this
-/// point.
+/// Minimises from `start`, or from the nearest point within `bounds`. An error gives the reason why there are no residuals
+/// at this point.
 pub fn constrained_fit(
     index: usize,
     problem: impl Constrained,
@@ -167,7 +167,7 @@ struct SequentialConvex<'a> {
 impl SequentialConvex<'_> {
     fn into_fit(mut self, state: ArgminState) -> ConstrainedFit {
         let x = state.param.expect("the state has a start point");
-        // Computes the multipliers at the end point itself, not those of the step to this point.
+        // Computes the multipliers at the end point itself. The multipliers of the step to this point differ.
         self.model.solve(WHOLE, false);
         let settled = self.model.settle_multipliers(&self.beside);
         let imbalance = settled.residual;

@@ -132,8 +132,8 @@ impl Resolver<'_> {
         }
     }
 
-    /// Coordinates of hardpoints. If the variable names two axles, both axles must have points with these names. The factors
-    /// are those of the first axle's points, then those of the second axle's points.
+    /// Coordinates of hardpoints. If the variable names two axles, both axles must have points with these names. The
+    /// factors of the first axle's points come first, then the factors of the second axle's points.
     fn points(&mut self, car: &Car, ends: &[usize], own: &Written<'_>) -> Option<Moves> {
         if own.axis.is_none() && own.direction.is_none() {
             let message = "a hardpoint needs axis = \"x\", \"y\" or \"z\", or a direction";

@@ -75,7 +75,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Returns the same conversion of a text, with these units of mass.
+    /// Returns the same conversion, but with the masses of the text converted from unit `from` to unit `to`.
     pub(super) fn with_masses(self, from: MassUnit, to: MassUnit) -> Self {
         let ends = self.ends.map(|end| end.with_masses(from, to));
         Walk { ends, ..self }
@@ -118,7 +118,7 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// One pass through a text.
+/// One pass through the text of a study, which converts its numbers.
 struct Pass<'a> {
     root: Root,
     facts: Facts<'a>,

@@ -58,7 +58,7 @@ fn branch(ways: &[Way], is_rising: bool, x: f64) -> Option<f64> {
 /// A pass of a curve in one direction of the drive value.
 struct Way {
     is_rising: bool,
-    /// At least two points, sorted by drive value.
+    /// Points of the pass, at least two, sorted by drive value.
     points: Vec<[f64; 2]>,
 }
 

@@ -172,8 +172,8 @@ impl SequentialConvex<'_> {
         }
     }
 
-    /// Moves to the trial, and adapts the radius to the accuracy of the prediction. Returns the length of the step in
-    /// fractions of the ranges.
+    /// Moves to the trial, and adapts the trust radius (limit of the step's components) to the accuracy of the model's
+    /// prediction. Returns the length of the step in fractions of the ranges.
     fn accept(&mut self, x: &mut DVector<f64>, step: &Step, from: [f64; 2]) -> f64 {
         let &Step {
             length, predicted, ..

@@ -38,7 +38,7 @@ mod cost {
     /// Gradient of one output with respect to hardpoints that occur in only one of the six closure equations. The cost
     /// rises from this value to `GRADIENT` with the share of requested hardpoints.
     pub(super) const LEAST_GRADIENT: f64 = 1.2;
-    /// Instantaneous steering axis.
+    /// Computation of the instantaneous steering axis.
     pub(super) const SCREW_AXIS: f64 = 0.6;
     /// Rotation of a rocker, for each coefficient of its power series. Estimated from its number of operations, not
     /// measured.

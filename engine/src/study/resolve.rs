@@ -189,7 +189,7 @@ fn resolve(
     let file = parse::parse(&source)?;
     let mut problems = Problems::new(source.clone());
     let suspension = suspension::suspension(&file, &mut problems);
-    // Without a suspension, names in other sections cannot be checked.
+    // Without a suspension, names of points and members cannot be checked. So only the motions are read, for their errors.
     let Some(suspension) = suspension else {
         let of_axle = is_of_axle(&file);
         if !of_axle {

@@ -6,7 +6,7 @@ use super::{Beside, Part, RowLabel, TargetLayout};
 /// ([`crate::study::Limited::visible`]): a millionth of a millimetre or of a degree is rounding. Runs use a smaller limit.
 pub const VIOLATED: f64 = 1e-6;
 
-/// Smallest margin of a constraint in one design.
+/// Smallest margin (distance to a limit) of a constraint in one design.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margin {
     /// Distance from the value to the nearest limit, in the constraint's unit; negative if the limit is violated. NaN if a

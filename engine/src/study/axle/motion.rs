@@ -31,7 +31,8 @@ fn at_load(
     let certifies = file.outputs.as_ref().and_then(|o| o.certify.as_ref());
     let order = file.outputs.as_ref().and_then(|o| o.order.as_ref());
     let has_derivatives = order.is_some_and(|order| order.get_ref() != "position");
-    // Derivatives along roll are computed at constant mean travel. At constant wheel load, the motion is different.
+    // Derivatives along roll are computed at constant mean travel. At constant wheel load the motion differs, so
+    // derivatives are refused.
     let message = if at_load && (has_derivatives || section.time.is_some()) {
         "hold = \"wheel_load\" does not work with derivatives; expected order = \"position\" and no time law, or hold = \"mean_travel\""
     } else if section.roll.is_none() {

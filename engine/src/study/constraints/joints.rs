@@ -69,7 +69,7 @@ impl Reader<'_> {
         let (name, ends) = length(written, self.suspension(), problems)?;
         let limits = self.needed_limits(problems)?;
         let [lower, upper] = limits;
-        // The plunge is zero in the design position.
+        // The plunge is zero in the design position, so limits that exclude zero are refused.
         if lower.is_some_and(|low| low > 0.0) || upper.is_some_and(|high| high < 0.0) {
             let message = "a plunge is measured from the design position; expected limits with 0 \
                            between them";

@@ -327,7 +327,7 @@ fn one(value: &mut Value, conversion: &Conversion, of: Measured) {
     };
     let new = of.sign * conversion.scaled(old, of.scale);
     if new != old {
-        // Zero has no sign.
+        // The added zero turns -0 into 0.
         let new = of.sign * conversion.rounded(old, of.scale) + 0.0;
         put(value, new.into());
     }

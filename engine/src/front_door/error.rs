@@ -14,17 +14,17 @@ pub enum Error {
     /// No point of the suspension has this name.
     #[error("there is no point {name:?} in a {topology} suspension; there are {known}")]
     UnknownPoint {
-        /// Unknown name.
+        /// Name that no point has.
         name: String,
-        /// Name of the topology.
+        /// Name of the suspension's topology.
         topology: &'static str,
-        /// Names that exist.
+        /// Names of the existing points.
         known: String,
     },
     /// The suspension lacks an input or a part that a characteristic needs.
     #[error("{characteristic} needs {need}, which the suspension does not have")]
     Lacking {
-        /// Name of the characteristic.
+        /// Name of the characteristic that needs it.
         characteristic: &'static str,
         /// Missing input or part.
         need: &'static str,
@@ -65,7 +65,7 @@ pub enum Error {
         rack: f64,
         /// Unit of travel and rack displacement, and of lengths in the reason.
         unit: &'static str,
-        /// Reason, in words.
+        /// Reason why the wheel has no pose, in words.
         reason: String,
     },
     /// A file that the study names has an error.
@@ -77,9 +77,9 @@ pub enum Error {
     /// The system could not start the CPU threads.
     #[error("cannot start {threads} threads: {reason}")]
     Threads {
-        /// Number of CPU threads.
+        /// Requested number of CPU threads.
         threads: usize,
-        /// Reason, in words.
+        /// Reason why the threads could not start, in words.
         reason: String,
     },
 }

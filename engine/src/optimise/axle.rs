@@ -326,7 +326,7 @@ struct StationRows<'r> {
     goals: &'r StationGoals,
     /// Targets whose residuals have derivatives. A target with a band has none while the value is within the band.
     pulling: Vec<&'r TargetSample>,
-    /// Limits with their values.
+    /// Limits that apply at this station, each with the value of its quantity.
     limited: Vec<(&'r LimitedValue, f64)>,
 }
 

@@ -198,7 +198,7 @@ impl fmt::Display for Termination {
     }
 }
 
-/// End of a run.
+/// Result of a run: end point, residuals, and reason for the end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
     /// Values of the variables, within their bounds.

@@ -54,7 +54,7 @@ const NO_BETTER: f64 = 1e-4;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Found {
     pub x: DVector<f64>,
-    /// Value of each criterion.
+    /// Value of each criterion at this design.
     pub amounts: Vec<f64>,
     /// Weight of each criterion by equation (2) of this module. All are zero if there is no trade-off.
     pub weights: Vec<f64>,

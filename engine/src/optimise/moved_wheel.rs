@@ -18,12 +18,12 @@ pub(super) type WheelMoved<'m> = (&'m [Vector3<f64>], &'m [PointRate]);
 /// Nominal design of a wheel, moved by the variables of a tuning.
 pub(super) struct MovedWheel<'a> {
     frame: Frame,
-    /// Design before any move.
+    /// Design of the wheel before the variables move it.
     own: &'a [Vector3<f64>],
     /// An added point and the wheel centre, with which the added point moves. The program adds this point to define the
     /// spin axis, if the carrier has no hardpoint for this axis.
     follower: Option<(PointId, PointId)>,
-    /// The moved design.
+    /// Design of the wheel after the variables have moved it.
     pub design: Vec<Vector3<f64>>,
     /// Rates at which the variables move the points of the design.
     pub point_rates: Vec<PointRate>,

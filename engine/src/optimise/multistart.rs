@@ -26,7 +26,7 @@ pub struct Start {
 /// All starts, and the index of the best.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Multistart {
-    /// Starts in their order.
+    /// Starts in the order of their numbers.
     pub starts: Vec<Start>,
     /// Index of the best start. `None` if every start failed.
     pub best: Option<usize>,

@@ -56,7 +56,7 @@ struct Search<'s, 'a> {
     best: Option<(f64, ConstrainedFit, bool)>,
     /// Reason for the end of the last run.
     ended: Option<Termination>,
-    /// Number of evaluations left.
+    /// Number of evaluations that the search may still make.
     left: u64,
 }
 

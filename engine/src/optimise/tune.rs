@@ -58,7 +58,7 @@ pub struct Tuning {
 pub struct Fulfilment {
     /// Root of the weighted mean of the targets' squared deviations, in multiples of the tolerance.
     pub misfit: f64,
-    /// Deviation from each target.
+    /// Deviation of the design from each target.
     pub targets: Vec<Deviation>,
 }
 

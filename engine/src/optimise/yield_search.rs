@@ -98,7 +98,7 @@ struct YieldSearch<'a> {
     control: Control<'a>,
 }
 
-/// Result of a search.
+/// Result of a search for the largest yield.
 struct Found {
     /// Run that ended at the kept design. `None` if the optimum without scatter is kept.
     fit: Option<ConstrainedFit>,

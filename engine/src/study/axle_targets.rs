@@ -24,7 +24,7 @@ use toml::Spanned;
 pub struct AxleSite {
     /// Name of the motion. `None` for the study's `[motion]`.
     pub motion: Option<String>,
-    /// Coordinate that varies.
+    /// Coordinate of the motion that varies.
     pub over: Coordinate,
     /// Values of the coordinate `over` in the motion, as the study writes them: degrees, or lengths along the study's axes.
     pub values: Vec<f64>,

@@ -139,7 +139,7 @@ pub struct CarTolerance {
 /// Tolerance source of a car.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CarContributor {
-    /// Parts of an axle.
+    /// Scattering part of an axle.
     Part {
         /// Name of the tolerance source.
         name: String,

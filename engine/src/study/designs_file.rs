@@ -218,7 +218,7 @@ fn is_result(column: &str) -> bool {
 /// Variable of the sweep that wrote the file, from `sweep.json`.
 #[derive(Deserialize)]
 struct OwnVariable {
-    /// Column of the variable.
+    /// Name of the variable's column.
     column: String,
     /// Coordinates that the variable moves. Empty for a rate.
     moves: Vec<OwnMove>,

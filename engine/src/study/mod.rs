@@ -158,7 +158,7 @@ pub struct Motion {
 pub struct TimeLaw {
     /// Coefficients, lowest power first, in length units or radians.
     pub polynomial: Vec<f64>,
-    /// Times in seconds.
+    /// Times of the stations, in seconds.
     pub times: Vec<f64>,
 }
 
@@ -208,7 +208,7 @@ pub struct OutputMeasure {
 /// Test result of elastic parts, with its name in studies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ElasticFigure {
-    /// Name, without the unit.
+    /// Name of the test result, without the unit.
     pub name: String,
     /// Value in equilibrium that gives the result.
     pub value: KcValue,

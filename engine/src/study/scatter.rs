@@ -104,7 +104,7 @@ pub struct Tolerance {
     pub seed: u32,
     /// True if toe and camber are set again after assembly.
     pub aligned: bool,
-    /// Dimensions that scatter, at least one.
+    /// Scattering parts and rates, at least one.
     pub scatter: Vec<Contributor>,
     /// Limits that the built vehicles must satisfy.
     pub bands: Vec<Band>,
@@ -168,7 +168,7 @@ impl Source {
 pub enum Law {
     /// Normal distribution about 0.
     Normal {
-        /// Standard deviation.
+        /// Standard deviation of the random number.
         sigma: f64,
     },
     /// Uniform distribution between two ends.

@@ -29,9 +29,9 @@ use toml::Spanned;
 /// Keys of a target in a study: test result, station, value and tolerance, in printed units.
 #[derive(Clone, Debug)]
 pub(super) struct SheetTarget {
-    /// Keys with text values.
+    /// Keys of the target with text values.
     pub words: Vec<(&'static str, String)>,
-    /// Keys with numbers.
+    /// Keys of the target with numbers.
     pub numbers: Vec<(&'static str, f64)>,
 }
 

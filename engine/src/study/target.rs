@@ -230,7 +230,7 @@ pub enum Wanted {
     At {
         /// Drive value at which the target applies.
         drive: f64,
-        /// Target value.
+        /// Target value at this drive value.
         value: f64,
     },
     /// Measured points, each as [drive value, value]. Each is compared at its own drive value.

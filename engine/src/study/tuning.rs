@@ -72,7 +72,7 @@ pub struct Scatter {
     pub builds: usize,
     /// Seed of the random builds.
     pub seed: u32,
-    /// Dimensions that scatter.
+    /// Scattering parts and rates.
     pub contributors: Vec<Contributor>,
     /// Adjustments that set toe and camber again after assembly. `None` if builds are not adjusted.
     pub adjust: Option<Vec<Adjustment>>,

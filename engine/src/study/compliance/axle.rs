@@ -22,7 +22,7 @@ use toml::Spanned;
 /// Elastic parts of an axle and their tests.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleComplianceStudy {
-    /// Elastic parts.
+    /// Elastic parts of the axle.
     pub parts: AxleCompliance,
     /// Names of the links of a wheel, in the order of [`crate::compliance::Compliance::links`].
     pub link_names: Vec<String>,

@@ -30,7 +30,7 @@ use toml::Spanned;
 /// Elastic parts of a study and their tests.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ComplianceStudy {
-    /// Elastic parts.
+    /// Elastic parts of the wheel.
     pub parts: Compliance,
     /// Names of the links, in the order of [`Compliance::links`].
     pub link_names: Vec<String>,

@@ -40,7 +40,7 @@ pub struct DesignFunction {
     /// Variables in the form that the solver uses, in the order of `names`: the points that each variable moves.
     variables: Vec<Variable>,
     request: Arc<Request<'static>>,
-    /// Index of each station of the motion among the stations of the request. The results have the same order.
+    /// Index of each station of the motion among the stations of `request`. The results have the order of `of_motion`.
     of_motion: Vec<usize>,
     /// Drive value and rack displacement of each station of the motion, in printed units.
     motion: Vec<[f64; 2]>,
@@ -68,7 +68,7 @@ impl DesignFunction {
         DesignFunction::with_variables(study, DesignVariable::of(study))
     }
 
-    /// Makes the function of a study, with the given variables instead of those of the study.
+    /// Makes the function of a study, with the given variables instead of the study's variables.
     pub fn with_variables(
         study: &Study,
         names: Vec<DesignVariable>,
@@ -237,7 +237,8 @@ pub struct Evaluation<'f> {
     /// Stations without a pose, or without all values, from the latest call of [`Evaluation::values`].
     failures: Vec<(usize, usize, NoPose)>,
     designs: Vec<Vector3<f64>>,
-    /// Designs of right wheels. Empty if the right wheel is the mirror image of the left wheel.
+    /// Designs of right wheels. Empty for a single wheel, and for an axle whose right wheel is the mirror image of the left
+    /// wheel.
     rights: Vec<Vector3<f64>>,
     offsets: DVector<f64>,
     /// Rates at which the variables move the points: of the left (or only) wheel, then of the right wheel.
@@ -422,7 +423,7 @@ impl<'f> Evaluation<'f> {
 }
 
 impl DesignFunction {
-    /// Panics if the lengths of these slices do not match the number of designs.
+    /// Panics if the lengths of `x` and `values` do not match the number of designs.
     fn check_lengths(&self, x: &[f64], values: &[f64], designs: usize) {
         assert_eq!(
             x.len(),
@@ -436,7 +437,7 @@ impl DesignFunction {
         );
     }
 
-    /// Writes the offsets from the design into `into`. The offsets are 0 for variables that are coordinates.
+    /// Writes the variables' offsets from the design into `into`. The offset is 0 for a variable that is a coordinate.
     fn offsets(&self, x: &[f64], into: &mut DVector<f64>) {
         for ((variable, x), into) in self.names.iter().zip(x).zip(into.iter_mut()) {
             *into = if variable.absolute { 0.0 } else { *x };

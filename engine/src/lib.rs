@@ -28,7 +28,7 @@
 //! | rack | displacement along the suspension's +y |
 //! | units | lengths in the suspension's unit ([`LengthUnit`], by default millimetres), angles in degrees, derivatives per length unit of travel; column names end with the unit |
 //! | signs | camber is positive with the top of the wheel outboard, toe with its front inboard; [`Characteristic::info`] gives the other signs |
-//! | kernel's frame | designs ([`Suspension::design`], [`Best::design`]), loads and fields of targets are those of a left wheel in ISO 8855 axes, with angles in radians |
+//! | kernel's frame | designs ([`Suspension::design`], [`Best::design`]), loads and fields of targets describe a left wheel in ISO 8855 axes, with angles in radians |
 //!
 //! [`Study::sweep`] and [`Study::tune`] have examples. [`DesignFunction`] gives exact Jacobians to your own optimiser.
 //! `hardpoint` re-exports the public items of this crate, and its first page has a map of its modules. A program that

@@ -24,7 +24,7 @@ pub struct Output {
     pub name: String,
     /// Unit of the value, as in column names: `deg`. Empty for a plain number.
     pub unit: String,
-    /// Factor from a value in the kernel's frame (radians or length units) to the printed value.
+    /// Factor that converts a value inside the program (in radians or length units) to the printed value.
     pub factor: f64,
     /// Highest order of the derivative with respect to the drive or time.
     pub highest: usize,
@@ -51,19 +51,20 @@ pub struct Plan {
     pub formulation: Formulation,
     /// Drive values, and the order in which the solver visits them.
     pub station_order: StationOrder,
-    /// Rack displacements, in the study's axes.
+    /// Rack displacements in the study's length unit and axes.
     pub racks: Vec<f64>,
-    /// True if the study sweeps the rack. Results then have a column for it.
+    /// True if the study sweeps the rack. Results then have a column of rack displacements.
     pub rack_moves: bool,
-    /// Factor from a rack displacement in the study's axes to the kernel's axes: 1 or -1.
+    /// Factor from a rack displacement in the study's axes to the axes of the computation (left wheel, +y to the left): 1
+    /// or -1.
     pub rack_sign: f64,
     /// Drive as a function of time, if derivatives are with respect to time.
     pub time: Option<TimeLaw>,
-    /// Outputs.
+    /// Quantities and measures to compute, in the order of their columns.
     pub outputs: Vec<Output>,
     /// Values of wheel, steering axis and spring that the outputs read.
     pub reads: Slots,
-    /// Number of coefficients of a pose's Taylor series: 1 for positions alone.
+    /// Number of coefficients of a pose's Taylor series along the drive: 1 for positions alone.
     pub coefficients: usize,
     /// Hardpoints for which gradients are computed. May be empty.
     pub sensitivities: Vec<PointId>,
@@ -83,8 +84,8 @@ impl Plan {
         Plan::with(own, &own.outputs.characteristics, &own.outputs.figures)
     }
 
-    /// Plans the curves before and after an optimisation. Characteristics and test results of its targets follow those of the
-    /// study.
+    /// Plans the curves before and after an optimisation. The characteristics of its targets follow the characteristics of
+    /// the study. The elastic test results of its targets follow the test results of the study.
     pub fn with_targets(own: &WheelStudy, optimise: Option<&Optimise>) -> Plan {
         let mut characteristics = own.outputs.characteristics.clone();
         let targets = optimise.iter().flat_map(|o| &o.targets);

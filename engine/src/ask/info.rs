@@ -7,15 +7,15 @@ use crate::characteristics::{Slot, Slots};
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct Info {
-    /// Name in studies and column names.
+    /// Name of the quantity in studies and column names.
     pub name: &'static str,
-    /// Kind of unit.
+    /// Physical type of the quantity's value. It determines the unit.
     pub unit: Unit,
-    /// Meaning of a positive value.
+    /// Meaning of a positive value of the quantity.
     pub positive: &'static str,
-    /// Formula in the notation of the manual.
+    /// Formula of the quantity in the notation of the manual.
     pub formula: &'static str,
-    /// Source of the definition.
+    /// Source of the quantity's definition: a standard, book or program, or the definition itself in words.
     pub source: &'static str,
     /// Inputs of the formula. A formula of an axle also has the positions and rotations of both carriers as inputs.
     pub reads: &'static [Slot],
@@ -56,7 +56,7 @@ impl Info {
         }
     }
 
-    /// Returns true if the formula reads velocities. It then needs the rates of the pose.
+    /// Returns true if the formula reads velocities. It then needs the derivatives of the pose with respect to the motion.
     #[inline]
     pub fn reads_rates(&self) -> bool {
         self.rate_order > 0

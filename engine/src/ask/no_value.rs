@@ -5,16 +5,19 @@
 pub enum NoValue {
     /// The station has no pose.
     NoPose,
-    /// The quantity is a quotient of two differences of steer angles. Near straight ahead both differences are almost zero.
+    /// The quantity is a quotient of two differences of steer angles, such as Ackermann. Near straight ahead both
+    /// differences are almost zero.
     StraightAhead,
-    /// The quantity is the intersection of two normals, and these normals are nearly parallel.
+    /// The quantity follows from the intersection of two lines: the normals to the velocities of the two contact points.
+    /// These normals are nearly parallel.
     ParallelNormals,
     /// The wheels stand on pads of different heights, but the quantity is a derivative with respect to roll on a plane
     /// ground.
     NoPlane,
     /// A rocker is at a toggle or beyond it.
     Toggle,
-    /// No member can carry the load.
+    /// The spring, or the vertical force that replaces it, has almost no leverage in this pose. So it cannot carry the
+    /// load.
     Unsupported,
     /// The elastic parts have no equilibrium under the load.
     NotHeld,

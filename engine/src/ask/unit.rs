@@ -49,7 +49,7 @@ pub enum Unit {
 const DEGREES: f64 = 180.0 / PI;
 
 impl Unit {
-    /// Unit in column names. Empty for a plain number.
+    /// Printed unit of numbers of this type, as in column names. Empty for a plain number.
     pub fn suffix(self, length: LengthUnit) -> String {
         let (force, (_, lever)) = (length.force_symbol(), length.lever());
         let length = length.symbol();

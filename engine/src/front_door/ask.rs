@@ -157,8 +157,8 @@ impl Study {
             moves: variable.moves.clone(),
             rate: variable.rate,
             absolute: false,
-            // A design variable gives the range of a rate as logarithms or changes. A sweep needs the range as factors or
-            // rates.
+            // The design variable of a rate (stiffness of an elastic part) has a range of logarithms of factors, or of
+            // changes. A sweep needs the range as factors or rates.
             range: match &variable.rate {
                 Some(rate) if rate.is_relative => variable.range.each(f64::exp),
                 Some(rate) => variable.range.each(|change| rate.design + change),
@@ -295,8 +295,8 @@ impl Target {
         })
     }
 
-    /// Makes a target value of a characteristic at one travel. The motion does not need a station at this travel. Units and
-    /// `tolerance` are those of [`Target::curve`].
+    /// Makes a target value of a characteristic at one travel. The motion does not need a station at this travel. The
+    /// value has the unit of the characteristic's column. `tolerance` is the acceptable deviation, in the same unit.
     ///
     /// # Errors
     /// [`Error::Lacking`] if the suspension lacks an input of the characteristic. Also returns an error if a number is not
@@ -369,7 +369,8 @@ fn ends(what: &str, range: &RangeInclusive<f64>) -> Result<[f64; 2], Error> {
 /// Returns the number of values of each variable in a grid with `points` designs, at least 2. `None` if there is no such grid.
 fn steps_of_grid(points: u64, variables: usize) -> Option<u64> {
     let variables = u32::try_from(variables).ok().filter(|n| *n > 0)?;
-    // Below 2^53, the nearest whole number is the exact root if an exact root exists. Other code refuses larger numbers.
+    // Below 2^53, the nearest whole number is the exact root if an exact root exists. `refuse_wrong` refuses larger
+    // numbers.
     let steps = (points as f64).powf(1.0 / f64::from(variables)).round() as u64;
     (steps >= 2 && steps.checked_pow(variables) == Some(points)).then_some(steps)
 }

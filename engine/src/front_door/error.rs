@@ -14,17 +14,17 @@ pub enum Error {
     /// No point of the suspension has this name.
     #[error("there is no point {name:?} in a {topology} suspension; there are {known}")]
     UnknownPoint {
-        /// Unknown name.
+        /// Name that no point has.
         name: String,
-        /// Name of the topology.
+        /// Name of the suspension's topology.
         topology: &'static str,
-        /// Names that exist.
+        /// Names of the existing points.
         known: String,
     },
     /// The suspension lacks an input or a part that a characteristic needs.
     #[error("{characteristic} needs {need}, which the suspension does not have")]
     Lacking {
-        /// Name of the characteristic.
+        /// Name of the characteristic that needs it.
         characteristic: &'static str,
         /// Missing input or part.
         need: &'static str,
@@ -39,10 +39,10 @@ pub enum Error {
         /// Expected values, in words.
         expected: &'static str,
     },
-    /// The study does not request this result.
+    /// The study does not request this result. The text names the missing request.
     #[error("the study has {0}")]
     NotAsked(&'static str),
-    /// A list is empty.
+    /// A list is empty. The text names the missing item.
     #[error("no {0} is given; expected at least one")]
     Empty(&'static str),
     /// The study describes an axle, and the called function is for one wheel.
@@ -59,13 +59,13 @@ pub enum Error {
     /// The wheel has no pose at this travel and rack displacement.
     #[error("no pose at travel {travel} {unit}, rack {rack} {unit}: {reason}")]
     NoPose {
-        /// Wheel travel.
+        /// Wheel travel at which the wheel has no pose.
         travel: f64,
         /// Rack displacement, in the suspension's axes.
         rack: f64,
         /// Unit of travel and rack displacement, and of lengths in the reason.
         unit: &'static str,
-        /// Reason, in words.
+        /// Reason why the wheel has no pose, in words.
         reason: String,
     },
     /// A file that the study names has an error.
@@ -77,9 +77,9 @@ pub enum Error {
     /// The system could not start the CPU threads.
     #[error("cannot start {threads} threads: {reason}")]
     Threads {
-        /// Number of CPU threads.
+        /// Requested number of CPU threads.
         threads: usize,
-        /// Reason, in words.
+        /// Reason why the threads could not start, in words.
         reason: String,
     },
 }

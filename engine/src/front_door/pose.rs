@@ -15,7 +15,7 @@ pub struct SuspensionPose {
     pub travel: f64,
     /// Rack displacement along the suspension's +y.
     pub rack: f64,
-    /// Condition number of the closure equations.
+    /// Condition number of the Jacobian of the equations that determine the pose. NaN if it is not known.
     pub condition: f64,
     points: BTreeMap<String, [f64; 3]>,
     characteristics: BTreeMap<Characteristic, f64>,

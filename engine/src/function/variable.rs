@@ -43,7 +43,7 @@ pub struct DesignVariable {
     /// Points that the variable moves, and its range: an offset from the design, or a coordinate if it is absolute, in the
     /// study's length unit and axes. Degrees for a rotation.
     pub(super) moved: Variable,
-    /// True if the number is the coordinate itself, false if it is an offset.
+    /// True if the variable's value is the coordinate itself, false if it is an offset.
     pub(super) absolute: bool,
 }
 
@@ -136,7 +136,7 @@ impl DesignVariable {
         }
     }
 
-    /// Lowest and highest value, in the study's axes and length unit, or in degrees for a rotation.
+    /// Lowest and highest value of the variable, in the study's axes and length unit, or in degrees for a rotation.
     pub fn range(&self) -> [f64; 2] {
         self.moved.range
     }

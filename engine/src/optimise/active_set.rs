@@ -74,28 +74,28 @@ pub struct ActiveSet {
     variables: usize,
     /// Basis J of the method, column after column.
     basis: Vec<f64>,
-    /// Triangle T of (1), column after column, n entries each.
+    /// Triangle T of equation (1) of this module, column after column, n entries each.
     triangle: Vec<f64>,
     /// Held constraints, which are at their limits in the current step.
     held: Vec<Held>,
     /// Sign of each held constraint. Only equalities need a sign, because the normal of an equality may point in either
     /// direction.
     sign: Vec<f64>,
-    /// Multiplier of each held constraint.
+    /// Lagrange multiplier of each held constraint.
     multipliers: Vec<f64>,
     /// Flags of the rows, then of the lower bounds, then of the upper bounds. A flag is true if the constraint is held, or if
     /// its gradient depends on held constraints and its violation is within the tolerance.
     is_held: Vec<bool>,
     step: Vec<f64>,
-    /// Vector n of equation (2).
+    /// Vector n of equation (2) of this module: the normal of the constraint that is being added.
     normal: Vec<f64>,
-    /// Vector v of equation (2).
+    /// Vector v of equation (2) of this module: the normal n in the basis J.
     projected: Vec<f64>,
-    /// Vector z of equation (2).
+    /// Vector z of equation (2) of this module: direction of the step.
     way: Vec<f64>,
-    /// Vector w of equation (2).
+    /// Vector w of equation (2) of this module: direction in which the multipliers change.
     change: Vec<f64>,
-    /// Lengths of the row vectors a.
+    /// Lengths of the vectors a of the rows.
     norms: Vec<f64>,
 }
 
@@ -108,10 +108,10 @@ const DEPENDENT: f64 = 1e-25;
 /// Replaces the threshold [`DEPENDENT`] for a row that is violated by no more than [`Rows::slack`], because the gradients of
 /// duplicate rows differ by rounding errors.
 const NEARLY_DEPENDENT: f64 = 1e-18;
-/// An inequality row also counts as satisfied if its violation is at most this fraction of [`Rows::slack`].
+/// Fraction of [`Rows::slack`] up to which the violation of an inequality row counts as satisfied.
 const UNFELT: f64 = 1e-2;
 /// Relative tolerance of a constraint whose gradient depends on the held gradients. It is larger than [`ROUNDING`], because
-/// with a badly conditioned R, the computed point has fewer correct digits.
+/// the computed step has fewer correct digits if the triangle R of the objective is badly conditioned.
 const MARGINAL: f64 = 1e-9;
 /// Smallest coefficient in a combination of gradients. A constraint with a smaller coefficient does not belong to the
 /// combination.
@@ -182,7 +182,7 @@ impl ActiveSet {
         Outcome::Stalled
     }
 
-    /// Starts with J = R^-1, d = -R^-1 q and no held constraint.
+    /// Starts with the basis J = R^-1, the step d = -R^-1 q and no held constraint.
     fn begin(&mut self, triangle: &[f64], offset: &[f64], rows: Rows<'_>) {
         let n = self.variables;
         self.held.clear();
@@ -249,8 +249,8 @@ impl ActiveSet {
             let value = dot(a, &self.step) + c;
             if value > UNFELT * rows.slack && !self.is_held[row] {
                 let terms = a.iter().zip(&self.step).map(|(a, d)| (a * d).abs());
-                // A violated row with a zero gradient cannot be satisfied. Division by the tiny norm makes the distance of
-                // this row the largest. So the row is selected, and the next step reports it.
+                // A violated row with a zero gradient cannot be satisfied. Division by the tiny length of its gradient
+                // makes the distance of this row the largest. So the row is selected, and the next step reports it.
                 let norm = self.norms[row].max(f64::MIN_POSITIVE);
                 note(value, norm, c.abs() + terms.sum::<f64>(), Held::Row(row));
             }
@@ -370,7 +370,7 @@ impl ActiveSet {
         Outcome::Infeasible(culprits)
     }
 
-    /// Computes v, z and w of (2) for the normal.
+    /// Computes the vectors v, z and w of equation (2) of this module from the normal n in `normal`.
     fn project(&mut self) {
         let n = self.variables;
         let q = self.held.len();
@@ -389,14 +389,14 @@ impl ActiveSet {
         back_substitute(&self.triangle[..q * n], n, &mut self.change);
     }
 
-    /// Returns two squared lengths: the first of the part of the normal outside the span of the held gradients, the second of
-    /// the complete normal.
+    /// Returns two squared lengths: the first of the part of `normal` outside the span of the held gradients, the second of
+    /// the complete `normal`.
     fn gain(&self) -> (f64, f64) {
         let free = &self.projected[self.held.len()..];
         (dot(free, free), dot(&self.projected, &self.projected))
     }
 
-    /// Advances the step by `length` along z, and the multipliers by `by_multipliers` along w.
+    /// Adds `length` times z (`way`) to the step, and subtracts `by_multipliers` times w (`change`) from the multipliers.
     fn advance(&mut self, length: f64, by_multipliers: f64) {
         if length != 0.0 {
             for (step, way) in self.step.iter_mut().zip(&self.way) {
@@ -432,7 +432,8 @@ impl ActiveSet {
         self.is_held[place] = true;
     }
 
-    /// Releases the held constraint with index `place`. T loses a column, and rotations make it triangular again.
+    /// Releases the held constraint with index `place`. The triangle T loses a column, and rotations make it triangular
+    /// again.
     fn release(&mut self, place: usize) {
         let n = self.variables;
         let q = self.held.len();

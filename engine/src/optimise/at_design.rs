@@ -19,7 +19,7 @@ pub struct Assessed {
     /// Rows of the constraints, with their derivatives. If a value of a rigid wheel has a worse extreme near a station, the
     /// row contains the value at this extreme.
     pub rows: Linearisation,
-    /// Smallest margin of each constraint.
+    /// Smallest margin (distance to the limit) of each constraint along its motion.
     pub margins: Vec<Margin>,
 }
 

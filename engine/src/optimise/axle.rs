@@ -76,7 +76,8 @@ impl AxleLayout {
         &mut self.stations[place].goals
     }
 
-    /// Adds a limit of a quantity in a pose.
+    /// Adds the limits of an axle's quantity in the pose `placement`. `part` is the index of the constraint part (one
+    /// measure with its limits).
     pub(super) fn limit(
         &mut self,
         part: usize,
@@ -88,13 +89,14 @@ impl AxleLayout {
         self.goals_at(placement).limit(part, of, limited);
     }
 
-    /// Goals of each station, with the rack displacement towards the kernel's +y.
+    /// Targets and limits of each station, with the station's rack displacement along +y of the kernel's frame (+y is to
+    /// the left).
     pub(super) fn goals(&self) -> impl Iterator<Item = (&StationGoals, f64)> {
         let stations = self.stations.iter();
         stations.map(|station| (&station.goals, station.placement.rack()))
     }
 
-    /// Goals of each station.
+    /// Targets and limits of each station.
     pub(super) fn goals_mut(&mut self) -> impl Iterator<Item = &mut StationGoals> {
         self.stations.iter_mut().map(|station| &mut station.goals)
     }
@@ -110,7 +112,7 @@ impl AxleLayout {
 
 /// Designs of the wheels, moved by the variables.
 pub(super) struct Moved<'m> {
-    /// The variables.
+    /// Design variables of the tuning.
     pub variables: &'m [Variable],
     /// Values of the variables.
     pub x: &'m DVector<f64>,
@@ -126,9 +128,9 @@ pub(super) struct Moved<'m> {
 /// Scatter of the rate of an elastic part.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ScatteredRate {
-    /// The rate. It belongs to one wheel, or to a part that both wheels share.
+    /// Rate that scatters. It belongs to one wheel, or to a part that both wheels share.
     pub of: AxleParameter,
-    /// Change of the rate.
+    /// Change of the rate in the build.
     pub change: f64,
     /// True if the change is a fraction of the rate.
     pub is_relative: bool,
@@ -324,7 +326,7 @@ struct StationRows<'r> {
     goals: &'r StationGoals,
     /// Targets whose residuals have derivatives. A target with a band has none while the value is within the band.
     pulling: Vec<&'r TargetSample>,
-    /// Limits with their values.
+    /// Limits that apply at this station, each with the value of its quantity.
     limited: Vec<(&'r LimitedValue, f64)>,
 }
 

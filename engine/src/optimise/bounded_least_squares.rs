@@ -1,4 +1,4 @@
-//! The sub-problem: linear least squares with damping, between bounds.
+//! Sub-problem of each tuning step: linear least squares with damping, between bounds.
 //!
 //! Minimise |J W s + r|^2 + damping |s|^2 subject to lower <= s <= upper, where W scales the columns of J. With damping > 0
 //! the minimum is unique, whatever the rank of J. With g = W J^T (J W s + r) + damping s, the Kuhn-Tucker conditions
@@ -45,7 +45,7 @@ pub struct BoundedLeastSquares {
     norms: Vec<f64>,
     step: Vec<f64>,
     active_bounds: Vec<ActiveBound>,
-    /// Remainder R s + offset.
+    /// Remainder R s + offset for the present solution s.
     remainder: Vec<f64>,
     /// Indices of the free variables, in rising order.
     free: Vec<usize>,
@@ -139,7 +139,7 @@ impl BoundedLeastSquares {
         }
     }
 
-    /// The solution s.
+    /// Solution s of the sub-problem.
     pub fn step(&self) -> &[f64] {
         &self.step
     }
@@ -149,12 +149,12 @@ impl BoundedLeastSquares {
         &self.active_bounds
     }
 
-    /// Norms of the scaled columns of J.
+    /// Norms of the columns of J W.
     pub fn column_norms(&self) -> &[f64] {
         &self.norms
     }
 
-    /// The largest pivot of the scaled J.
+    /// Largest diagonal entry of the triangle R of J W, as an absolute value.
     pub fn largest_pivot(&self) -> f64 {
         let n = self.variables;
         (0..n).fold(0.0, |most, k| self.triangle[k * n + k].abs().max(most))
@@ -300,7 +300,8 @@ impl BoundedLeastSquares {
     }
 }
 
-/// Adds `factor` times the head of `x` to `to`.
+/// Adds `factor` times `x` to the first entries of `to`, one for each entry of `x`. If `x` is longer, only its first
+/// entries count.
 fn add_scaled(x: &[f64], factor: f64, to: &mut [f64]) {
     for (to, x) in to.iter_mut().zip(x) {
         *to += factor * x;

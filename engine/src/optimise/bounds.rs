@@ -15,11 +15,11 @@ pub struct Bounds {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("variable {variable}: the range {lower} to {upper} is empty or not finite")]
 pub struct EmptyRange {
-    /// The variable.
+    /// Index of the variable that has this range.
     pub variable: usize,
-    /// Lowest value.
+    /// Lowest value of the range, in the variable's unit.
     pub lower: f64,
-    /// Highest value.
+    /// Highest value of the range, in the variable's unit.
     pub upper: f64,
 }
 
@@ -51,17 +51,17 @@ impl Bounds {
         self.width.len()
     }
 
-    /// Lowest values.
+    /// Lowest values of the variables.
     pub fn lower(&self) -> &DVector<f64> {
         &self.lower
     }
 
-    /// Highest values.
+    /// Highest values of the variables.
     pub fn upper(&self) -> &DVector<f64> {
         &self.upper
     }
 
-    /// Differences between highest and lowest values.
+    /// Widths of the variables' ranges: highest minus lowest values.
     pub fn width(&self) -> &DVector<f64> {
         &self.width
     }

@@ -1,4 +1,5 @@
-//! Scattered builds of a robust tuning, with their derivatives with respect to the design variables.
+//! Scattered builds of a robust tuning, with their derivatives with respect to the design variables. A build is a produced
+//! vehicle: its dimensions and rates differ from the nominal ones by random amounts.
 //!
 //! At x the nominal design of a wheel is p(x), and its parts are a(p). Build number s has the scatter z_s, which is the same at
 //! every x. It is assembled from a(p(x)) + z_s. The result is a design b_s again (see [`crate::assembly`]), and
@@ -158,7 +159,7 @@ impl<'a> BuiltWheel<'a> {
         self.alignment.as_ref()
     }
 
-    /// The mechanism.
+    /// Mechanism of this wheel.
     pub(super) fn mechanism(&self) -> &Mechanism {
         &self.assembler.suspension().mechanism
     }
@@ -213,10 +214,10 @@ impl<'a> BuiltWheel<'a> {
         let alignment = alignment.and_then(|alignment| alignment.about(assembler, &built));
         point_rates.clear();
         for first in (0..variables).step_by(AT_ONCE) {
-            // The nominal design with its derivatives with respect to these variables, and the parts made from it.
+            // The nominal design with its derivatives with respect to the next few variables, and the parts made from it.
             along_variables(&parts.drawn, nominal, first, moved);
             let mut along = Parts::of_drawing(mechanism, moved);
-            // Replaces the nominal values by those of the build. The derivatives stay, because the scatter of the build is
+            // Replaces the nominal values by the build's values. The derivatives stay, because the scatter of the build is
             // the same at every x. [`Alignment::design`] adds the derivatives of the adjustments.
             for (dual, value) in along.points.iter_mut().zip(&parts.points) {
                 (dual.x.value, dual.y.value, dual.z.value) = (value.x, value.y, value.z);

@@ -81,7 +81,7 @@ impl CarriedTriangle {
         }
     }
 
-    /// Rotates a direction from the design position to the present pose: (1).
+    /// Rotates a direction from the design position to the present pose, by equation (1) of this module.
     pub(super) fn turned(&self, direction: Vector3<f64>) -> Vector3<f64> {
         carried(&self.triads[0], &self.triads[1], direction)
     }
@@ -91,9 +91,9 @@ impl CarriedTriangle {
         carried(&self.triads[1], &self.triads[0], direction)
     }
 
-    /// Derivatives with respect to the corners in the present pose: (4). `by` is the derivative with respect to the rotated
-    /// direction `v`. The derivatives with respect to the corners in the design position are the same with the opposite
-    /// sign, rotated back.
+    /// Derivatives with respect to the corners in the present pose, by equation (4) of this module. `by` is the derivative
+    /// with respect to the rotated direction `v`. The derivatives with respect to the corners in the design position are
+    /// the same with the opposite sign, rotated back.
     pub(super) fn by_corners(&self, v: Vector3<f64>, by: Vector3<f64>) -> [Vector3<f64>; 3] {
         let [first, second] = self.edges;
         let moment = v.cross(by);

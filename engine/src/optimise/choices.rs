@@ -141,7 +141,7 @@ impl Tuner<'_> {
             })
         };
         let unmoved = untraded(&self.design).filter(|_| self.keeps_constraints(best));
-        // The list also contains the tuned design, if this design satisfies the constraints.
+        // The price list also contains the tuned design, if this design satisfies the constraints.
         let kept = untraded(&best.x).filter(|_| best.is_feasible());
         let mut all: Vec<Found> = unmoved.into_iter().chain(found).collect();
         if let Some(kept) = kept {
@@ -149,7 +149,8 @@ impl Tuner<'_> {
             let near = |other: &Found| (other.amounts[1] - kept.amounts[1]).abs() < 1e-6;
             match all.iter().position(near) {
                 Some(same) => {
-                    // No weights belong to the tuned design. The weights of the entry apply to nearly the same change.
+                    // The tuned design has no weights of its own. So it takes the weights of the list's entry with nearly
+                    // the same size of change.
                     let weights = std::mem::take(&mut all[same].weights);
                     all[same] = Found { weights, ..kept };
                 }

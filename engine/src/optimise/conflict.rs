@@ -43,7 +43,8 @@ pub(crate) fn smallest_conflict(
     blamed
 }
 
-/// Returns true if a run from one of the first starts satisfies all constraints of this problem, or is interrupted.
+/// Returns true if one of the first [`STARTS_BEFORE_REFUSAL`] starts leads to a point that satisfies all constraints of
+/// this problem. Also returns true if a run is interrupted.
 pub(crate) fn is_satisfied_from<P: Constrained>(
     starts: &Multistart,
     bounds: &Bounds,

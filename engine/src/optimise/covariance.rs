@@ -8,12 +8,13 @@ use nalgebra::{DMatrix, DVector};
 /// Correlation above which a pair of variables is reported.
 pub(super) const CLOSE: f64 = 0.95;
 
-/// Covariance of some variables, (2) of [`standard_errors`](super::standard_errors), divided by s^2, in fractions of the ranges.
+/// Covariance of some variables, divided by the variance s^2 of a measurement, in fractions of the ranges. It is equation
+/// (2) of module [`standard_errors`](super::standard_errors).
 pub(super) struct Covariance {
     variables: Vec<usize>,
     /// Matrix with one column for each variable. The scalar product of two columns is the covariance of their variables.
     pub spread: DMatrix<f64>,
-    /// Diagonal of A^-1, with A of (2) of [`standard_errors`](super::standard_errors).
+    /// Diagonal of A^-1, with the matrix A of equation (2) of module [`standard_errors`](super::standard_errors).
     inverse: Vec<f64>,
     /// True for each variable that the measurements do not determine.
     pub unseen: Vec<bool>,
@@ -61,9 +62,9 @@ impl Covariance {
         })
     }
 
-    /// Ratio k_j, (3) of [`standard_errors`](super::standard_errors): the variance of a variable, divided by its variance if
-    /// all weights were 1/variance. Returns 1 if the ratio is not known, and 0 if the covariance does not include the
-    /// variable.
+    /// Ratio k_j, equation (3) of module [`standard_errors`](super::standard_errors): the variance of a variable, divided
+    /// by its variance if all weights were 1/variance. Returns 1 if the ratio is not known, and 0 if the covariance does
+    /// not include the variable.
     pub(super) fn ratio(&self, variable: usize) -> f64 {
         let Some(j) = self.variables.iter().position(|v| *v == variable) else {
             return 0.0;

@@ -23,7 +23,7 @@ struct ElasticStation {
     /// Rack displacement along the study's +y.
     rack: f64,
     values: Vec<KcValue>,
-    /// Goals of this station. The field `of` of a goal is an index into `values`.
+    /// Targets and limits of this station. The field `of` of a target or limit is an index into `values`.
     goals: StationGoals,
 }
 
@@ -89,8 +89,8 @@ impl ElasticLayout {
         &mut self.stations[place]
     }
 
-    /// Adds a limit of a value at the stations of `site` (a motion and its rack displacements). If `site` is `None`, the
-    /// limit applies in the design position.
+    /// Adds the limits of a value at the stations of `site` (a motion and its rack displacements). If `site` is `None`, the
+    /// limits apply in the design position. `part` is the index of the constraint part (one measure with its limits).
     pub(super) fn limit(
         &mut self,
         part: usize,
@@ -116,20 +116,22 @@ impl ElasticLayout {
         }
     }
 
-    /// Travel of a station. `None` if this part of a constraint has a limit at only one station.
+    /// Travel of a station. `None` if the constraint part with index `part` (one measure with its limits) has a limit at
+    /// only one station.
     pub(super) fn place_of(&self, part: usize, station: usize) -> Option<f64> {
         let limits = self.stations.iter().flat_map(|own| &own.goals.limits);
         (limits.filter(|own| own.part == part).count() > 1).then(|| self.stations[station].travel)
     }
 
-    /// Goals of each station, with the rack displacement towards the kernel's +y.
+    /// Targets and limits of each station, with the station's rack displacement along +y of the kernel's frame (+y is to
+    /// the left).
     pub(super) fn goals(&self) -> impl Iterator<Item = (&StationGoals, f64)> {
         let along = self.suspension.frame.sign(Axis::Y);
         let stations = self.stations.iter();
         stations.map(move |station| (&station.goals, along * station.rack))
     }
 
-    /// Goals of each station.
+    /// Targets and limits of each station.
     pub(super) fn goals_mut(&mut self) -> impl Iterator<Item = &mut StationGoals> {
         self.stations.iter_mut().map(|station| &mut station.goals)
     }

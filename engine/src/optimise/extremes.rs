@@ -12,24 +12,25 @@
 use super::Linearisation;
 use super::layout::{Extremes, Leg, Part};
 
-/// Largest number of steps in a search. A smooth extreme takes three or four steps. The value can also have a kink there, or a
-/// jump of its second derivative, for example where the nearest face of a box changes. Such a search bisects.
+/// Largest number of steps in a search. A smooth extreme takes three or four steps. At the extreme, the value can also have
+/// a kink, or a jump of its second derivative. For example, the nearest face of a box can change there. Such a search
+/// bisects.
 pub(super) const SEARCHES: usize = 32;
 /// Tolerance for the position of an extreme, as a share of the distance between stations. The error of the value is
 /// proportional to the square of the position error.
 const PLACED: f64 = 1e-9;
-/// Smallest rise above the station that counts as a separate extreme, in the unit of the rows. This is a hundredth of the
-/// largest violation that still counts as satisfied.
+/// Smallest rise of an extreme above the value at the station that counts as a separate extreme, in the unit of the rows.
+/// This is a hundredth of the largest violation that still counts as satisfied.
 const FLAT: f64 = 1e-9;
 /// Distance of a row below its limit, in the unit of the rows, above which a tuning skips the search for an extreme. Before
 /// this comparison, the code adds four times the rise of the fitted parabola to the value of the row.
 pub(super) const FAR: f64 = 1.0;
 
-/// Search for the position of an extreme, where the slope vanishes.
+/// Search for the position of an extreme between stations, where the value's slope along the motion vanishes.
 pub(super) struct Search {
-    /// Index of the searched limit among [`Leg::extremes`].
+    /// Index of the searched limit among [`Leg::extremes`]. A leg is a motion at one rack displacement.
     pub of: usize,
-    /// Row that receives the value at the extreme.
+    /// Constraint row that receives the value at the extreme.
     pub row: usize,
     /// Value of this row at the station.
     pub at_station: f64,
@@ -37,13 +38,14 @@ pub(super) struct Search {
     pub place: f64,
     /// True if the search has ended.
     pub is_found: bool,
-    /// Interval of the extreme. Each step moves one end to its position.
+    /// Interval of drive values that contains the extreme. Each step moves one end to the position of the step.
     ends: [f64; 2],
-    /// Length of the interval at the start.
+    /// Length of this interval at the start of the search.
     span: f64,
-    /// Latest position and slope.
+    /// Drive value of the latest step, and slope of the searched value there.
     before: Option<(f64, f64)>,
-    /// Estimate of the second derivative: first from the parabola through three stations, then from two slopes.
+    /// Estimate of the value's second derivative along the motion: first from the parabola through three stations, then
+    /// from two slopes.
     curvature: f64,
     /// Rise of the parabola's extreme above the station's value.
     rise: f64,
@@ -85,8 +87,9 @@ pub(super) fn searches(
 }
 
 impl Search {
-    /// Begins a search from the parabola through station `k` and its neighbours. `None` if there are fewer than three
-    /// stations, if a neighbour has a worse value, or if the parabola has no extreme near the station.
+    /// Begins a search from the parabola through station `k` and its neighbours. `sign` is 1 for a largest value and -1 for
+    /// a smallest value. `None` if there are fewer than three stations. Also `None` if a neighbour has a larger (or
+    /// smaller) value, or if the parabola has no extreme near the station.
     fn about(k: usize, count: usize, at: impl Fn(usize) -> (f64, f64), sign: f64) -> Option<Self> {
         let first = k.checked_sub(1);
         let beyond = |other: usize| sign * at(other).1 > sign * at(k).1;
@@ -190,7 +193,7 @@ mod tests {
         assert!(f(found).0 - f(exact).0 < 1e-9);
     }
 
-    /// In the middle of a box the distance has a kink.
+    /// In the middle of a box, the distance of a point from the box has a kink. The search finds it.
     #[test]
     fn the_search_finds_a_kink() {
         let f = |x: f64| {

@@ -42,7 +42,7 @@ pub struct Iteration {
     pub misfit: f64,
     /// Length of the accepted step in fractions of the ranges; 0 if none was accepted.
     pub step: f64,
-    /// Damping of the last trial.
+    /// Damping of the last trial step.
     pub damping: f64,
     /// Number of variables at bounds at the end of the iteration.
     pub held: usize,
@@ -198,7 +198,7 @@ impl fmt::Display for Termination {
     }
 }
 
-/// End of a run.
+/// Result of a run: end point, residuals, and reason for the end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
     /// Values of the variables, within their bounds.
@@ -222,9 +222,9 @@ pub struct Fit {
 /// State of constraints at the end of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConstraintState {
-    /// Values of the rows.
+    /// Values of the constraint rows.
     pub values: DVector<f64>,
-    /// Largest violation, in the unit of the rows.
+    /// Largest violation among the constraint rows, in the unit of the rows.
     pub violation: f64,
     /// True for each row that some variable moves. The other rows count neither as satisfied nor as violated.
     pub movable: Vec<bool>,
@@ -293,8 +293,8 @@ impl Fit {
     }
 }
 
-/// Minimises from the point of the box nearest to `start`. `index` is the number of this start. An error gives the reason
-/// why there are no residuals at this point.
+/// Minimises from `start`, or from the nearest point within `bounds`. `index` is the number of this start. An error gives
+/// the reason why there are no residuals at this point.
 pub fn fit(
     index: usize,
     problem: impl LeastSquares,

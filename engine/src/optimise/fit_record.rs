@@ -1,5 +1,5 @@
-//! Common parts of all methods in this folder. argmin runs the method; the record keeps the iterations of the run and the
-//! reason for the end of the run. Only this module calls argmin.
+//! Common parts of all minimisation methods in this folder. argmin runs the method; the record keeps the iterations of the
+//! run and the reason for the end of the run. Only this module calls argmin.
 
 use super::{ActiveBound, Bounds, Control, Infeasible, Iteration, Options, Termination};
 use argmin::core::{Executor, IterState, Problem, Solver, TerminationReason, TerminationStatus};
@@ -8,8 +8,8 @@ use nalgebra::DVector;
 /// State of a run in argmin: the variables and the cost.
 pub type ArgminState = IterState<DVector<f64>, (), (), (), (), f64>;
 
-/// Runs a solver from the point of the box nearest to `start`. An error gives the reason why there are no residuals at this
-/// point.
+/// Runs a solver from `start`, or from the nearest point within `bounds`. An error gives the reason why there are no
+/// residuals at this point.
 pub(super) fn execute<P, S: Solver<P, ArgminState>>(
     problem: P,
     solver: S,

@@ -69,7 +69,7 @@ pub(crate) struct FixedRows {
 }
 
 impl FixedRows {
-    /// Finds the missed residuals that no variable changes at a point.
+    /// Finds the residuals above [`MISSED`] that no variable changes at the point of `at`.
     pub(super) fn at(at: &Linearisation, bounds: &Bounds) -> Self {
         let rows = at.residuals.iter().enumerate();
         let rows = rows.filter(|(row, value)| value.abs() > MISSED && !moves(at, *row, bounds));
@@ -132,7 +132,7 @@ impl FixedRows {
     }
 }
 
-/// A problem without the constant residuals.
+/// A problem whose constant residuals are set to zero.
 pub(crate) struct Without<'a, P> {
     pub problem: P,
     pub fixed: &'a FixedRows,

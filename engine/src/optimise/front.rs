@@ -38,7 +38,7 @@ use rayon::prelude::*;
 /// Largest number of points of a Pareto front.
 const POINTS: usize = 50;
 /// Largest number of halved gaps for each point of a Pareto front of two criteria. Every gap without a point is also halved
-/// several times. Each time needs two minimisations (1).
+/// several times. Each time needs two minimisations of equation (1) of this module.
 const EFFORT: usize = 3;
 /// Number of equal intervals into which the levels divide the range of a limited criterion, for a Pareto front of three criteria.
 const LEVELS: usize = 6;
@@ -54,9 +54,9 @@ const NO_BETTER: f64 = 1e-4;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Found {
     pub x: DVector<f64>,
-    /// Value of each criterion.
+    /// Value of each criterion at this design.
     pub amounts: Vec<f64>,
-    /// Weight of each criterion by equation (2). All are zero if there is no trade-off.
+    /// Weight of each criterion by equation (2) of this module. All are zero if there is no trade-off.
     pub weights: Vec<f64>,
 }
 
@@ -96,8 +96,8 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         found.min_by(|a, b| a.amounts[aim].total_cmp(&b.amounts[aim]))
     }
 
-    /// Lowers a criterion from one start. A step that exceeds a level by far can lead to a part of the space without feasible
-    /// designs, so the run refuses such steps.
+    /// Lowers a criterion from one start. A step that exceeds a level by far can lead to a region of the variables without
+    /// feasible designs, so the run refuses such steps.
     fn lower_from(&self, aim: usize, held: &[(usize, f64)], start: &DVector<f64>) -> Option<Found> {
         let own = held.iter().map(|(h, level)| (&self.aims[*h], *level));
         let rest = self.rest.iter().map(|(rest, level)| (rest, *level));
@@ -154,7 +154,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         Some(self.aims.iter().map(amount).collect())
     }
 
-    /// Traces the Pareto front, starting from these designs. Values below `good` count as equal.
+    /// Traces the Pareto front, starting from these designs. Criterion values below `good` count as equal.
     pub(super) fn front(&self, starts: &[&DVector<f64>], good: f64) -> Traced {
         let all: Vec<usize> = (0..self.aims.len()).collect();
         let ends: Vec<Found> = orders(&all)
@@ -195,7 +195,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         found
     }
 
-    /// Repeatedly halves the widest gap.
+    /// Repeatedly halves the widest gap in a Pareto front of two criteria.
     fn front_of_two(&self, ends: Vec<Found>, good: f64) -> Traced {
         let [first, last] = &ends[..] else {
             return Traced {
@@ -251,7 +251,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
                 Gap::between(&points, new, gap.ends[1]),
             ];
             if slack {
-                // No design of the Pareto front lies between the point found and the level.
+                // The Pareto front has no design between the found point and the level.
                 parts[1 - held].low[held] = level;
             }
             gaps.extend(parts);
@@ -277,7 +277,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         }
     }
 
-    /// Lowers each criterion in turn over a grid of levels, and keeps the points farthest apart.
+    /// Lowers each criterion in turn over a grid of levels (limits of the other criteria). Keeps the points farthest apart.
     fn front_of_many(&self, ends: Vec<Found>) -> Vec<Found> {
         let count = self.aims.len();
         if ends.len() < 2 {
@@ -374,8 +374,8 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
     }
 }
 
-/// Returns the only point of the Pareto front, if one criterion is equally good at both ends. Values below `good` count as
-/// equal. The returned end is the one that is better in the other criterion.
+/// Returns the only point of the Pareto front, if one criterion is equally good at both ends. Criterion values below `good`
+/// count as equal. The returned end is the one that is better in the other criterion.
 fn single_end([first, last]: [&Found; 2], good: f64) -> Option<&Found> {
     let same = |low: f64, high: f64| high.max(good) - low.max(good) <= NO_BETTER * high.max(good);
     if same(first.amounts[0], last.amounts[0]) {
@@ -390,7 +390,8 @@ fn single_end([first, last]: [&Found; 2], good: f64) -> Option<&Found> {
 /// A gap between two points of a Pareto front of two criteria that may contain further points.
 #[derive(Clone, Debug)]
 struct Gap {
-    /// Two points: first the one with the lower first criterion, then the one with the lower second criterion.
+    /// Indices of the points at the ends of the gap: first the point with the lower first criterion, then the point with
+    /// the lower second criterion.
     ends: [usize; 2],
     low: [f64; 2],
     high: [f64; 2],

@@ -21,8 +21,8 @@ impl Direction {
     /// Largest rise of the misfit, in multiples of the tolerance, that counts as no change.
     pub const RISE: f64 = 0.1;
 
-    /// Finds the free shares of the change from `x`. `misfit` is the misfit at `x`. `misfit_at` returns the misfit at another
-    /// point, or `None` if that point has no misfit or violates a constraint.
+    /// Computes `free` for moves along `change` from the point `x`. `misfit` is the misfit at `x`. `misfit_at` returns the
+    /// misfit at another point. It returns `None` if that point has no misfit or violates a constraint.
     pub fn try_out(
         &mut self,
         x: &DVector<f64>,
@@ -70,7 +70,8 @@ pub struct Identifiability {
     /// Singular values in falling order, one for each variable: change of the residuals (norm, in multiples of the tolerance)
     /// per fraction of the ranges.
     pub singular_values: Vec<f64>,
-    /// Number of directions whose effect on the residuals is above the given limit.
+    /// Number of directions whose effect on the residuals is above `effect_below`, the limit given to
+    /// [`Identifiability::new`].
     pub rank: usize,
     /// Basis of the directions without effect: combinations of variables that leave all targets unchanged. They also leave
     /// the rows given to [`Identifiability::keeping`] unchanged. In each direction, one variable moves across its whole
@@ -167,7 +168,7 @@ pub(super) fn right_singular_vectors(a: &DMatrix<f64>) -> (Vec<f64>, DMatrix<f64
     let mut columns = a.clone();
     let mut vectors = DMatrix::identity(n, n);
     let rounding = f64::EPSILON * (a.nrows() as f64).sqrt();
-    // Convergence is quadratic after a few sweeps; the limit is never reached in practice.
+    // Convergence is quadratic after a few passes over all pairs of columns; the limit is never reached in practice.
     for _ in 0..60 {
         let mut rotated = false;
         for p in 0..n {

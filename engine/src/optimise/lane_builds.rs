@@ -60,7 +60,7 @@ impl LaneBuilds {
         firsts.map(move |first| first..count.min(first + at_once))
     }
 
-    /// The designs of a group.
+    /// Designs of the builds in a group, one after another.
     pub(super) fn designs(&self, group: &std::ops::Range<usize>) -> &[Vector3<f64>] {
         &self.designs[group.start * self.points..group.end * self.points]
     }
@@ -71,12 +71,12 @@ impl LaneBuilds {
         &self.point_rates[group.start / self.at_once * length..][..length]
     }
 
-    /// Returns true if a build is accepted. Builds that are not accepted are assembled one by one.
+    /// Returns true if the solution of a build in SIMD lanes converged. Other builds are assembled one by one.
     pub(super) fn is_accepted(&self, build: usize) -> bool {
         self.accepted[build]
     }
 
-    /// Marks a build for separate assembly.
+    /// Marks a build for separate assembly, outside the SIMD lanes.
     pub(super) fn reject(&mut self, build: usize) {
         self.accepted[build] = false;
     }

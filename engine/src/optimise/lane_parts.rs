@@ -19,7 +19,7 @@ pub(super) enum LanePart {
     Formula(Measure, Vec<Source>),
 }
 
-/// Source of a vector: quantities, given by their indices, or the design.
+/// Source of a vector in a formula: quantities computed in SIMD lanes, given by their indices, or the points of the design.
 #[derive(Clone, Copy)]
 pub(super) enum Source {
     /// Coordinates of a point.
@@ -147,7 +147,8 @@ fn point_in(found: &Jacobians<'_>, lane: usize, numbers: [usize; 3]) -> Vector3<
 }
 
 impl Source {
-    /// Source of a vector that a formula needs. `None` if a stud rotates with a carrier whose points lie on a line.
+    /// Source of a vector that a formula needs. `None` if the vector is a stud on a carrier whose points all lie on one
+    /// line. Such points do not give the rotation of the carrier.
     fn of(input: Input, suspension: &Suspension, quantities: &mut Vec<Quantity>) -> Option<Self> {
         let is_carried = |id: PointId| suspension.mechanism.body(id) == Body::Knuckle;
         let mut point =
@@ -190,8 +191,8 @@ impl Source {
         }
     }
 
-    /// Adds the contribution of this vector: the derivative `by` with respect to the vector, times the rates of the vector
-    /// with respect to the variables.
+    /// Adds the contribution of this vector to `slopes`: the derivative `by` with respect to the vector, times the rates of
+    /// the vector with respect to the variables.
     fn add_slopes(
         &self,
         by: Vector3<f64>,

@@ -20,7 +20,7 @@ pub(super) struct LaneRows<'a> {
     parts: Option<Vec<LanePart>>,
     /// Rates of every coordinate of a design with respect to each variable, `[variable][point][axis]`.
     along: Vec<f64>,
-    /// Buffer for the derivatives of a part.
+    /// Buffer for the derivatives of a constraint part with respect to the variables.
     slopes: Vec<f64>,
 }
 

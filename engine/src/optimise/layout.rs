@@ -68,10 +68,11 @@ pub(super) struct Extremes {
 #[derive(Clone, Debug)]
 pub(super) struct Leg {
     pub drive: Drive,
-    /// Displacement of the rack towards the kernel's +y.
+    /// Displacement of the rack along +y of the kernel's frame (+y is to the left).
     pub rack: f64,
     pub order: StationOrder,
-    /// Orders of the stations with constraints, of those with targets, and of all stations.
+    /// Three orders in which the solver visits stations: of the stations with constraints, of the stations with targets,
+    /// and of all stations.
     visits: [StationOrder; 3],
     pub targets: Vec<Vec<TargetSample>>,
     pub checks: Vec<Vec<Check>>,
@@ -128,7 +129,8 @@ pub(super) enum Beside {
 }
 
 impl Beside {
-    /// Goals of each station, with the rack displacement towards the kernel's +y.
+    /// Targets and limits of each station, with the station's rack displacement along +y of the kernel's frame (+y is to
+    /// the left).
     fn goals(&self) -> Vec<(&StationGoals, f64)> {
         match self {
             Beside::Axle(axle) => axle.goals().collect(),
@@ -136,7 +138,8 @@ impl Beside {
         }
     }
 
-    /// Goals of each station. They are mutable, so that the caller can weigh the targets and number the rows of the limits.
+    /// Targets and limits of each station. They are mutable, so that the caller can weigh the targets and number the rows
+    /// of the limits.
     fn goals_mut(&mut self) -> Vec<&mut StationGoals> {
         match self {
             Beside::Axle(axle) => axle.goals_mut().collect(),
@@ -156,7 +159,8 @@ pub struct TargetLayout {
     pub(super) beside: Option<Beside>,
     pub(super) parts: Vec<Part>,
     pub(super) labels: Vec<RowLabel>,
-    /// For each row that is one component of a distance: the row of the other component.
+    /// For each constraint row: the other row, if both rows are the two components of one distance. `None` for all other
+    /// rows.
     others: Vec<Option<usize>>,
     pub(super) equalities: usize,
     /// Number of constraints of the study.
@@ -448,14 +452,14 @@ struct TargetRow {
 /// Deviation from a target, in multiples of the target's tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
-    /// Root mean square over the target's stations and over all builds.
+    /// Root mean square of the deviation over the target's stations and over all builds.
     pub rms: f64,
     /// Largest deviation of all builds, with its sign.
     pub worst: f64,
-    /// Drive value of the largest deviation. For an axle, the abscissa of the target's curve, as written in the study.
-    /// Without any deviation, the first station.
+    /// Drive value at which the deviation is largest. For an axle, the abscissa of the target's curve, as written in the
+    /// study. Without any deviation, the first station.
     pub worst_at: f64,
-    /// Rack displacement of the largest deviation, towards the kernel's +y.
+    /// Rack displacement at which the deviation is largest, along +y of the kernel's frame (+y is to the left).
     pub worst_rack: f64,
     /// Number of residuals of the target in one build.
     pub stations: usize,

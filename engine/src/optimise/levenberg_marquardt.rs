@@ -50,11 +50,11 @@ const DRIFT: f64 = 1e-6;
 /// First damping, relative to the square of the longest column of J W. It damps directions whose effect on the residuals is
 /// less than a thirtieth of the largest effect.
 const FIRST_DAMPING: f64 = 1e-3;
-/// Smallest accepted ratio of actual to predicted reduction. A negligible reduction is accepted at any ratio.
+/// Smallest accepted ratio of actual to predicted reduction of the cost. A negligible reduction is accepted at any ratio.
 const ACCEPTABLE: f64 = 1e-4;
-/// Ratio of actual to predicted reduction below which the damping rises for the next step.
+/// Ratio of actual to predicted reduction of the cost below which the damping rises for the next step.
 const POOR: f64 = 0.25;
-/// Ratio of actual to predicted reduction above which the damping falls for the next step.
+/// Ratio of actual to predicted reduction of the cost above which the damping falls for the next step.
 const GOOD: f64 = 0.75;
 /// Length of a step, as a fraction of the range, up to which the residuals count as linear. Along such a step, curvature changes
 /// the residuals by less than the rounding errors. A kink changes them by little more than the rounding errors.
@@ -66,21 +66,20 @@ const CORRECTIONS: u32 = 8;
 /// The solver. One iteration makes one accepted step, after as many trials as needed.
 pub struct LevenbergMarquardt<'a> {
     record: FitRecord<'a>,
-    /// Factor mu of (2).
+    /// Factor mu of equation (2) of this module.
     damping_factor: f64,
-    /// Residuals and Jacobian at the variables of the state.
+    /// Residuals and Jacobian at the present point of the run.
     current: Linearisation,
     model: LocalModel<'a>,
     trial_x: DVector<f64>,
     trial: Linearisation,
-    /// Vectors for the correction of a trial, in this order:
-    /// - residuals that the model predicts at the trial
-    /// - actual residuals minus predicted residuals
-    /// - the model (3) of this difference
-    /// - the step of the model (3)
+    /// Residuals that the model predicts at the trial.
     promised: DVector<f64>,
+    /// Actual residuals at the trial minus `promised`.
     excess: DVector<f64>,
+    /// Linear model of `excess` for the correction of a trial by equation (3) of this module.
     correction: LocalModel<'a>,
+    /// Point at the end of the correction's step.
     corrected_x: DVector<f64>,
     /// Largest norm of the deviation from the predicted residuals after a step of at most [`STRAIGHT`]. This deviation comes
     /// from rounding only.
@@ -152,8 +151,8 @@ impl<'a> LevenbergMarquardt<'a> {
         }
     }
 
-    /// Returns the reduction that the model predicts with the smallest possible damping, `drift`. Afterwards the model again
-    /// contains the step with `damping`.
+    /// Returns the reduction of the cost that the model predicts with the smallest possible damping, `drift`. Afterwards
+    /// the model again contains the step with `damping`.
     fn undamped_reduction(&mut self, drift: f64, damping: f64) -> f64 {
         self.model.solve(drift);
         let reduction = self.model.predicted_reduction();
@@ -161,8 +160,9 @@ impl<'a> LevenbergMarquardt<'a> {
         reduction
     }
 
-    /// Returns true if the model predicts a reduction of at most `negligible`. A small reduction `predicted` by a damped step
-    /// does not show that the point is a minimum. The predicted reduction by an undamped step must be small, too.
+    /// Returns true if the model predicts a reduction of the cost of at most `negligible`. A small reduction `predicted` by
+    /// a damped step does not show that the point is a minimum. The predicted reduction by an undamped step must be small,
+    /// too.
     fn is_flat(&mut self, predicted: f64, negligible: f64, drift: f64, damping: f64) -> bool {
         predicted <= negligible && self.undamped_reduction(drift, damping) <= negligible
     }
@@ -246,7 +246,8 @@ impl<'a> LevenbergMarquardt<'a> {
     }
 }
 
-/// Factor by which an accepted step changes the damping. `ratio` is the actual reduction divided by the predicted reduction.
+/// Factor by which an accepted step changes the damping. `ratio` is the actual reduction of the cost divided by the
+/// predicted reduction.
 fn change_of_damping(ratio: f64, shortened: bool) -> f64 {
     match ratio {
         ratio if ratio < POOR => 4.0,

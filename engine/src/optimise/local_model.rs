@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 pub(super) struct LocalModel<'a> {
     bounds: &'a Bounds,
     subproblem: BoundedLeastSquares,
-    /// Bounds of the step.
+    /// Lower bounds of the step, in fractions of the ranges.
     lower: Vec<f64>,
     upper: Vec<f64>,
 }
@@ -63,13 +63,13 @@ impl<'a> LocalModel<'a> {
         }
     }
 
-    /// Euclidean length of the step.
+    /// Euclidean length of the step, in fractions of the ranges.
     pub(super) fn step_length(&self) -> f64 {
         let step = self.subproblem.step();
         step.iter().map(|s| s * s).sum::<f64>().sqrt()
     }
 
-    /// Largest component of the step.
+    /// Largest component of the step, as an absolute value in fractions of the ranges.
     pub(super) fn largest_component(&self) -> f64 {
         let step = self.subproblem.step();
         step.iter().fold(0.0, |largest, s| s.abs().max(largest))

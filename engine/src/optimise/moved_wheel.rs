@@ -9,7 +9,7 @@ use nalgebra::DVector;
 /// Number of variables with respect to which one pass differentiates.
 pub(super) const AT_ONCE: usize = 4;
 
-/// A value with its derivatives with respect to a few variables.
+/// A number with its derivatives with respect to [`AT_ONCE`] variables.
 pub(super) type ByVariables = Dual<f64, AT_ONCE>;
 
 /// Design of a wheel, and the rates at which the variables move its points.
@@ -18,12 +18,12 @@ pub(super) type WheelMoved<'m> = (&'m [Vector3<f64>], &'m [PointRate]);
 /// Nominal design of a wheel, moved by the variables of a tuning.
 pub(super) struct MovedWheel<'a> {
     frame: Frame,
-    /// Design before any move.
+    /// Design of the wheel before the variables move it.
     own: &'a [Vector3<f64>],
     /// An added point and the wheel centre, with which the added point moves. The program adds this point to define the
     /// spin axis, if the carrier has no hardpoint for this axis.
     follower: Option<(PointId, PointId)>,
-    /// The moved design.
+    /// Design of the wheel after the variables have moved it.
     pub design: Vec<Vector3<f64>>,
     /// Rates at which the variables move the points of the design.
     pub point_rates: Vec<PointRate>,

@@ -34,7 +34,7 @@ fn rotation<T: Real>(w: Vector3<T>) -> Matrix3<T> {
     Matrix3::by_rodrigues(w * factor)
 }
 
-/// Unit vector of a study's axis, in the kernel's frame.
+/// Unit vector of a study's axis, in the kernel's frame (x forward, y left, z up).
 fn along(frame: &Frame, axis: Axis) -> Vector3<f64> {
     let mut unit = Vector3::default();
     unit[axis] = frame.sign(axis);
@@ -46,7 +46,7 @@ fn are_of_one_body(a: &Turn, b: &Turn) -> bool {
     a.points.len() == b.points.len() && a.points.iter().all(|point| b.points.contains(point))
 }
 
-/// Total rotation of the body of `of`: a rotation vector in radians, in the kernel's frame.
+/// Total rotation of the body of `of`: a rotation vector in radians, in the kernel's frame (x forward, y left, z up).
 fn rotation_vector(
     frame: &Frame,
     variables: &[Variable],
@@ -72,7 +72,7 @@ fn centroid(design: &[Vector3<f64>], points: &[PointId]) -> Vector3<f64> {
 }
 
 /// Writes the design, moved by the offsets `x` of the variables, into `moved`. Offsets are in the study's axes and degrees,
-/// designs in the kernel's frame.
+/// designs in the kernel's frame (x forward, y left, z up).
 pub fn moved_design(
     design: &[Vector3<f64>],
     frame: &Frame,

@@ -26,7 +26,7 @@ pub struct Start {
 /// All starts, and the index of the best.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Multistart {
-    /// Starts in their order.
+    /// Starts in the order of their numbers.
     pub starts: Vec<Start>,
     /// Index of the best start. `None` if every start failed.
     pub best: Option<usize>,
@@ -48,8 +48,8 @@ impl Multistart {
     }
 }
 
-/// Minimises from `starts` points in parallel, on the CPU threads of the current rayon pool. The starts are the point of the
-/// box nearest to `design`, and points of a low-discrepancy sequence over the box.
+/// Minimises from `starts` points in parallel, on the CPU threads of the current rayon pool. The first start is `design`,
+/// or the nearest point within `bounds`. The other starts are points of a low-discrepancy sequence within `bounds`.
 ///
 /// `problem` makes a problem for each start. The result does not depend on the number of CPU threads. The best fit is the one
 /// with the least misfit. Fits count as equal if their misfits are below [`Options::misfit_below`], or if they found the same
@@ -103,7 +103,7 @@ fn nearest_of_least(
     nearest(starts, good, distance, SAME_MISFIT)
 }
 
-/// Index of the start with the smallest violation of the constraints.
+/// Index of the start whose result has the smallest violation of the constraints.
 pub(super) fn least_violation(starts: &[Start]) -> Option<usize> {
     let by_violation =
         |a: &(usize, &Fit), b: &(usize, &Fit)| a.1.violation().total_cmp(&b.1.violation());

@@ -21,7 +21,7 @@ use nalgebra::DVector;
 
 /// Moves shorter than this share of the range count as zero.
 const NO_MOVE: f64 = 1e-9;
-/// Intermediate levels, as shares of the difference between the lowest misfit and the level.
+/// Intermediate levels (limits of the misfit), as shares of the difference between the lowest misfit and the final level m.
 const RUNGS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 /// Smallest limit for the rise of the violation by a step: one tolerance, or one visible unit of a constraint. In this module
 /// the limit is the level, if that is larger. Steps with a larger violation would lead to other minima.
@@ -56,11 +56,11 @@ struct Search<'s, 'a> {
     best: Option<(f64, ConstrainedFit, bool)>,
     /// Reason for the end of the last run.
     ended: Option<Termination>,
-    /// Number of evaluations left.
+    /// Number of evaluations that the search may still make.
     left: u64,
 }
 
-/// Returns true if a distance is at most as large as another distance.
+/// Returns true if a distance is at most as large as another distance, up to the relative difference [`AS_NEAR`].
 fn is_as_near(distance: f64, other: f64) -> bool {
     distance <= other + AS_NEAR * other
 }
@@ -123,7 +123,7 @@ impl Search<'_, '_> {
         Some(x)
     }
 
-    /// Returns true if the nearest design has been found, or if the search must stop.
+    /// Returns true if a nearest design at a distance of at most `most` has been found, or if the search must stop.
     fn is_over(&self, most: f64) -> bool {
         let near = self.best.as_ref();
         near.is_some_and(|(distance, _, known)| *known && is_as_near(*distance, most))

@@ -38,17 +38,19 @@ use crate::solve::{Solver, StationOrder, Toggles};
 use crate::study::{Scatter, Variable, Vehicle};
 use nalgebra::DVector;
 
-/// The problem, with its workspace.
+/// Least-squares problem of a study's targets and constraints, with its workspace.
 pub struct Objective<'a> {
     pub(super) variables: &'a [Variable],
     pub(super) layout: &'a TargetLayout,
     constants: Constants,
     /// The wheel, or the left wheel of an axle.
     pub(super) wheel: MovedWheel<'a>,
-    /// Right wheel of an axle, if its hardpoints differ from the left ones.
+    /// Right wheel of an axle, if its hardpoints differ from the left ones. `None` for one wheel, or if the right wheel is
+    /// the mirror image of the left wheel.
     pub(super) right: Option<MovedWheel<'a>>,
     /// Evaluation in SIMD lanes (several poses at once), for designs and builds that the solver in lanes accepts. `None` if
-    /// lanes are switched off, if a target is not available in lanes, or if no target applies to a leg.
+    /// lanes are switched off, or if a target is not available in lanes. Also `None` if no target applies to a leg (a
+    /// motion at one rack displacement).
     pub(super) lanes: Option<LaneRows<'a>>,
     robust: Option<Robust<'a>>,
     solver: Solver<'a>,
@@ -57,14 +59,14 @@ pub struct Objective<'a> {
     /// Evaluator of poses ([`Reader`]) with two derivatives with respect to the drive value, for the search for extremes.
     /// `None` if no limit applies to extremes.
     sloped: Option<Reader<3>>,
-    /// Design series from which the derivatives of member forces follow. `None` if no target or constraint uses a member
-    /// force.
+    /// Taylor series of the design along each variable, from which the derivatives of member forces follow. `None` if no
+    /// target or constraint uses a member force.
     moving: Option<AlongVariables>,
     /// Evaluator of the targets and constraints of an axle or of elastic parts. `None` if there are none.
     beside: Option<Box<dyn RowsBeside + 'a>>,
     values: PartValues,
     searches: Vec<Search>,
-    /// Distance from a row to its limit above which the search for an extreme is skipped.
+    /// Distance from a row to its limit, in the unit of the rows, above which the search for an extreme is skipped.
     far: f64,
     /// Drive values of the extremes whose values are in the rows.
     extremes: Vec<Option<f64>>,
@@ -152,21 +154,22 @@ impl<'a> Objective<'a> {
         }
         // Axles and elastic parts are not evaluated in lanes.
         let width = width.filter(|_| layout.beside.is_none());
-        // Constraints apply to the nominal design.
+        // Constraints apply to the nominal design, which is evaluated without lanes. So the builds in lanes have no
+        // constraint rows.
         objective.lanes = width.and_then(|width| LaneRows::new(suspension, layout, false, width));
         objective.robust = Some(Robust::new(assembled, scatter, variables.len(), width)?);
         Ok(objective)
     }
 
-    /// Returns the problem solved in lanes of this width, or station by station if `width` is `None`. Used to compare the two
-    /// methods.
+    /// Returns the problem with poses solved in SIMD lanes of this width, or station by station if `width` is `None`. Used
+    /// to compare the two methods.
     #[must_use]
     pub fn with_width(mut self, suspension: &'a Suspension, width: Option<Width>) -> Self {
         self.lanes = width.and_then(|width| LaneRows::new(suspension, self.layout, true, width));
         self
     }
 
-    /// Returns true if the design at `x` is evaluated in lanes.
+    /// Returns true if the design at `x` is evaluated in SIMD lanes (several poses at once).
     pub fn is_in_lanes(&mut self, x: &DVector<f64>) -> bool {
         self.move_to(x);
         let mut into = Linearisation::new(self.layout.residuals(), x.len());
@@ -179,7 +182,7 @@ impl<'a> Objective<'a> {
         self.layout.builds
     }
 
-    /// Number of builds that the last evaluation solved in lanes.
+    /// Number of builds that the last evaluation solved in SIMD lanes (several builds at once).
     pub fn builds_in_lanes(&self) -> usize {
         let robust = self.robust.as_ref().filter(|_| self.lanes.is_some());
         robust.map_or(0, Robust::builds_in_lanes)
@@ -232,7 +235,7 @@ impl<'a> Objective<'a> {
             }
             return self.evaluate_beside(x, None, Some((into, 0)), rows);
         };
-        // Constraints apply to the nominal design.
+        // Constraints apply to the nominal design. So its rows are evaluated before the builds replace the nominal design.
         let found = match &mut rows {
             Some(rows) => {
                 let rigid = self.evaluate_moved(None, Some(&mut **rows));

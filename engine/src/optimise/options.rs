@@ -20,9 +20,9 @@ pub struct Options {
     pub gradient_below: f64,
     /// Condition: number of iterations >= `max_iterations`.
     pub max_iterations: u64,
-    /// Not a condition: rise of the violation above that of the start, in the unit of the rows, that a step may cause. Whatever
-    /// this value, the violation may not exceed 100, or 100 times the violation of the start if that is larger. The default
-    /// is infinity. A small value prevents a run with a feasible start from jumping to another minimum.
+    /// Not a condition: rise of the violation that a step may cause above the violation of the start, in the unit of the rows.
+    /// Whatever this value, the violation may not exceed 100, or 100 times the violation of the start if that is larger. The
+    /// default is infinity. A small value prevents a run with a feasible start from jumping to another minimum.
     pub violation_below: f64,
     /// Condition: number of evaluations >= `max_evaluations`. The default is ten for each iteration; most iterations need one
     /// evaluation.

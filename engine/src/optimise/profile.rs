@@ -14,27 +14,28 @@ const ILLINOIS: f64 = 0.5;
 /// all residuals unchanged.
 const DAMPING: f64 = 1e-10;
 
-/// Profile of a variable, (1) of [`profile_interval`](super::profile_interval), with residuals linearised at a point.
+/// Profile of a variable by equation (1) of module [`profile_interval`](super::profile_interval): smallest sum of squares
+/// for each value of the variable. The residuals are linearised at a point.
 pub(super) struct Profile<'a> {
     point: &'a DVector<f64>,
     bounds: &'a Bounds,
     variable: usize,
     others: Vec<usize>,
-    /// Triangular factor of the columns of J that belong to the other variables, scaled by the ranges.
+    /// Triangular factor of the columns of the Jacobian J that belong to the other variables, scaled by the ranges.
     triangle: DMatrix<f64>,
-    /// Column of the variable after the rotations that give `triangle`.
+    /// The variable's column of J after the rotations that give `triangle`.
     column: DVector<f64>,
-    /// Diagonal entry of this column.
+    /// Entry of the variable's column in the row after the rows of `triangle`.
     diagonal: f64,
     /// Residuals after the rotations that give `triangle`.
     offset: DVector<f64>,
     /// Residual in the row of `diagonal`.
     last: f64,
-    /// Part of the sum of squares that does not depend on the moves.
+    /// Part of the sum of squares that no move of a variable changes.
     rest: f64,
     /// Distances from the point to the lower ends of the other variables' ranges, in fractions of the ranges.
     lower: Vec<f64>,
-    /// Distances from the point to the upper ends of these ranges, in fractions of the ranges.
+    /// Distances from the point to the upper ends of the other variables' ranges, in fractions of the ranges.
     upper: Vec<f64>,
     damping: f64,
 }
@@ -81,7 +82,8 @@ impl<'a> Profile<'a> {
         }
     }
 
-    /// Minimum of |R v + offset|^2 over moves v of the other variables between two bounds, and the minimising move.
+    /// Minimum of |R v + offset|^2 over moves v of the other variables between two bounds, and the minimising move. R is
+    /// `triangle`.
     fn least(&self, offset: &DVector<f64>, lower: &[f64], upper: &[f64]) -> (f64, DVector<f64>) {
         let n = self.others.len();
         if n == 0 {
@@ -94,12 +96,13 @@ impl<'a> Profile<'a> {
         ((&self.triangle * &moves + offset).norm_squared(), moves)
     }
 
-    /// Move of the variable to this value, in fractions of its range.
+    /// Move of the variable from the point to this value, in fractions of its range.
     fn fraction(&self, value: f64) -> f64 {
         (value - self.point[self.variable]) / self.bounds.width()[self.variable]
     }
 
-    /// Smallest sum of squares S_j(c) of (1), and the moves of the other variables.
+    /// Smallest sum of squares S_j(c) for the value c of the variable, and the moves of the other variables. See equation
+    /// (1) of module [`profile_interval`](super::profile_interval).
     fn squares(&self, value: f64) -> (f64, DVector<f64>) {
         let own = self.fraction(value);
         let offset = &self.offset + &self.column * own;
@@ -108,7 +111,8 @@ impl<'a> Profile<'a> {
         (self.rest + last * last + squares, moves)
     }
 
-    /// Root of the smallest |J (x - point)|^2 over points x of the box with this value of the variable.
+    /// Root of the smallest |J (x - point)|^2 over points x of the box with this value of the variable. J is the Jacobian
+    /// at `point`.
     pub(super) fn distance(&self, value: f64) -> f64 {
         let own = self.fraction(value);
         let (squares, _) = self.least(&(&self.column * own), &self.lower, &self.upper);

@@ -62,7 +62,7 @@ use super::student::{Student, root};
 use super::{Bounds, Linearisation};
 use nalgebra::DVector;
 
-/// Probability that the interval does not contain the truth.
+/// Probability that the interval does not contain the true value.
 const OUTSIDE: f64 = 0.05;
 /// Largest number of evaluations for each end of an interval.
 const EVALUATIONS: usize = 6;
@@ -72,9 +72,9 @@ const AT_REST: f64 = 0.01;
 const NEARLY_ALL: f64 = 0.95;
 /// Number of rounds that settle an end of the interval together with its quantile.
 const SETTLING: usize = 2;
-/// Distance, in standard errors, up to which a bound changes the distribution of T.
+/// Distance, in standard errors, up to which a bound changes the distribution of T (equation (2) of this module).
 const IN_REACH: f64 = 4.0;
-/// Smallest scatter, in multiples of the tolerance. Smaller values are rounding errors.
+/// Smallest scatter of the measurements, in multiples of the tolerance. Smaller values are rounding errors.
 const RESOLUTION: f64 = 1e-9;
 
 /// Set of values of a variable that agree with the measurements, with 95 % confidence.
@@ -82,9 +82,9 @@ const RESOLUTION: f64 = 1e-9;
 pub enum ConfidenceInterval {
     /// The variable is between its bounds. One end of the interval may be an end of its range.
     TwoSided {
-        /// Lowest value.
+        /// Lowest value of the interval, in the variable's unit.
         lower: f64,
-        /// Highest value.
+        /// Highest value of the interval, in the variable's unit.
         upper: f64,
     },
     /// The variable is at its lower bound. Its true value is at most this value.
@@ -100,9 +100,9 @@ pub(super) struct Solved<'a> {
     pub x: &'a DVector<f64>,
     pub at: &'a Linearisation,
     pub bounds: &'a Bounds,
-    /// Distribution of the errors.
+    /// Student's distribution with the degrees of freedom of the fit.
     pub student: Student,
-    /// Standard errors with all variables free. `None` for each unknown error.
+    /// Standard error of each variable, with all variables free. `None` for an unknown error.
     pub errors: &'a [Option<f64>],
     pub simulated: SimulatedFits<'a>,
 }
@@ -111,7 +111,8 @@ pub(super) struct Solved<'a> {
 type Evaluate<'e> = dyn FnMut(&DVector<f64>, &mut Linearisation) -> bool + 'e;
 
 impl Solved<'_> {
-    /// Interval (3) of a variable. `scale` contains s and the root of k_j.
+    /// Interval of a variable by equation (3) of this module. `scale` contains s, the standard deviation of a residual, and
+    /// the root of k_j, the correction for weights.
     pub(super) fn interval(
         &self,
         variable: usize,
@@ -139,7 +140,7 @@ impl Solved<'_> {
         }
     }
 
-    /// End of the interval on the side of a bound. `None` if the interval includes the bound, or if no end is found.
+    /// End of the interval on the side of `bound`. `None` if the interval includes the bound, or if no end is found.
     fn end(
         &self,
         variable: usize,
@@ -176,7 +177,8 @@ impl Solved<'_> {
         None
     }
 
-    /// Quantile q of (3) for the value that a variable has in `x`. The other variables of `x` minimise (1).
+    /// Quantile q of equation (3) of this module for the value that a variable has in `x`. The other variables of `x`
+    /// minimise the sum of squares of equation (1).
     fn quantile(&self, variable: usize, x: &DVector<f64>, deviation: f64, ratio: f64) -> f64 {
         let bounds = [self.bounds.lower(), self.bounds.upper()];
         let is_near = |at: &DVector<f64>, j: usize| {
@@ -197,7 +199,8 @@ impl Solved<'_> {
     }
 }
 
-/// Quantile q of (5) for a value with these distances to its bounds, in standard deviations.
+/// Quantile q of equation (5) of this module for a value with these distances to its lower and upper bound. The distances
+/// are in standard deviations.
 fn threshold(student: &Student, distances: [f64; 2]) -> f64 {
     let two_sided = student.quantile(0.5 * OUTSIDE);
     if distances.iter().all(|d| *d >= two_sided) {

@@ -15,14 +15,14 @@ use super::{ActiveBound, BoundedLeastSquares, Bounds, Linearisation};
 use crate::sorting::sort_numbers;
 use nalgebra::{DMatrix, DVector};
 
-/// Number of fits. With this number, the probability of values above the estimated 95 % quantile is 5 % with a standard
-/// deviation of 1.1 %.
+/// Number of simulated fits. With this number, the probability of values above the estimated 95 % quantile is 5 % with a
+/// standard deviation of 1.1 %.
 const FITS: usize = 400;
 const SEED: u64 = 0x5EED_0F17;
-/// Damping of the bounded problems, relative to the largest column.
+/// Damping of the bounded least-squares problems, relative to the largest column of the Jacobian.
 const DAMPING: f64 = 1e-10;
 
-/// Simulated fits of a model.
+/// Simulated fits of a linear model.
 pub(super) struct SimulatedFits<'a> {
     bounds: &'a Bounds,
     weights: &'a [f64],
@@ -60,7 +60,8 @@ impl<'a> SimulatedFits<'a> {
         }
     }
 
-    /// Square root of a quantile of T for a variable. The true values are `x0`, and the errors have this scatter.
+    /// Square root of a quantile of T (equation (1) of this module) for a variable. The true values are `x0`, and the
+    /// errors of the measurements have this scatter.
     pub(super) fn quantile(
         &self,
         variable: usize,
@@ -113,7 +114,8 @@ impl<'a> SimulatedFits<'a> {
         ratios[place.min(FITS - 1)].sqrt()
     }
 
-    /// Variance s*^2 of a simulated fit.
+    /// Variance s*^2 of the errors in a simulated fit, from its residuals. `free` is the number of variables that are free
+    /// at the end of the fit.
     fn variance(&self, fit: usize, moves: &DVector<f64>, free: usize) -> f64 {
         let residuals = &self.jacobian * moves + self.errors.column(fit);
         let squares = residuals.iter().zip(self.weights);

@@ -39,7 +39,7 @@ use nalgebra::DVector;
 /// Uncertainty of the variables of a fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StandardErrors {
-    /// Scatter of a measurement about the fit, in multiples of the tolerance: s of (1).
+    /// Standard deviation s of a measurement about the fit, in multiples of the tolerance.
     pub scatter: f64,
     /// Standard error of each variable. `None` for a variable that the measurements do not determine. `None` for all
     /// variables if one of them is at its bound.
@@ -51,9 +51,9 @@ pub struct StandardErrors {
 }
 
 impl StandardErrors {
-    /// Standard errors and intervals of a fit that ended at `x`. `weights` are the weights w of (1), one for each residual.
-    /// `evaluate` writes the residuals of a point, and returns false if the point has no residuals. `None` if there are no
-    /// more residuals than free variables.
+    /// Standard errors and intervals of a fit that ended at `x`. `weights` are the weights of the residuals, one for each
+    /// residual. `evaluate` writes the residuals of a point, and returns false if the point has no residuals. `None` if
+    /// there are no more residuals than free variables.
     pub fn of(
         x: &DVector<f64>,
         at: &Linearisation,
@@ -354,8 +354,8 @@ mod tests {
         }
     }
 
-    /// One variable is at its bound. The end of its interval satisfies (4) and (5) of `profile_interval`. The test evaluates
-    /// these equations in closed form for a true value at the end of the interval.
+    /// One variable is at its bound. The end of its interval satisfies equations (4) and (5) of module `profile_interval`.
+    /// The test evaluates these equations in closed form for a true value at the end of the interval.
     #[test]
     fn one_variable_at_its_bound_has_a_limit() {
         let rows = 400;
@@ -379,8 +379,9 @@ mod tests {
                 panic!("{:?}", found.intervals[0]);
             };
             let d = upper / error;
-            // T at the end of the interval is d (2 (below + d) - d). By (4) and (5), the probability of a larger T is at most
-            // 5 %. The probability is slightly less if the simulation gives a larger quantile.
+            // T (equation (2) of `profile_interval`) at the end of the interval is d (2 (below + d) - d). By equations (4)
+            // and (5), the probability of a larger T is at most 5 %. The probability is slightly less if the simulation
+            // gives a larger quantile.
             let q = (d * (2.0 * below + d)).sqrt();
             let student = Student::new(rows);
             let towards = if q <= d {

@@ -87,7 +87,8 @@ impl<'a> Tuner<'a> {
         found
     }
 
-    /// Moves the starts with a misfit up to the level back towards the design, unless `good_enough` is 0. Chooses the result.
+    /// Moves the results of the starts back towards the design, if their misfit is at most the level to which a misfit may
+    /// rise. Leaves them unchanged if `good_enough` is 0. Chooses the result.
     fn drawn_near(&self, lowered: &[Start], fixed: &FixedRows, options: &Options) -> Multistart {
         let mut starts = lowered.to_vec();
         let least = least_misfit(&starts);
@@ -262,9 +263,9 @@ impl<'a> Tuner<'a> {
         }
     }
 
-    /// Chooses the result. Among the starts that satisfy the constraints with a misfit up to `level`, the function takes the
-    /// one with the smallest move. `level` is `None` if no start satisfied the constraints. If no start satisfies them, the
-    /// function takes the smallest violation.
+    /// Chooses the result. Among the starts that satisfy the constraints with a misfit up to `level`, the function takes
+    /// the one with the smallest move. `level` is `None` if no start satisfied the constraints. The function then takes the
+    /// start with the smallest violation.
     fn choose(&self, starts: &[Start], level: Option<f64>) -> Option<usize> {
         let distance = self.distance();
         let near = level.and_then(|level| {

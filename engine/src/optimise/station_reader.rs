@@ -54,7 +54,7 @@ pub(super) fn reader(
     }
 }
 
-/// Reads values and gradients from poses. Each Taylor series has `N` coefficients.
+/// Reads values and gradients from poses. Each Taylor series along the motion has `N` coefficients.
 pub(super) struct Reader<const N: usize> {
     pub(super) series: DesignSeries<N>,
     pub(super) slopes: Slopes<N>,
@@ -165,7 +165,7 @@ pub(super) struct Reading<'r, 'a, const N: usize> {
     pub(super) solver: &'r Solver<'a>,
     pub(super) motion: &'r MotionPoint<f64>,
     pub(super) point_rates: &'r [PointRate],
-    /// Taylor series along the variables. Required if the measure is a force.
+    /// Taylor series of the design along each variable. Required if the measure is a force.
     pub(super) moving: Option<&'r AlongVariables>,
 }
 

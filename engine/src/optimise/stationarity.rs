@@ -14,7 +14,7 @@
 //!
 //! A computed slope is a sum of products, so rounding keeps it from being exactly zero. Residuals have the rounding error
 //! [`Options::misfit_below`], or a larger rounding error if short steps have shown it. For example, the rounding error of
-//! an equilibrium is larger than that of a pose. Variables have a resolution: no method makes smaller steps. A slope counts
+//! an equilibrium is larger than the error of a pose. Variables have a resolution: no method makes smaller steps. A slope counts
 //! as zero if the rounding error and the resolution can explain it. So a fit to exact measurements converges. Its residuals
 //! and their slope consist of rounding errors only, even if the slope is large relative to the residuals.
 //!
@@ -47,9 +47,9 @@ pub(super) struct Sizes {
     pub residuals: usize,
     /// Norm of the residuals.
     pub norm: f64,
-    /// Largest pivot of the residuals' scaled Jacobian.
+    /// Largest pivot (diagonal entry of the triangular factor) of the residuals' scaled Jacobian.
     pub pivot: f64,
-    /// Norm of the longest column of this Jacobian.
+    /// Norm of the longest column of the residuals' scaled Jacobian.
     pub longest: f64,
     /// Norm of the rounding errors of the residuals, as observed in short steps; 0 without such steps.
     pub seen_rounding: f64,
@@ -60,7 +60,7 @@ pub(super) struct Sizes {
 }
 
 impl Scale {
-    /// Scale of half the squared residuals.
+    /// Scale for the slopes of half the squared residuals.
     pub(super) fn new(of: Sizes) -> Self {
         let usual = Options::default().misfit_below * (of.residuals as f64).sqrt();
         let of_residuals = usual.max(of.seen_rounding);
@@ -71,8 +71,8 @@ impl Scale {
         }
     }
 
-    /// Imbalance of the optimality conditions: the largest component `left` of the left side of (1), relative to the
-    /// [`Scale`] and to the largest term `most` of (1).
+    /// Imbalance of the optimality conditions. `left` is the largest component of the left side of equation (1) of this
+    /// module. It is compared with the [`Scale`] and with `most`, the largest term of equation (1).
     pub(super) fn residual(self, left: f64, most: f64) -> f64 {
         let size = most.max(self.steepest).max(f64::MIN_POSITIVE);
         if left.is_nan() {
@@ -83,9 +83,9 @@ impl Scale {
     }
 }
 
-/// Imbalance of the optimality conditions of a problem that has bounds, but no rows and levels. `pivot` is the largest pivot
-/// of the scaled Jacobian, in half ranges. `seen_rounding` is the norm of the rounding errors of the residuals, as observed
-/// in short steps.
+/// Imbalance of the optimality conditions of a problem that has bounds, but no constraint rows and no levels (limits of a
+/// norm of residuals). `pivot` is the largest pivot of the scaled Jacobian, in half ranges. `seen_rounding` is the norm of
+/// the rounding errors of the residuals, as observed in short steps.
 pub(super) fn between_bounds(
     at: &Linearisation,
     x: &DVector<f64>,
@@ -112,7 +112,7 @@ pub(super) fn between_bounds(
         longest,
         seen_rounding,
         variables: x.len(),
-        // Resolution in half ranges.
+        // Smallest step in half ranges. `step_below` is in fractions of the ranges.
         resolution: 2.0 * Options::default().step_below,
     };
     Scale::new(sizes).residual(left, most)
@@ -141,7 +141,8 @@ impl Pushes {
         self.is_free.push(is_free);
     }
 
-    /// Multipliers with the smallest left side of (1). If there are several such sets, returns the smallest.
+    /// Multipliers with the smallest left side of equation (1) of this module. If several sets of multipliers are equally
+    /// good, returns the smallest set.
     pub(super) fn balance(&self, slope: &[f64], scale: Scale) -> Balance {
         let (n, count) = (slope.len(), self.is_free.len());
         let most = |of: &[f64]| of.iter().fold(0.0_f64, |most, v| most.max(v.abs()));

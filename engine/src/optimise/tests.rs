@@ -213,7 +213,8 @@ fn rounding_does_not_move_a_rank_deficient_fit() {
                 .iter()
                 .all(|&hold| hold == ActiveBound::Free)
         );
-        // Part of the move outside the span of the rows of `right`.
+        // Part of the variables' move that lies outside the span of the rows of `right`. This part has no effect on the
+        // residuals.
         let square = &right * right.transpose();
         let seen = right.transpose() * square.lu().solve(&(&right * &fit.x)).unwrap();
         let unseen = (&fit.x - seen).norm();
@@ -236,7 +237,7 @@ fn val_a_planted_design_is_found_through_weak_directions() {
         let truth = planted.clone();
         let rows = move |x: &[f64]| {
             let move_ = DVector::from_column_slice(x) - &truth;
-            // The problem is curved, so the solver needs more than one step.
+            // The residuals are nonlinear, so the solver needs more than one step.
             let curved = move_.map(|d| d + 3.0 * d * d);
             let slopes = move_.map(|d| 1.0 + 6.0 * d);
             let r = &a * curved;

@@ -58,7 +58,7 @@ pub struct Tuning {
 pub struct Fulfilment {
     /// Root of the weighted mean of the targets' squared deviations, in multiples of the tolerance.
     pub misfit: f64,
-    /// Deviation from each target.
+    /// Deviation of the design from each target.
     pub targets: Vec<Deviation>,
 }
 
@@ -67,10 +67,10 @@ pub struct Fulfilment {
 pub struct Best {
     /// Offsets of the variables, in the study's axes.
     pub offsets: Vec<f64>,
-    /// Tuned hardpoints in the kernel's frame, in the order of the suspension's hardpoints. The study of this design is
-    /// [`Study::at_design`](crate::study::Study::at_design).
+    /// Tuned hardpoints in the order of the suspension's hardpoints. They are in the kernel's frame: a left wheel, x
+    /// forward, y left, z up. The study of this design is [`Study::at_design`](crate::study::Study::at_design).
     pub design: Vec<Vector3<f64>>,
-    /// Deviations from the targets.
+    /// Deviations of this design from the targets.
     pub after: Fulfilment,
     /// Directions that the targets determine at this design, in the space of the variables.
     pub identifiability: Identifiability,
@@ -91,7 +91,7 @@ pub struct ConstraintOutcome {
     pub at: Option<f64>,
     /// True if the nearest limit is the upper one.
     pub is_upper: bool,
-    /// Price of the constraint's limits.
+    /// Price of the constraint's limits: reduction of the misfit if a limit moves outwards by one unit.
     pub price: Price,
 }
 
@@ -423,7 +423,7 @@ impl<'a> Tuner<'a> {
             let kept = kept.map(|c| self.optimise.constraints[*c].clone());
             let some = Optimise {
                 constraints: kept.collect(),
-                // Constraints apply to the nominal design.
+                // Constraints apply to the nominal design, so the tuning with some of them needs no builds.
                 ..self.optimise.nominal()
             };
             let layout = TargetLayout::of(&some, self.vehicle);

@@ -153,7 +153,7 @@ impl Residuals<'_> {
     }
 
     /// Finds the missed targets on which the variables have too little effect. `deviations` has the root mean square
-    /// deviation from each target, in multiples of the tolerance, and `end` the residuals of the tuned design.
+    /// deviation from each target, in multiples of the tolerance. `end` has the residuals of the tuned design.
     pub(crate) fn unmoved(&self, deviations: &[f64], end: &Linearisation) -> Unmoved {
         let mut found = Unmoved::default();
         for (target, deviation) in deviations.iter().copied().enumerate() {

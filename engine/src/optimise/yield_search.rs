@@ -1,4 +1,5 @@
-//! Robust tuning for yield. The yield is the share of builds that are within every band.
+//! Robust tuning for yield. The yield is the share of builds (produced vehicles) that are within every band. A band is a
+//! lower and an upper limit of a result.
 //!
 //! A build is within its bands if every value q lies between its limits. The share of such builds is a step function of the
 //! variables, so it has no useful slope. The search uses a smooth surrogate instead. With a width tau for each band,
@@ -26,7 +27,7 @@
 //! width. The search starts at the optimum without scatter, with a large tau, and reduces tau in steps ([`WIDTHS`]). The code
 //! then evaluates the end of each step with [`JUDGED`] further builds, which the search has not used. It keeps the end with
 //! the most builds within all bands. The optimum without scatter is one of the ends. So only sampling error can make the
-//! yield lower than that of this optimum.
+//! yield lower than the yield of this optimum.
 
 use super::constrained::{Assessment, Constrained, Shape, constrained_fit};
 use super::station_reader::refused;
@@ -44,16 +45,16 @@ use crate::tolerance::with_rounding;
 use nalgebra::DVector;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
-/// Widths of the steps of the search, in standard deviations of the values of a band.
+/// Widths tau of equation (1) of this module in the steps of the search, in standard deviations of the values of a band.
 const WIDTHS: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
-/// Largest width of the smoothed edge of a band, as a share of the band's width.
+/// Largest width tau of equation (1) of this module, as a share of the band's width.
 const WIDEST: f64 = 0.25;
 /// If a smaller share of the builds is within all bands, the search first lowers the distance of the builds from the bands.
 const FEW: f64 = 0.5;
 /// Smallest standard deviation of a band, for values that are the same in all builds. It is far below the rounding error by
 /// which [`with_rounding`] moves the limits, so a value at a limit counts as within the band. All residuals stay finite.
 const STILL: f64 = 1e-15;
-/// Number of further builds with which the ends of the search are evaluated.
+/// Number of further builds with which the designs at the ends of the search's steps are evaluated.
 const JUDGED: usize = 1 << 16;
 /// Number of further builds with which a design with elastic parts is evaluated. This number is smaller, because equilibria
 /// take longer than poses.
@@ -71,13 +72,14 @@ const AT_ONCE: usize = 1 << 12;
 pub struct ExpectedYield {
     /// Offsets of the optimum without scatter, where the search started.
     pub plain: Vec<f64>,
-    /// Number of builds in the surrogate.
+    /// Number of builds in the surrogate, the smooth function that the search maximises in place of the yield.
     pub builds: usize,
-    /// Value of the surrogate at the kept design.
+    /// Value of the surrogate at the kept design: about the share of builds within all bands, from 0 to 1.
     pub surrogate: f64,
-    /// Shares of the further builds that are within all bands: [optimum without scatter, kept design].
+    /// Shares of builds that are within all bands, from further builds that the search has not used: [optimum without
+    /// scatter, kept design].
     pub judged: [f64; 2],
-    /// Number of the further builds.
+    /// Number of further builds for the shares in `judged`.
     pub judged_builds: usize,
     /// True if no end of the search that satisfies the constraints has more builds within the bands than the optimum without
     /// scatter. The result is then the optimum without scatter.
@@ -96,11 +98,11 @@ struct YieldSearch<'a> {
     control: Control<'a>,
 }
 
-/// Result of a search.
+/// Result of a search for the largest yield.
 struct Found {
     /// Run that ended at the kept design. `None` if the optimum without scatter is kept.
     fit: Option<ConstrainedFit>,
-    /// Expected yield.
+    /// Expected yield at the kept design.
     expected: ExpectedYield,
 }
 
@@ -173,7 +175,7 @@ impl<'a> YieldSearch<'a> {
         })
     }
 
-    /// Value of (3) at a design.
+    /// Surrogate of the yield at a design, by equation (3) of this module. `widths` has the width tau of each band.
     fn surrogate(&self, x: &DVector<f64>, widths: &[f64]) -> Result<f64, Infeasible> {
         let goals = self.goals(self.smoothed(widths), self.scatter);
         let layout = TargetLayout::of(&goals, self.vehicle);
@@ -184,8 +186,8 @@ impl<'a> YieldSearch<'a> {
         Ok(1.0 - outside / self.scatter.builds as f64)
     }
 
-    /// The bands as targets. Limits move inwards by the widths, and the widths are the tolerances, so that the residuals
-    /// equal (1).
+    /// The bands as targets. Limits move inwards by the widths, and the widths are the tolerances. So the residuals equal
+    /// the values h of equation (1) of this module.
     fn smoothed(&self, widths: &[f64]) -> Vec<Target> {
         let target = |(band, width): (&Band, &f64)| {
             let [low, high] = with_rounding(band.between);
@@ -238,8 +240,8 @@ impl<'a> YieldSearch<'a> {
         }
     }
 
-    /// Describes a tuning of builds towards these targets. All residuals have the same weight, because the weight of a
-    /// target is its number of residuals.
+    /// Describes a tuning of builds towards these targets. The weight of a target is its number of residuals, so all
+    /// residuals have the same weight.
     fn goals(&self, targets: Vec<Target>, scatter: &Scatter) -> Optimise {
         let mut goals = Optimise {
             targets,
@@ -374,17 +376,17 @@ fn site_of(band: &Band, study: &AxleStudy) -> AxleSite {
 /// Form of the residual of a build.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Residual {
-    /// Residual (4).
+    /// Residual by equation (4) of this module, from which the share of builds within the bands follows.
     Share,
-    /// Residual (5).
+    /// Residual by equation (5) of this module: distance of a build from the bands.
     Distance,
 }
 
-/// Problem with the residuals (4) or (5).
+/// Problem with the residuals of equation (4) or (5) of this module.
 struct SmoothYield<'a> {
     residual: Residual,
     builds: Objective<'a>,
-    /// Values h of all builds.
+    /// Values h of equation (1) of this module, for all builds.
     values: Linearisation,
     count: usize,
 }

@@ -22,23 +22,26 @@ pub struct Effect {
     pub cost: f64,
 }
 
-/// Costs of effects (optional results, such as camber gain or forces) per pose, relative to a pose from the closed form of a strut, measured with `hardpoint bench effects`.
-/// They are accurate to a factor of two only, because they depend on the machine and the topology.
+/// Costs of effects (optional results, such as camber gain or forces) per pose. The unit is the cost of a pose from the
+/// closed form of a strut. `hardpoint bench effects` measured the costs. They are accurate to a factor of two only, because
+/// they depend on the machine and the topology.
 mod cost {
-    /// Iterative solution of six equations in place of the closed form.
+    /// Iterative solution of the six closure equations of the wheel in place of the closed form.
     pub(super) const ITERATED_POSE: f64 = 7.0;
     /// Factorisation of the Jacobian of a pose from the closed form.
     pub(super) const FACTORS: f64 = 0.8;
-    /// First, second and third coefficient of the power series, together with the outputs that use this coefficient.
+    /// First, second and third coefficient of the power series of a pose, together with the outputs that use this
+    /// coefficient.
     pub(super) const DERIVATIVES: [f64; 3] = [0.5, 2.1, 3.0];
-    /// Gradient of one output with respect to all hardpoints, for each coefficient of its series.
+    /// Gradient of one output with respect to all hardpoints, for each coefficient of the output's power series.
     pub(super) const GRADIENT: f64 = 2.2;
-    /// Gradient of one output with respect to hardpoints that occur in only one of the six equations. The cost rises from this
-    /// value to `GRADIENT` with the share of requested hardpoints.
+    /// Gradient of one output with respect to hardpoints that occur in only one of the six closure equations. The cost
+    /// rises from this value to `GRADIENT` with the share of requested hardpoints.
     pub(super) const LEAST_GRADIENT: f64 = 1.2;
-    /// Instantaneous steering axis.
+    /// Computation of the instantaneous steering axis.
     pub(super) const SCREW_AXIS: f64 = 0.6;
-    /// Rotation of a rocker, for each coefficient of its series. Estimated from its number of operations, not measured.
+    /// Rotation of a rocker, for each coefficient of its power series. Estimated from its number of operations, not
+    /// measured.
     pub(super) const ROCKER: f64 = 0.1;
     /// Factorisation of the equations of a pose, including the support of the loads (the spring or a vertical force at the
     /// wheel centre).
@@ -64,7 +67,7 @@ impl Effect {
     }
 }
 
-/// Appends a line number to a text: the line of the study that contains the key with this path.
+/// Appends a line number to `text`: the line of the study that contains the key at `path`.
 fn written(study: &Study, path: &[&str], text: &str) -> String {
     match study.line_of(path) {
         Some(line) => format!("{text} (line {line})"),
@@ -142,7 +145,8 @@ impl Plan {
         effects.extend(rockers.map(rocker));
         effects.push(Effect::of("loads", self.load_forces(study)));
         effects.push(Effect::of("certificate", self.certificate(study)));
-        // Divides the costs by the cost of a pose of this topology.
+        // The costs so far are relative to a pose from the closed form of a strut. They are divided by the relative cost of
+        // a pose of this topology, which has no closed form.
         if !has_closed_form(mechanism) {
             let per_pose = |e: &&mut Effect| e.name != "position" && e.name != "rack";
             for effect in effects.iter_mut().filter(per_pose) {
@@ -172,7 +176,8 @@ impl Plan {
         ))
     }
 
-    /// Description, reason and cost of the certificate.
+    /// Description, reason and cost of the certificate (proof of each pose in interval arithmetic). `None` if the study
+    /// does not request it.
     fn certificate(&self, study: &Study) -> Option<(String, String, f64)> {
         self.certify.then(|| {
             (
@@ -204,7 +209,7 @@ impl Plan {
         if !self.loads.is_empty() && mechanism.spring.is_some_and(holds) {
             names.push("loads");
         }
-        // The stated reason is the key that requests the first of these quantities.
+        // The stated reason is the key that requests the first output that depends on the rocker.
         let first = self
             .outputs
             .iter()
@@ -228,7 +233,8 @@ impl Plan {
         Some((what, because, cost::ROCKER * self.coefficients as f64))
     }
 
-    /// Derivatives of a pose with respect to the drive.
+    /// Effects for the first, second and third derivative of a pose with respect to the drive. An effect is off if no
+    /// output needs the derivative.
     fn derivatives(&self, study: &Study) -> [Effect; 3] {
         let order = study
             .one_wheel()
@@ -276,7 +282,7 @@ impl Plan {
         let passes: usize = self.outputs.iter().map(|o| self.adjoints(&o.of)).sum();
         let share = (points.len() as f64 / mechanism.points.len() as f64).min(1.0);
         let each = cost::LEAST_GRADIENT + (cost::GRADIENT - cost::LEAST_GRADIENT) * share;
-        // Without a closed form, Newton's method has already computed the factors.
+        // Without a closed form, Newton's method has already factorised the Jacobian.
         let factors = if has_closed_form(mechanism) {
             cost::FACTORS
         } else {
@@ -300,7 +306,8 @@ impl Plan {
         ))
     }
 
-    /// Number of adjoint passes for the gradients of an output.
+    /// Number of adjoint passes (backward solutions) for the gradients of an output. A quantity that contains velocities
+    /// needs one for each derivative of the pose.
     fn adjoints(&self, measure: &Measure) -> usize {
         match measure.rate_order() {
             0 => 1,

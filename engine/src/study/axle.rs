@@ -31,7 +31,7 @@ use toml::Spanned;
 /// Study of an axle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleStudy {
-    /// Both wheels, and further data of the axle.
+    /// Both wheels, and further data of the axle such as steering, springs and elastic parts.
     pub axle: Axle,
     /// Results to compute.
     pub plan: AxlePlan,
@@ -308,7 +308,7 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
     })
 }
 
-/// Reads the results to compute at these stations. `None` if the study has an error in the outputs.
+/// Reads the results to compute at the stations of `motion`. `None` if the study has an error in the outputs.
 fn plan(
     file: &File,
     axle: &Axle,
@@ -402,7 +402,8 @@ fn refuse_in_equilibrium(text: &Text, [reason, instead]: [&str; 2], problems: &m
     problems.add(text.span(), message).help(instead);
 }
 
-/// Checks that the study gives all inputs that each quantity and the motion need. Also refuses derivatives that do not exist.
+/// Checks that the study gives all inputs that each quantity and the motion need. Also refuses outputs whose requested
+/// derivatives do not exist.
 fn check_needs(file: &File, axle: &Axle, plan: &AxlePlan, problems: &mut Problems) -> Option<()> {
     let mut sound = true;
     let has_elastic_derivatives = axle.elastic.is_some() && plan.derivatives > 0;

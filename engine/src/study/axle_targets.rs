@@ -24,9 +24,9 @@ use toml::Spanned;
 pub struct AxleSite {
     /// Name of the motion. `None` for the study's `[motion]`.
     pub motion: Option<String>,
-    /// Coordinate that varies.
+    /// Coordinate of the motion that varies.
     pub over: Coordinate,
-    /// Values of this coordinate in the motion, as the study writes them: degrees, or lengths along the study's axes.
+    /// Values of the coordinate `over` in the motion, as the study writes them: degrees, or lengths along the study's axes.
     pub values: Vec<f64>,
     /// Values of the other coordinates, in all combinations, or the rows of the motion.
     pub held: AxleMotion,
@@ -79,7 +79,7 @@ impl AxleSite {
         motion + &self.words
     }
 
-    /// Motion over the values of this site's coordinate.
+    /// Motion whose drive values are the values of the coordinate that varies.
     pub(super) fn motion(&self) -> Motion {
         Motion {
             values: self.values.clone(),
@@ -87,14 +87,14 @@ impl AxleSite {
         }
     }
 
-    /// Returns true for the motion with this name, if the target gives no values of other coordinates. The target may still apply
-    /// to a part of the motion only: see [`AxleSite::held_in`].
+    /// Returns true if `name` is the motion of this site (the stations of a target), and the target gives no values of
+    /// other coordinates. The target may still apply to a part of the motion only: see [`AxleSite::held_in`].
     pub fn is_whole_motion(&self, name: Option<&str>) -> bool {
         self.motion.as_deref() == name && self.words.is_empty()
     }
 
-    /// Other coordinates that move in this motion, but that have a fixed value at the stations of the target. The values are as
-    /// the study writes them.
+    /// Other coordinates that move in `motion`, but that have a fixed value at the stations of the target. The values are
+    /// as the study writes them.
     pub fn held_in(&self, motion: &AxleMotion, axle: &Axle) -> Vec<(Coordinate, f64)> {
         let moving = motion.all_moving().into_iter();
         let (mut held, mut motion) = (self.held.clone(), motion.clone());

@@ -35,7 +35,7 @@ use std::sync::Arc;
 /// A resolved and validated study of a car.
 #[derive(Clone, Debug)]
 pub struct CarStudy {
-    /// Name, derived from the name of the file.
+    /// Name of the study, derived from the name of its file.
     pub name: String,
     /// Text of the study, with the changes of `--set`.
     pub text: String,
@@ -49,7 +49,7 @@ pub struct CarStudy {
     pub wheelbase: Option<f64>,
     /// Load cases. The first one is the car at rest.
     pub cases: Vec<Case>,
-    /// Requested results.
+    /// Results of the load cases that the study requests.
     pub quantities: Vec<CarQuantity>,
     /// True if the study requests derivatives with respect to parameters and hardpoints.
     pub sensitivities: bool,
@@ -57,11 +57,11 @@ pub struct CarStudy {
     pub member_loads: bool,
     /// Map of steady states over the longitudinal acceleration ax and the lateral acceleration ay.
     pub gg_map: Option<GgMap>,
-    /// Sweep.
+    /// Sweep over designs of the car, if the study has one.
     pub sweep: Option<CarSweep>,
-    /// Tuning.
+    /// Tuning of the car, if the study has one.
     pub optimise: Option<CarOptimise>,
-    /// Scatter of parts, rates and masses.
+    /// Tolerances of parts, rates and masses, if the study has them.
     pub tolerance: Option<CarTolerance>,
 }
 
@@ -72,12 +72,13 @@ pub struct GgMap {
     pub ax: Vec<f64>,
     /// Lateral accelerations, positive to the left.
     pub ay: Vec<f64>,
-    /// Case that gives all inputs except ax and ay.
+    /// Load case that gives all inputs except ax and ay.
     pub case: Case,
 }
 
 impl GgMap {
-    /// Case with these accelerations forward and to the left. The brakes cause a deceleration.
+    /// Load case with the longitudinal acceleration `ax` (forward) and the lateral acceleration `ay` (to the left). The
+    /// brakes cause a deceleration.
     pub fn at(&self, ax: f64, ay: f64) -> Case {
         let mut case = self.case.clone();
         (case.ax, case.ay) = (ax, ay);
@@ -91,13 +92,13 @@ impl GgMap {
 /// Tuning of a car.
 #[derive(Clone, Debug)]
 pub struct CarOptimise {
-    /// Iterations, number of starts and seed.
+    /// Largest number of iterations, number of starts and seed.
     pub run: CarRun,
     /// Design variables.
     pub variables: Vec<CarVariable>,
-    /// Targets of cases.
+    /// Targets for results in load cases.
     pub targets: Vec<CarTarget>,
-    /// Constraints of cases.
+    /// Constraints on results in load cases.
     pub constraints: Vec<CarConstraint>,
     /// Targets and constraints of each axle alone, [front, rear].
     pub rigs: [Option<RigGoals>; 2],
@@ -121,11 +122,11 @@ pub struct CarSweep {
 /// Tolerances of a car's parts, rates and masses, and the limits that the results of built cars must satisfy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarTolerance {
-    /// Number of builds.
+    /// Number of builds (cars with random deviations within the tolerances).
     pub builds: u64,
     /// Seed, as the study gives it.
     pub seed: u32,
-    /// Seed for the random numbers of the car's own values.
+    /// Seed for the random numbers of the values of the car, such as masses.
     pub figure_seed: u32,
     /// Tolerances of the axles' parts, [front, rear].
     pub axles: [Tolerance; 2],
@@ -138,22 +139,22 @@ pub struct CarTolerance {
 /// Tolerance source of a car.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CarContributor {
-    /// Parts of an axle.
+    /// Scattering part of an axle.
     Part {
-        /// Name.
+        /// Name of the tolerance source.
         name: String,
         /// Axle: 0 front, 1 rear.
         axle: usize,
-        /// Index in the tolerances of the axle.
+        /// Index of the part in the list `scatter` of the axle's tolerances.
         number: usize,
     },
     /// A rate of an axle, or a value of the car such as a mass.
     Figure {
-        /// Name.
+        /// Name of the tolerance source.
         name: String,
-        /// The rate, or the value of the car.
+        /// Rate of an axle, or value of the car, that scatters.
         moves: Moves,
-        /// Distribution of its deviation.
+        /// Distribution of the deviation of the rate or value.
         law: Law,
     },
 }
@@ -172,9 +173,9 @@ impl CarContributor {
 pub struct CarBand {
     /// Result with limits.
     pub quantity: CarQuantity,
-    /// Index of the case.
+    /// Index of the load case in which the limits apply.
     pub case: usize,
-    /// Lower and upper limit.
+    /// Lower and upper limit of the result.
     pub between: [f64; 2],
 }
 
@@ -184,7 +185,7 @@ const ENDS: [(&str, usize); 2] = [("front", 0), ("rear", 1)];
 /// Names that a case may not have.
 const RESERVED: [&str; 5] = ["front", "rear", "left", "right", "static"];
 
-/// Largest number of states in a map.
+/// Largest number of steady states in a map over ax and ay.
 const MOST_STATES: usize = 100_000;
 
 impl CarStudy {
@@ -312,7 +313,7 @@ impl CarStudy {
         }
     }
 
-    /// Goals of a tuning.
+    /// Load cases, variables, targets and constraints of a tuning, with the goals of each single axle.
     pub fn goals<'s>(&'s self, optimise: &'s CarOptimise) -> CarGoals<'s> {
         let rig = |end: usize| {
             let goals = optimise.rigs[end].as_ref()?;

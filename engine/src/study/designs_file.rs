@@ -25,7 +25,7 @@ use std::sync::Arc;
 pub struct DesignTable {
     /// Variables of the columns. The range of each variable is the range of its values.
     pub variables: Vec<SweepVariable>,
-    /// Values, row by row.
+    /// Values of the variables: one row for each design, with one number for each variable.
     values: Vec<f64>,
     /// SHA-256 digest of the file and of the moves that are not in it. Without a file: digest of the moves and the values.
     pub digest: [u8; 32],
@@ -218,7 +218,7 @@ fn is_result(column: &str) -> bool {
 /// Variable of the sweep that wrote the file, from `sweep.json`.
 #[derive(Deserialize)]
 struct OwnVariable {
-    /// Column of the variable.
+    /// Name of the variable's column.
     column: String,
     /// Coordinates that the variable moves. Empty for a rate.
     moves: Vec<OwnMove>,
@@ -297,8 +297,8 @@ impl OwnVariable {
     }
 }
 
-/// Variables of the columns, and the places of these columns. `own` has the variables of the sweep in the file's directory, if
-/// there is one.
+/// Variables of the file's columns, and the index of the column of each variable. `own` has the variables of the sweep in
+/// the file's directory, if there is one.
 fn columns(
     header: &csv::StringRecord,
     own: &[OwnVariable],

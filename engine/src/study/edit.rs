@@ -11,8 +11,9 @@ use std::path::{Component, Path};
 use toml_edit::{Array, DocumentMut, Item, Table, TableLike, Value};
 
 impl Study {
-    /// Returns the study's text with the points of another design (kernel frame, indexed by [`PointId`]). Rewrites only
-    /// coordinates that differ from the text. Reading the text again gives exactly the numbers of `design`.
+    /// Returns the study's text with the points of another design. `design` is in the kernel's frame (left wheel, x
+    /// forward, y left, z up), indexed by [`PointId`]. Rewrites only coordinates that differ from the text. Reading the
+    /// text again gives exactly the numbers of `design`.
     pub fn with_design(&self, design: &[Vector3<f64>]) -> String {
         self.as_written().rewritten(&self.text, design, None)
     }
@@ -470,7 +471,7 @@ fn table<'a>(root: &'a mut dyn TableLike, path: &[&str]) -> Option<&'a mut dyn T
     keys.try_fold(root, |table, key| table.get_mut(key)?.as_table_like_mut())
 }
 
-/// Converts a point from the kernel's frame to its form in a study file.
+/// Converts a point from the kernel's frame (left wheel, x forward, y left, z up) to its form in a study file.
 fn written(place: Vector3<f64>, frame: Frame) -> Item {
     Item::Value(Array::from_iter(frame.vector(place).to_array()).into())
 }

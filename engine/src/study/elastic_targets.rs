@@ -273,7 +273,7 @@ pub(super) struct RateKeys<'a> {
 }
 
 /// Collects the keys of a rate from an entry at `place`. The last two arguments list keys of the entry that a rate does not
-/// accept; the values of the last ones are numbers.
+/// accept: first the keys with other values, then the keys with numbers.
 macro_rules! rate_keys {
     ($written:expr, $place:expr, [$($other:ident),*], [$($number:ident),*]) => {
         RateKeys {
@@ -406,7 +406,7 @@ pub(super) fn rate(
     })
 }
 
-/// Name and rate of a part. The rate is not relative.
+/// Name of a part, and its rate. The rate is not relative: a variable changes it by amounts, not by factors.
 type Found = (String, Rate);
 
 fn absolute(name: &str, parameter: Parameter, design: f64) -> Found {

@@ -7,8 +7,8 @@ use crate::mechanism::GeometryFault;
 use crate::model::Suspension;
 use std::ops::Range as Span;
 
-/// Reports errors of the geometry. `None` if there are any. Only errors of one kind are reported, because errors of other
-/// kinds may follow from them.
+/// Reports errors of the geometry. `None` if there are any errors. Only errors of one kind are reported, because errors of
+/// other kinds may follow from them.
 pub(super) fn check(
     section: &file::Suspension,
     suspension: &Suspension,

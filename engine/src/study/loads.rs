@@ -24,11 +24,11 @@ const HELD: [(&str, HeldQuantity); 2] = [
 /// Kinds of studies, by the parts that hold the wheel under a load.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Holding {
-    /// Rigid mechanism: its support holds the wheel at the station.
+    /// Rigid mechanism: its support (the spring, or a vertical force at the wheel centre) holds the wheel at the station.
     Rigid,
-    /// Elastic parts without a spring.
+    /// Elastic parts without a spring hold the wheel.
     Elastic,
-    /// Elastic parts with a spring.
+    /// Elastic parts with a spring hold the wheel.
     Sprung,
 }
 
@@ -106,7 +106,8 @@ pub(super) fn loads(
     all(section, suspension, holding, problems)
 }
 
-/// Loads on the left and right wheel of an axle, each in the kernel's frame of its side. `None` if one of them has an error.
+/// Loads on the left and right wheel of an axle. The loads of each wheel are in the axes of a left wheel, so the axes of
+/// the right wheel are mirrored. `None` if one of the loads has an error.
 pub(super) fn loads_of_axle(
     section: &file::Outputs,
     left: &Suspension,

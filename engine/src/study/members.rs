@@ -9,8 +9,8 @@ use crate::model::{Axis, Suspension};
 use crate::number::Each;
 use toml::Spanned;
 
-/// A dimension, and a factor. A change of the dimension in the study's frame, times this factor, is the change in the
-/// kernel's frame.
+/// A dimension, and a factor. A change of the dimension in the study's axes, times this factor, is the change in the
+/// kernel's frame. The kernel's frame has the axes of a left wheel: x forward, y left, z up.
 pub(super) type Change = (BuildParameter, f64);
 
 /// Finds the member with this name, or the member between these two points. Returns it with its name.

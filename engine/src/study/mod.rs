@@ -103,7 +103,7 @@ pub fn checked_number(number: f64) -> Result<f64, String> {
 /// A resolved and validated study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Study {
-    /// Name, derived from the name of the file.
+    /// Name of the study, derived from the name of its file.
     pub name: String,
     /// Text of the study, with the changes of `--set`, and with the targets and bushings of other files written into it. A
     /// result that is a study is an edited copy of this text. So the result keeps the comments. It needs no other file except
@@ -158,18 +158,18 @@ pub struct Motion {
 pub struct TimeLaw {
     /// Coefficients, lowest power first, in length units or radians.
     pub polynomial: Vec<f64>,
-    /// Times in seconds.
+    /// Times of the stations, in seconds.
     pub times: Vec<f64>,
 }
 
 /// Highest derivative with respect to the drive (or to time) in the results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Order {
-    /// Values.
+    /// Values of the outputs, without derivatives.
     Position,
-    /// Values and first derivatives.
+    /// Values and first derivatives of the outputs.
     Velocity,
-    /// Values, first and second derivatives.
+    /// Values, first and second derivatives of the outputs.
     Acceleration,
 }
 
@@ -184,7 +184,7 @@ pub struct Outputs {
     pub measures: Vec<OutputMeasure>,
     /// True if results contain the knuckle's angular velocity and acceleration. They need [`Order::Velocity`] or higher.
     pub knuckle: bool,
-    /// Highest derivative.
+    /// Highest derivative of the outputs with respect to the drive or to time.
     pub order: Order,
     /// Hardpoints whose sensitivities are in the results. May be empty.
     pub sensitivities: Vec<PointId>,
@@ -201,14 +201,14 @@ pub struct Outputs {
 pub struct OutputMeasure {
     /// Name without the unit, for example `drive_shaft_plunge`.
     pub name: String,
-    /// Measure.
+    /// Measure of the pose that the columns contain.
     pub of: Measure,
 }
 
 /// Test result of elastic parts, with its name in studies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ElasticFigure {
-    /// Name, without the unit.
+    /// Name of the test result, without the unit.
     pub name: String,
     /// Value in equilibrium that gives the result.
     pub value: KcValue,
@@ -240,11 +240,11 @@ impl Outputs {
     }
 }
 
-/// Load on the wheel, the same in every pose. Its components are along the kernel's axes, which do not rotate with the
-/// wheel.
+/// Load on the wheel, the same in every pose. Its components are along the axes of a left wheel: x forward, y left, z up.
+/// These axes are fixed in the body; they do not rotate with the wheel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Load {
-    /// Prefix of the names of its columns.
+    /// Prefix of the names of the load's columns.
     pub name: String,
     /// Point at which the force acts.
     pub at: LoadPoint,
@@ -257,7 +257,7 @@ pub struct Load {
 }
 
 impl Load {
-    /// Returns the load in the kernel's axes of the other side, which are the mirror image.
+    /// Returns the load in the axes of the wheel on the other side, which are the mirror image.
     pub(crate) fn on_other_side(self) -> Load {
         let (force, moment) = (self.force, self.moment);
         Load {
@@ -268,7 +268,7 @@ impl Load {
     }
 }
 
-/// A sweep.
+/// A sweep: the designs to compute, and the results to store.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
     /// Source of the designs.
@@ -295,7 +295,7 @@ pub enum Designs {
 /// Designs sampled from ranges.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sampled {
-    /// Method that chooses the samples.
+    /// Method that chooses the values of the variables.
     pub method: Sampling,
     /// Number of samples. For a grid, number of its points.
     pub samples: u64,
@@ -316,10 +316,10 @@ pub enum Sampling {
     Sobol,
     /// Independent, uniformly distributed numbers.
     Random,
-    /// Pairs of samples, and further samples. In each further sample, one variable has the value of the other sample of the
-    /// pair. These samples give first-order and total Sobol indices (A. Saltelli et al., Variance based sensitivity analysis
-    /// of model output, Computer Physics Communications 181, 2010). The number of designs is `samples` times (number of
-    /// variables + 2).
+    /// Pairs of samples, and further samples. Each further sample equals one sample of a pair, except for one variable:
+    /// this variable has the value of the other sample. These samples give first-order and total Sobol indices (A. Saltelli
+    /// et al., Variance based sensitivity analysis of model output, Computer Physics Communications 181, 2010). The number
+    /// of designs is `samples` times (number of variables + 2).
     Saltelli,
 }
 
@@ -357,8 +357,9 @@ pub struct SweepVariable {
     pub rate: Option<Rate>,
     /// True if the values are coordinates, false if they are offsets from the design.
     pub absolute: bool,
-    /// Lowest and highest value of the variable, in the study's axes.
+    /// Lowest and highest value of the variable, in the study's axes and length unit. For a rate: lowest and highest rate
+    /// or factor.
     pub range: [f64; 2],
-    /// Number of values in a grid.
+    /// Number of values of the variable in a grid. `None` if the study gives no steps.
     pub steps: Option<u64>,
 }

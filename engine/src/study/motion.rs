@@ -52,7 +52,7 @@ impl Drive {
         format!("{}_{}", self.key(), self.unit(length))
     }
 
-    /// Converts this drive of a study to the drive of the kernel.
+    /// Converts this drive of a study to the drive of the solver.
     pub fn in_kernel(self) -> model::Drive {
         match self {
             Drive::Travel => model::Drive::Travel,
@@ -370,7 +370,7 @@ fn evenly_spaced(from: f64, to: f64, count: usize) -> Vec<f64> {
 struct Decimals {
     from: i64,
     to: i64,
-    /// Number of these units in 1. It is a power of ten.
+    /// Number of common units in 1. It is a power of ten.
     per_one: i64,
 }
 

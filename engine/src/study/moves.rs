@@ -28,7 +28,7 @@ pub(super) struct Written<'a> {
     pub direction: Option<&'a Coordinates>,
 }
 
-/// Reads the coordinates. `None` if one of the keys has an error.
+/// Reads the coordinates that a variable moves. `None` if one of the keys has an error.
 pub(super) fn moves(
     written: &Written<'_>,
     suspension: &Suspension,

@@ -71,7 +71,7 @@ pub(super) fn optimise(
         good_enough: good_enough?.unwrap_or(if fit { 0.0 } else { GOOD_ENOUGH }),
         fit,
         front: front?,
-        // Tolerances are read later.
+        // The builds of a robust tuning are added later, when the section with the tolerances has been read ([`scatter`]).
         scatter: None,
         side_effects: section
             .side_effects
@@ -259,7 +259,8 @@ fn distinct(
         .collect();
     let mut refused = None;
     for (k, (entry, variable)) in resolved.iter().enumerate() {
-        // Two variables with different directions would have the same name.
+        // Two variables with different directions have the same name, so they are refused, like equal rotations and rates.
+        // Variables along one axis are refused only if they move the same coordinates by the same factors.
         let same = |(_, other): &&(usize, &Variable)| {
             let is_named = other.label() == variable.label();
             is_named && (variable.axis().is_none() || other.moves == variable.moves)

@@ -101,7 +101,7 @@ impl Study {
         resolve(path, format!("{name} (with --set)"), text, directory, parts)
     }
 
-    /// Returns the study with edits `path=value`, like those of `--set`. `name` is the file name in messages. Files that the
+    /// Returns the study with edits `path=value`, as `--set` makes them. `name` is the file name in messages. Files that the
     /// study names are in the same directory as before.
     pub fn with_overrides(&self, name: &str, overrides: &[String]) -> Result<Study, StudyErrors> {
         let text = overrides::apply(name, &self.text, overrides)?;
@@ -189,7 +189,7 @@ fn resolve(
     let file = parse::parse(&source)?;
     let mut problems = Problems::new(source.clone());
     let suspension = suspension::suspension(&file, &mut problems);
-    // Without a suspension, names in other sections cannot be checked.
+    // Without a suspension, names of points and members cannot be checked. So only the motions are read, for their errors.
     let Some(suspension) = suspension else {
         let of_axle = is_of_axle(&file);
         if !of_axle {

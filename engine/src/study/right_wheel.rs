@@ -19,7 +19,8 @@ pub(super) fn own(file: &File) -> Option<&file::OwnRight> {
     }
 }
 
-/// Right wheel without springs. `Some(None)` if it is the mirror image of the left wheel, `None` if it has an error.
+/// Reads the right wheel of an axle, without its springs. `Some(None)` if it is the mirror image of the left wheel, `None`
+/// if it has an error.
 pub(super) fn right_wheel(
     file: &File,
     left: &Suspension,

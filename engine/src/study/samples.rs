@@ -8,7 +8,7 @@ use crate::number::Each;
 /// Range of target values at a drive value, from `low` to `high`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Drive value.
+    /// Drive value at which the target range applies.
     pub drive: f64,
     /// Lowest target value.
     pub low: f64,
@@ -33,9 +33,9 @@ impl Sample {
 /// Target range of a quantity of an axle in one pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxleSample {
-    /// Pose.
+    /// Pose of the axle.
     pub placement: Placement,
-    /// Quantity.
+    /// Quantity with the target range.
     pub quantity: Quantity,
     /// Target range of the quantity. Its field `drive` is the value of the coordinate that varies, as written in the study.
     pub wanted: Sample,
@@ -152,7 +152,7 @@ fn at(points: &[[f64; 2]], slopes: Option<&[f64]>, x: f64) -> f64 {
     match slopes {
         None => y0 + (y1 - y0) * t,
         Some(slopes) => {
-            // Hermite cubic.
+            // Cubic Hermite polynomial between the two neighbouring points.
             let (m0, m1) = (slopes[right - 1] * width, slopes[right] * width);
             let rise = y1 - y0;
             y0 + t * (m0 + t * ((3.0 * rise - 2.0 * m0 - m1) + t * (m0 + m1 - 2.0 * rise)))

@@ -9,7 +9,7 @@ use crate::model::{ClosedForm, Mechanism};
 pub struct Setup {
     /// Adjustments. The list is not empty.
     pub adjust: Vec<Adjustment>,
-    /// Target static values.
+    /// Target values in the static position.
     pub want: Vec<Want>,
     /// Target change of the ride height, in study units. Positive if the car becomes higher. The wheel travel of the new static
     /// position has the same magnitude and the opposite sign.
@@ -19,9 +19,10 @@ pub struct Setup {
 /// An adjustable dimension.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Adjustment {
-    /// Name: `tie_rod`, `upper_ball_joint y`.
+    /// Name of the adjustment: `tie_rod`, `upper_ball_joint y`.
     pub name: String,
-    /// Dimension that changes, and its change in the kernel's frame per unit of the adjustment.
+    /// Dimension that changes, and its change per unit of the adjustment. The change is in the kernel's frame (left wheel,
+    /// x forward, y left, z up).
     pub change: (BuildParameter, f64),
     /// Half of an axle that has the dimension, if the axle is set up as a whole. `None` if both wheels are adjusted alike,
     /// or if the part exists only once.
@@ -88,22 +89,22 @@ pub enum Increment {
 /// Target value of a quantity in the static position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Want {
-    /// Static value.
+    /// Quantity whose static value has a target.
     pub of: Static,
-    /// Value in the printed unit, as written.
+    /// Target value in the printed unit, as written in the study.
     pub value: f64,
 }
 
 /// Tolerances of built vehicles, and the limits that these vehicles must satisfy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tolerance {
-    /// Number of builds.
+    /// Number of builds (vehicles with random deviations within the tolerances).
     pub builds: u64,
     /// Seed of the random builds.
     pub seed: u32,
     /// True if toe and camber are set again after assembly.
     pub aligned: bool,
-    /// Dimensions that scatter, at least one.
+    /// Scattering parts and rates, at least one.
     pub scatter: Vec<Contributor>,
     /// Limits that the built vehicles must satisfy.
     pub bands: Vec<Band>,
@@ -112,7 +113,7 @@ pub struct Tolerance {
 /// A scattering part: a point, a length, a jig or a rate. For an axle it can include the counterpart at the other wheel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contributor {
-    /// Name.
+    /// Name of the scattering part.
     pub name: String,
     /// Independent random numbers of the part.
     pub sources: Vec<Source>,
@@ -121,16 +122,17 @@ pub struct Contributor {
 /// A tolerance source: a random number that is independent of all others.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Source {
-    /// Name.
+    /// Name of the tolerance source.
     pub name: String,
-    /// Dimensions that the number changes, each with its change per unit, in the kernel's frame.
+    /// Dimensions that the random number changes, each with its change per unit of the number. The changes are in the
+    /// kernel's frame (left wheel, x forward, y left, z up).
     pub changes: Vec<(BuildParameter, f64)>,
     /// Rate of an elastic part, if the source changes a rate instead of coordinates.
     pub rate: Option<Rate>,
-    /// Distribution of the scatter.
+    /// Distribution of the random number.
     pub law: Law,
-    /// Wheel of an axle that has these dimensions, in the kernel's frame of its side. `None` for a part that both wheels
-    /// share. The dimensions are then those of the left wheel.
+    /// Wheel of an axle that has the dimensions of the source, in the axes of a left wheel (mirrored for a right wheel).
+    /// `None` for a part that both wheels share. The dimensions then belong to the left wheel.
     pub side: Option<Side>,
     /// Dimensions of the source, as they are in the mechanism of a solid axle's other wheel. Empty for other vehicles.
     pub seen_from_other: Vec<(BuildParameter, f64)>,
@@ -149,8 +151,8 @@ impl Source {
         }
     }
 
-    /// Dimensions of a wheel that the source changes, each with its change per unit. The argument is `None` for the only
-    /// wheel of a study. Empty if the source belongs only to the other wheel.
+    /// Dimensions of a wheel that the source changes, each with its change per unit of the random number. The argument is
+    /// `None` for the only wheel of a study. Empty if the source belongs only to the other wheel.
     pub(crate) fn changes_in(&self, wheel: Option<Side>) -> &[(BuildParameter, f64)] {
         let own = self.side.or(wheel.and(Some(Side::Left)));
         if own == wheel {
@@ -161,19 +163,19 @@ impl Source {
     }
 }
 
-/// Distribution of a number.
+/// Distribution of a random number: the deviation of a dimension or a rate from its nominal value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Law {
     /// Normal distribution about 0.
     Normal {
-        /// Standard deviation.
+        /// Standard deviation of the random number.
         sigma: f64,
     },
     /// Uniform distribution between two ends.
     Uniform {
-        /// Lowest value.
+        /// Lowest value of the random number.
         low: f64,
-        /// Highest value.
+        /// Highest value of the random number.
         high: f64,
     },
 }
@@ -190,6 +192,6 @@ pub struct Band {
     /// For an axle: the coordinate of the motion to which `at` refers, and the values of the other coordinates. `None` means
     /// that the limits apply to the whole motion.
     pub site: Option<AxleSite>,
-    /// Lowest and highest value. A missing limit is infinite.
+    /// Lower and upper limit of the quantity, in radians or length units. A missing limit is infinite.
     pub between: [f64; 2],
 }

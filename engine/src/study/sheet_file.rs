@@ -29,9 +29,9 @@ use toml::Spanned;
 /// Keys of a target in a study: test result, station, value and tolerance, in printed units.
 #[derive(Clone, Debug)]
 pub(super) struct SheetTarget {
-    /// Keys with text values.
+    /// Keys of the target with text values.
     pub words: Vec<(&'static str, String)>,
-    /// Keys with numbers.
+    /// Keys of the target with numbers.
     pub numbers: Vec<(&'static str, f64)>,
 }
 
@@ -300,7 +300,7 @@ impl Reader<'_> {
         };
         let same = |column: &str, own: &str| ["", own].contains(&row.cell(column));
         Ok(row.cell("load") == test.load.name()
-            // Rounding in a conversion of units must not matter.
+            // The trails are compared with six digits, because a conversion of units may have rounded them.
             && trail.is_none_or(|trail| six_digits(trail) == six_digits(test.trail))
             && same("hold", held)
             && same("mode", test.mode.name())
@@ -442,7 +442,7 @@ impl Reader<'_> {
         Ok((target, SheetTarget { words, numbers }))
     }
 
-    /// Refuses a row outside of the motion. A tuning does not compare there.
+    /// Refuses a row at a position outside of the motion, because a tuning does not compare values there.
     fn check_within(&self, at: f64, site: &Site, row: &Row<'_>) -> Result<(), StudyErrors> {
         let of_axle = site.axle.as_ref().map(AxleSite::motion);
         // A motion with an error is already reported.

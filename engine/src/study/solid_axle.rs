@@ -33,7 +33,7 @@ pub(super) fn steer(
         let message = "the direction of the drag link has length 0";
         return problems.refuse(written.span(), message);
     }
-    // A displacement is positive along the study's y axis, which may point opposite to the kernel's y axis.
+    // A displacement is positive along the study's y axis, which may point opposite to the kernel's y axis (to the left).
     let along = frame.sign(Axis::Y) / length;
     steering.direction = frame.vector(direction) * along;
     Some(())

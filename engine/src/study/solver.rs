@@ -20,7 +20,7 @@ impl Formulation {
         Formulation::ALL[self as usize].0
     }
 
-    /// Highest available derivative with respect to the drive.
+    /// Highest derivative of a pose with respect to the drive that the formulation gives.
     fn highest_derivative(self) -> usize {
         match self {
             Formulation::KnucklePose => usize::MAX,

@@ -14,7 +14,8 @@ use crate::model::{Constraint, PointId, Suspension};
 use crate::number::Each;
 use toml::Spanned;
 
-/// Point of the study: a hardpoint or an extra point. Points of the far half of a solid axle are excluded.
+/// Point of the study: a hardpoint or an extra point. Points of a solid axle's far half (the half of the other wheel) are
+/// excluded.
 pub(super) fn point(
     text: &Text,
     suspension: &Suspension,
@@ -28,8 +29,8 @@ pub(super) fn point(
     choose(text, "point", &points, problems)
 }
 
-/// Members of a suspension, with the names from the columns of loads: rods, legs of arms, spring. The drive shaft between
-/// two extra points is included.
+/// Members of a suspension, with the names from the columns of loads: rods, legs of arms (from a pivot to the outer joint),
+/// spring. The drive shaft between two extra points is included.
 pub fn named_members(suspension: &Suspension) -> Vec<(String, [PointId; 2])> {
     let mechanism = &suspension.mechanism;
     let mut members: Vec<(String, [PointId; 2])> = Vec::new();

@@ -18,7 +18,8 @@ use toml::Spanned;
 /// Largest number of designs in a sweep: years of work for the fastest machine.
 pub const MOST_DESIGNS: u64 = 1_000_000_000_000;
 
-/// Largest number of variables with Saltelli sampling. All designs of one pair of samples must fit into a block.
+/// Largest number of variables with Saltelli sampling. All designs of one pair of samples must fit into a block, the group
+/// of designs that the sweep evaluates together.
 pub(crate) const MOST_EXCHANGED: usize = crate::evaluate::BLOCK - 2;
 
 impl Sampling {
@@ -76,14 +77,14 @@ impl SweepVariable {
         self.moves == other.moves && rate(self) == rate(other)
     }
 
-    /// Value with the index `level` in a grid.
+    /// Value of the variable at the grid index `level`, counted from 0.
     pub fn level(&self, level: u64) -> f64 {
         let [low, high] = self.range;
         evenly_spaced_at(low, high, self.steps.unwrap_or(1), level)
     }
 
-    /// Value of the variable in the study's own design: 0 for an offset. `None` for a coordinate that several points share,
-    /// because such a coordinate has no single value at the design.
+    /// Value of the variable in the study's own design: 0 for an offset, and the study's rate (or the factor 1) for a rate.
+    /// `None` for a coordinate that several points share, because such a coordinate has no single value at the design.
     pub fn at_design(&self, suspension: &Suspension) -> Option<f64> {
         if let Some(rate) = &self.rate {
             return Some(rate.own_value());

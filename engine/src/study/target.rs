@@ -6,15 +6,16 @@ use super::*;
 /// Quantity of a target, with its name and unit in the study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TargetQuantity {
-    /// Quantities, in the kernel's frame.
+    /// Quantities in the kernel's frame (left wheel, x forward, y left, z up).
     pub kind: TargetKind,
-    /// Name with the unit, as in a column heading.
+    /// Name of the quantity with the unit, as in a column heading.
     pub column: String,
-    /// Kind of unit.
+    /// Physical type of the quantity's value. It determines the unit.
     pub unit: Unit,
     /// Unit of length of the study.
     pub length: LengthUnit,
-    /// Sign of the study's axis: -1 if it points opposite to the axis of the engine's frame.
+    /// Sign of the study's axis: 1 if it has the direction of a left wheel's axis (x forward, y left, z up), -1 if the
+    /// opposite direction.
     pub sign: f64,
 }
 
@@ -25,7 +26,7 @@ pub enum TargetKind {
     Wheel(Measure),
     /// A quantity of an axle, or the same quantity of both wheels.
     Axle(Vec<crate::axle::Quantity>),
-    /// A value of one wheel with elastic parts.
+    /// A value of one wheel with elastic parts in equilibrium.
     Elastic(KcValue),
 }
 
@@ -41,12 +42,13 @@ impl TargetQuantity {
         }
     }
 
-    /// Factor that converts a value in the kernel's frame, in radians, length units and newtons, to the printed value.
+    /// Factor that converts a value inside the program to the printed value. Inside the program, values are in the axes of
+    /// a left wheel (x forward, y left, z up), in radians, length units and newtons.
     pub fn factor(&self) -> f64 {
         self.unit.printed_factor(self.length) * self.sign
     }
 
-    /// Converts a printed value to the kernel's frame.
+    /// Converts a printed value to the value inside the program. See [`TargetQuantity::factor`].
     pub fn from_printed(&self, printed: f64) -> f64 {
         self.unit.from_printed(printed, self.length) * self.sign
     }
@@ -116,11 +118,11 @@ impl Site {
     }
 }
 
-/// Target curve, value or band. Values are in the kernel's frame, in radians, length units or newtons (for gains: radians per
-/// length unit).
+/// Target curve, value or band. Values are in the axes of a left wheel (x forward, y left, z up). They are in radians,
+/// length units or newtons (for gains: radians per length unit).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Target {
-    /// Quantity of the target.
+    /// Quantity that has the target.
     pub of: TargetQuantity,
     /// Target value, curve or band of this quantity.
     pub wanted: Wanted,
@@ -219,16 +221,16 @@ pub enum Wanted {
     /// A target curve over the drive. The tuning compares the curve at the stations of the motion between the ends of the
     /// curve.
     Curve {
-        /// Drive value (as in [`Motion::values`]) and target value, in the order of the drive value.
+        /// Drive value (as in [`Motion::values`]) and target value of each point, in the order of the drive value.
         points: Vec<[f64; 2]>,
-        /// Interpolation between its points.
+        /// Interpolation between the points of the curve.
         interpolation: Interpolation,
     },
     /// A single value at one drive value.
     At {
-        /// Drive value.
+        /// Drive value at which the target applies.
         drive: f64,
-        /// Target value.
+        /// Target value at this drive value.
         value: f64,
     },
     /// Measured points, each as [drive value, value]. Each is compared at its own drive value.
@@ -251,9 +253,9 @@ pub enum Limit {
     Value(f64),
     /// A limit curve over the drive. The curve sets no limit beyond its ends.
     Curve {
-        /// Drive value and limit, in the order of the drive value.
+        /// Drive value and limit of each point, in the order of the drive value.
         points: Vec<[f64; 2]>,
-        /// Interpolation between its points.
+        /// Interpolation between the points of the limit curve.
         interpolation: Interpolation,
     },
 }
@@ -261,7 +263,7 @@ pub enum Limit {
 /// Limits that a design must satisfy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constraint {
-    /// Description in words.
+    /// Description of the constraint in words.
     pub name: String,
     /// Measures that must all be within limits.
     pub parts: Vec<Limited>,
@@ -295,8 +297,8 @@ pub struct Limited {
 }
 
 impl Limited {
-    /// Lower and upper limit in `unit`. `None` without a limit. The limits of a force in a member and of a coordinate have their
-    /// sign in the kernel's axes.
+    /// Lower and upper limit in `unit`. `None` without a limit. The limits of a force in a member and of a coordinate have
+    /// the signs of a left wheel's axes (x forward, y left, z up).
     pub fn limits(&self) -> [Option<f64>; 2] {
         let printed = |limit: f64| {
             if self.of.is_versine() {
@@ -308,8 +310,8 @@ impl Limited {
         [self.lower, self.upper].map(|limit| limit.map(printed))
     }
 
-    /// Margin between the measure and one of its limits, in `unit`. `row` is (measure - limit)/scale, with the opposite
-    /// sign for a lower limit. The margin is negative if the limit is violated.
+    /// Margin (distance) between the measure and one of its limits, in `unit`. `row` is (measure - limit)/scale, with the
+    /// opposite sign for a lower limit. The margin is negative if the limit is violated.
     pub(crate) fn margin(&self, row: f64) -> f64 {
         match (self.of.is_versine(), self.upper) {
             (true, Some(limit)) => {

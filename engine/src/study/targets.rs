@@ -29,7 +29,7 @@ pub(super) type WrittenCurve = Vec<[f64; 2]>;
 /// Contents of a file that a target names. They replace the target in the study's text.
 #[derive(Clone, Debug)]
 pub(super) enum FromFile {
-    /// A curve.
+    /// Points of a target curve.
     Curve(WrittenCurve),
     /// Targets of a measured sheet.
     Sheet(Vec<SheetTarget>),

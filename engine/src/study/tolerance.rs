@@ -23,10 +23,10 @@ use jig::jig;
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Number of standard deviations. Within this distance from the nominal value, a study must accept every value. Builds
-/// with values that a study does not accept are rejected.
+/// Number of standard deviations of a normal distribution. A study must accept every value within this distance from the
+/// nominal value. Builds with values that a study does not accept are rejected.
 const LEAST_SIGMAS: f64 = 4.0;
-/// Largest number of builds: hours of work for the fastest machine.
+/// Largest number of builds (vehicles with random deviations): hours of work for the fastest machine.
 const MOST_BUILDS: i64 = 10_000_000_000;
 
 /// Reads the tolerances. `None` if they have an error.

@@ -10,13 +10,14 @@ pub struct Move {
     pub point: PointId,
     /// Coordinate that changes, in the study's axes.
     pub axis: Axis,
-    /// Displacement per unit of the variable.
+    /// Displacement of the point along the axis per unit of the variable.
     pub factor: f64,
 }
 
 impl Move {
-    /// Applies a value of the variable to a coordinate of a design in the kernel's frame. With `absolute`, the coordinate
-    /// becomes `factor` times the value. Otherwise it changes by `factor` times the value.
+    /// Applies a value of the variable to a coordinate of `design`, which has the axes of a left wheel (x forward, y left,
+    /// z up). With `absolute`, the coordinate becomes `factor` times the value. Otherwise it changes by `factor` times the
+    /// value.
     pub fn apply(&self, frame: &Frame, value: f64, absolute: bool, design: &mut [Vector3<f64>]) {
         let coordinate = &mut design[self.point.0][self.axis];
         let along = frame.sign(self.axis) * self.factor * value;
@@ -67,11 +68,11 @@ pub struct Optimise {
 /// Fixed sample of built vehicles (builds), with the tolerances of `[tolerance]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scatter {
-    /// Number of builds.
+    /// Number of builds in the sample.
     pub builds: usize,
     /// Seed of the random builds.
     pub seed: u32,
-    /// Dimensions that scatter.
+    /// Scattering parts and rates.
     pub contributors: Vec<Contributor>,
     /// Adjustments that set toe and camber again after assembly. `None` if builds are not adjusted.
     pub adjust: Option<Vec<Adjustment>>,
@@ -133,7 +134,8 @@ pub struct Variable {
     pub turn: Option<Turn>,
     /// Rate of an elastic part that the variable changes instead of coordinates.
     pub rate: Option<Rate>,
-    /// Lowest and highest offset from the design, in the study's axes. Degrees for a rotation. For a rate, see [`Rate::at`].
+    /// Lowest and highest offset of the variable from the design, in the study's axes and length unit. Degrees for a
+    /// rotation. For a rate, see [`Rate::at`].
     pub range: [f64; 2],
     /// Cost of a change across the full range, relative to the other variables. The size of a design change includes this
     /// cost in the search for the smallest change.

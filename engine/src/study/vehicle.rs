@@ -59,7 +59,8 @@ impl WheelStudy {
 static STILL: LazyLock<Motion> = LazyLock::new(Motion::still);
 
 impl Vehicle {
-    /// Suspension of the wheel, or of an axle's left wheel. The variables of a study move its hardpoints.
+    /// Suspension of the wheel, or of an axle's left wheel. The variables of a study move the hardpoints of this
+    /// suspension.
     pub fn wheel(&self) -> &Suspension {
         match self {
             Vehicle::Wheel(own) => &own.suspension,

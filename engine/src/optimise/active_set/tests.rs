@@ -17,8 +17,8 @@ struct Program {
 }
 
 impl Program {
-    /// A random problem. Every third problem has parallel and repeated rows. Every fifth problem has a factor R whose pivots
-    /// span up to seven decades. In every second problem, the bounds can be very close to the interior point.
+    /// A random problem. Every third problem has parallel and repeated rows. Every fifth problem has a factor R whose
+    /// pivots span up to seven decades. In every second problem, the bounds can be very close to the random point `inside`.
     fn random(seed: u64, n: usize, rows: usize, equalities: usize) -> Self {
         let mut noise = Noise::new(seed);
         let mut triangle = DMatrix::from_fn(n, n, |_, _| noise.next()).qr().r();
@@ -36,7 +36,8 @@ impl Program {
         }
         let mut normals = DMatrix::from_fn(rows, n, |_, _| noise.next());
         let inside = DVector::from_fn(n, |_, _| noise.next());
-        // Most problems have an interior point. In degenerate problems this point lies on the boundary of every row.
+        // Most problems have `inside` as an interior point. In degenerate problems this point lies on the boundary of every
+        // row.
         let spread = if seed.is_multiple_of(4) { 0.0 } else { 1.0 };
         let mut slack: Vec<f64> = (0..rows).map(|_| spread * noise.next().abs()).collect();
         if seed.is_multiple_of(7) {

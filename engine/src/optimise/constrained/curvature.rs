@@ -2,8 +2,8 @@
 
 use super::super::qr::dot;
 
-/// Factor for the curvature that is added along the normals of the held rows if the quadratic program uses the estimate S.
-/// The factor multiplies the largest diagonal entry of R^T R + S.
+/// Factor for the curvature that is added along the normals of the held rows if the quadratic program uses the estimate S
+/// of [`Curvature`]. The factor multiplies the largest diagonal entry of R^T R + S, with the triangle R of the objective.
 const ACROSS: f64 = 4.0;
 /// Largest number of shifts tried to make a matrix positive definite. Each shift is ten times the previous shift.
 const SHIFTS: usize = 40;
@@ -40,7 +40,9 @@ impl Curvature {
         }
     }
 
-    /// Changes S by a matrix of rank one, so that S d = y. Leaves S unchanged if that change would be very large, or not finite.
+    /// Changes S by a matrix of rank one, so that S d = y. d is the last step. y is the part of the gradient's change over
+    /// this step that the linear models do not predict. Leaves S unchanged if the change of S would be very large, or not
+    /// finite.
     pub(super) fn learn(&mut self, d: &[f64], y: &[f64]) {
         let n = self.variables;
         let image = self.image(d);
@@ -59,13 +61,13 @@ impl Curvature {
         }
     }
 
-    /// Replaces R by the factor of R^T R + S, which a shift makes positive definite. Replaces q so that the slope R^T q stays
-    /// the same.
+    /// Replaces the triangle R (`triangle`) by the factor of R^T R + S. A shift of the diagonal makes this sum positive
+    /// definite. Replaces q (`offset`) so that the slope R^T q of the objective |R d + q|^2 / 2 stays the same.
     ///
     /// At a minimum under constraints, R^T R + S must be positive only for steps that keep the held rows unchanged. For all
-    /// other steps, the function adds the square of each held row with a weight w: w (a.d + c)^2 / 2. This square is zero
-    /// where the row is held, so the multiplier of the row does not change. A shift of the diagonal alone would shorten steps
-    /// in every direction.
+    /// other steps, the function adds the square of each held row a.d + c with a weight w: w (a.d + c)^2 / 2. This square
+    /// is zero where the row is held, so the multiplier of the row does not change. A shift of the diagonal alone would
+    /// shorten steps in every direction.
     pub(super) fn add_to(
         &mut self,
         held: &[(Vec<f64>, f64)],
@@ -117,7 +119,8 @@ impl Curvature {
     }
 }
 
-/// Factor R with R^T R = `square` + `shift`, column after column. `None` if the sum is not positive definite.
+/// Factor R with R^T R = `square` + `shift` times the unit matrix, column after column. `None` if this sum is not positive
+/// definite.
 fn cholesky(square: &[f64], n: usize, shift: f64) -> Option<Vec<f64>> {
     let mut factor = vec![0.0; n * n];
     for j in 0..n {

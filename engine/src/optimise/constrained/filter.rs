@@ -1,4 +1,5 @@
-//! Filter for steps: earlier pairs of goal and violation. A step must improve on each of them.
+//! Filter for steps: earlier pairs of goal (half the squared norm of the goal's residuals) and violation (largest violation
+//! of the constraints). A step must improve on each of them.
 
 /// Pairs of goal and violation of earlier points.
 #[derive(Clone, Debug)]
@@ -8,7 +9,7 @@ pub(super) struct Filter {
     most: f64,
 }
 
-/// Share of the violation by which a pair must be better than each stored pair.
+/// Share of the stored violation by which a pair must be better than each stored pair.
 const MARGIN: f64 = 1e-5;
 
 impl Filter {

@@ -65,7 +65,7 @@ pub trait Constrained {
     fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible>;
 }
 
-/// Numbers of variables, residuals and rows.
+/// Numbers of variables, residuals and rows of a problem.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shape {
     /// Number of variables, at least one.

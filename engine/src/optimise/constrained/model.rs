@@ -1,4 +1,4 @@
-//! Convex model of a problem about a point, and the step that it proposes.
+//! Convex model of a problem about a point, equation (1) of module `constrained`, and the step that it proposes.
 
 mod levels;
 mod multipliers;
@@ -16,11 +16,12 @@ use super::{Assessment, KEPT, Shape};
 use levels::LEVEL_MET;
 use nalgebra::DVector;
 
-/// Damping relative to the largest pivot. It prevents moves in directions that change neither goal nor rows.
+/// Damping relative to the largest pivot of the objective's triangular factor. It prevents moves in directions that change
+/// neither goal nor rows.
 const DAMPING: f64 = 1e-7;
 /// Factor by which damping increases if the method did not solve a solvable quadratic program.
 const MORE_DAMPING: f64 = 100.0;
-/// Largest number of such increases of the damping.
+/// Largest number of increases of the damping for one step.
 const DAMPINGS: usize = 3;
 /// Largest number of quadratic programs for one step in the search for the weights of all levels.
 const PROGRAMS: usize = 300;
@@ -32,34 +33,36 @@ const SLACK: f64 = 1e-9;
 pub(super) enum Proposal {
     /// The step is the minimum of the model.
     Optimal,
-    /// The rows cannot all be satisfied within the radius. Contains the smallest possible value of the largest violation, and
-    /// the rows and bounds that contradict one another.
+    /// The rows cannot all be satisfied by a step within the trust radius. Contains the smallest possible value of the
+    /// largest violation, and the rows and bounds that contradict one another.
     Relaxed { remaining: f64, culprits: Vec<Held> },
 }
 
-/// Multipliers at the end of a run.
+/// Lagrange multipliers at the end of a run.
 #[derive(Clone, Debug)]
 pub(super) struct Settled {
-    /// Imbalance left in the optimality conditions.
+    /// Imbalance left in the optimality conditions: gradient of the goal plus gradients of the constraints times
+    /// multipliers.
     pub residual: f64,
     /// Other multipliers of the rows with which the optimality conditions also hold. `None` if the conditions do not hold.
     pub alternatives: Option<Vec<f64>>,
 }
 
-/// The model with its workspace.
+/// The convex model of a problem about a point, with its workspace.
 pub(super) struct ConvexModel<'a> {
     bounds: &'a Bounds,
     half: Vec<f64>,
     equalities: usize,
     levels: Vec<f64>,
-    /// Tolerance of each level. A level counts as met if log(norm / level) is at most its tolerance.
+    /// Tolerance of each level (limit of a norm of residuals). A level counts as met if log(norm / level) is at most its
+    /// tolerance.
     met: Vec<f64>,
     goal: Squares,
     /// Number of residuals of the goal.
     residuals: usize,
     /// Norm of the residuals of the goal.
     norm: f64,
-    /// Sum of squares of the residuals of each level.
+    /// Sum of squares of the residuals of each level (limit of a norm of residuals).
     held: Vec<Squares>,
     /// All rows of the problem, with gradients scaled by the half ranges of the variables.
     normals: Vec<f64>,
@@ -68,15 +71,15 @@ pub(super) struct ConvexModel<'a> {
     speaks: Vec<bool>,
     /// Number of equalities among the rows that a step can violate.
     kept_equalities: usize,
-    /// Number of quadratic programs that may still be solved for this step.
+    /// Number of quadratic programs that may still be solved for the present step.
     programs: usize,
-    /// Damping of these quadratic programs, relative to the largest pivot.
+    /// Damping of the quadratic programs, relative to the largest pivot of the objective's triangular factor.
     damping: f64,
     /// Indices of the constraint rows that a step can violate.
     kept: Vec<usize>,
-    /// Normals of these rows, one after another.
+    /// Normals of the rows in `kept`, one after another.
     kept_normals: Vec<f64>,
-    /// Offsets of these rows.
+    /// Offsets of the rows in `kept`.
     kept_offsets: Vec<f64>,
     lower: Vec<f64>,
     upper: Vec<f64>,
@@ -84,7 +87,7 @@ pub(super) struct ConvexModel<'a> {
     distance_above: Vec<f64>,
     method: ActiveSet,
     elastic: ActiveSet,
-    /// Point at which the relaxed rows are satisfied.
+    /// Step to the point at which the relaxed rows are satisfied.
     relaxed: Vec<f64>,
     step: Vec<f64>,
     /// Multipliers of the constraint rows, from the last quadratic program.
@@ -189,7 +192,8 @@ impl<'a> ConvexModel<'a> {
         self.offsets.copy_from_slice(at.rows.residuals.as_slice());
     }
 
-    /// Finds the step within a radius. With `curved`, the estimate of the curvature is included.
+    /// Finds the step within a trust radius (largest component in half ranges). With `curved`, the model includes the
+    /// estimate of the curvature.
     pub(super) fn solve(&mut self, radius: f64, curved: bool) -> Proposal {
         for j in 0..self.half.len() {
             self.lower[j] = self.distance_below[j].max(-radius);
@@ -199,8 +203,8 @@ impl<'a> ConvexModel<'a> {
         self.propose(curved)
     }
 
-    /// Finds the step with a second-order correction. The correction adds to each row the difference between its value at the
-    /// trial and the value that the linear model predicts there.
+    /// Finds the step with a second-order correction. The correction adds to each row the difference between its value at
+    /// the trial point and the value that the linear model predicts there.
     pub(super) fn solve_corrected(&mut self, trial: &Assessment, curved: bool) -> Proposal {
         let n = self.half.len();
         self.kept_offsets.clear();
@@ -209,8 +213,8 @@ impl<'a> ConvexModel<'a> {
             self.kept_offsets
                 .push(trial.rows.residuals[row] - dot(normal, &self.step));
         }
-        // Levels are curved, like the rows. So the difference between the norm at the trial and the predicted norm is
-        // subtracted from the level.
+        // The norm of a level's residuals is curved, like the rows. So the difference between the norm at the trial and the
+        // norm that the model predicts there is subtracted from the level.
         let levels = self.levels.clone();
         for (k, level) in self.levels.iter_mut().enumerate() {
             let promised = self.held[k].norm_after(&self.step, &mut self.scratch);
@@ -312,7 +316,7 @@ impl<'a> ConvexModel<'a> {
                 )
             })
             .collect();
-        // Includes only the bounds of the variable itself, not the limit by the radius.
+        // Includes only the bounds of the variables themselves, not the limit by the trust radius.
         for (j, multiplier) in self.bound_multipliers.iter().enumerate() {
             let on_bound = self.distance_below[j] == 0.0 || self.distance_above[j] == 0.0;
             if on_bound && *multiplier != 0.0 {
@@ -343,8 +347,8 @@ impl<'a> ConvexModel<'a> {
         } else {
             1.0
         };
-        // The first rows of all triangles come first, then the second rows, and so on. So the nonzero entries of each column
-        // end after few rows.
+        // The matrix stacks the triangle of the goal and the triangles of the levels. The first rows of all triangles come
+        // first, then the second rows, and so on. So the nonzero entries of each column end after few rows.
         self.matrix.clear();
         self.matrix.resize(n * rows, 0.0);
         self.vector.clear();
@@ -425,8 +429,8 @@ impl<'a> ConvexModel<'a> {
         -0.5 * (goal.change(step, scratch) + curvature.quadratic(step))
     }
 
-    /// Updates the curvature after an accepted step from `before` to `after`, with the multipliers of the last quadratic
-    /// program.
+    /// Updates the estimate of the curvature after an accepted step from `before` to `after`, with the multipliers of the
+    /// last quadratic program.
     pub(super) fn learn(&mut self, before: &Assessment, after: &Assessment) {
         let n = self.half.len();
         let mut y = vec![0.0; n];

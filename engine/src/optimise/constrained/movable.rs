@@ -20,15 +20,15 @@
 
 use super::super::{Bounds, Linearisation};
 
-/// Rounding error of a constraint's row, in the unit of the row.
+/// First term of equation (1) of this module: rounding error of a constraint's row, in the unit of the row.
 const ROUNDING: f64 = 1e-9;
-/// Rounding error of a row, relative to its value.
+/// Factor of the second term of equation (1) of this module: rounding error of a row, relative to its value.
 const RELATIVE_ROUNDING: f64 = 256.0 * f64::EPSILON;
 
 /// Rows that are used in a run.
 #[derive(Clone, Debug)]
 pub(super) struct Movable {
-    /// Rounding error of each row by equation (1).
+    /// Rounding error of each row by equation (1) of this module.
     rounding: Vec<f64>,
     takes_part: Vec<bool>,
     /// Values of the rows at the start.

@@ -21,14 +21,14 @@ pub(in crate::optimise) const KEPT: f64 = 1e-7;
 /// A run ends when the relative reduction of the goal is below this fraction of [`Options::reduction_below`]. The relative
 /// error of the multipliers is about the square root of this relative reduction.
 const NEGLIGIBLE: f64 = 1e-2;
-/// Largest imbalance with which the multipliers count as those of a minimum. The error of the goal is about the square of the
-/// imbalance.
+/// Largest imbalance of the optimality conditions with which the multipliers count as the multipliers of a minimum. The error
+/// of the goal is about the square of the imbalance.
 const BALANCED: f64 = 1e-8;
-/// First radius, in half ranges.
+/// Limit of the components of the first step, in half ranges of the variables (trust radius).
 const FIRST_RADIUS: f64 = 1.0;
-/// Radius that contains the whole box.
+/// Trust radius, in half ranges, that contains the whole box of the variables.
 const WHOLE: f64 = 4.0;
-/// Smallest accepted ratio of actual to predicted reduction.
+/// Smallest accepted ratio of actual to predicted reduction of the goal.
 const ACCEPTABLE: f64 = 1e-4;
 const POOR: f64 = 0.25;
 const GOOD: f64 = 0.75;
@@ -109,8 +109,8 @@ impl ConstrainedFit {
     }
 }
 
-/// Minimises from the point of the box nearest to `start`. An error gives the reason why there are no residuals at this
-/// point.
+/// Minimises from `start`, or from the nearest point within `bounds`. An error gives the reason why there are no residuals
+/// at this point.
 pub fn constrained_fit(
     index: usize,
     problem: impl Constrained,
@@ -167,7 +167,7 @@ struct SequentialConvex<'a> {
 impl SequentialConvex<'_> {
     fn into_fit(mut self, state: ArgminState) -> ConstrainedFit {
         let x = state.param.expect("the state has a start point");
-        // Computes the multipliers at the end point itself, not those of the step to this point.
+        // Computes the multipliers at the end point itself. The multipliers of the step to this point differ.
         self.model.solve(WHOLE, false);
         let settled = self.model.settle_multipliers(&self.beside);
         let imbalance = settled.residual;
@@ -200,7 +200,7 @@ impl SequentialConvex<'_> {
         self.current.levels.first().unwrap_or(&self.current.goal)
     }
 
-    /// Goal and violation of a point.
+    /// Goal (half the squared norm of its residuals) and violation of a point.
     fn pair(&self, of: &Assessment) -> [f64; 2] {
         let counts = |row| self.takes_part(row);
         let violation = of.violation_of(self.equalities, &self.levels, counts);

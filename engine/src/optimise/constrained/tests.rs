@@ -167,8 +167,8 @@ fn a_level_is_met_exactly_even_about_a_zero_of_its_residuals() {
     }
 }
 
-/// No design satisfies the row. The smallest violation is at a corner of the box, and the goal decreases away from this
-/// corner. The run ends exactly at the corner.
+/// No point within the bounds satisfies the constraint row. The smallest violation is at a corner of the bounds, and the
+/// goal decreases away from this corner. The run ends exactly at the corner.
 #[test]
 fn an_unreachable_row_ends_exactly_on_the_bounds() {
     let mut noise = Noise::new(23);

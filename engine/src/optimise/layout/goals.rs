@@ -13,7 +13,7 @@ pub(in crate::optimise) struct LimitedValue {
     pub of: usize,
     /// Limits of the value.
     pub limited: Limited,
-    /// Indices of the rows that hold the limits of the constraint.
+    /// Indices of the rows that hold the limits of the value.
     pub check: Check,
 }
 
@@ -51,8 +51,9 @@ impl StationGoals {
         used
     }
 
-    /// Writes the residuals of the value with the index `of` into `into`, from the given row on. Writes the rows of its limits into
-    /// `rows`. `slopes` are the derivatives of the value with respect to the variables.
+    /// Writes the residuals of the value with the index `of` into `into`, and the rows of the value's limits into `rows`.
+    /// The second item of `into` is added to the row numbers of the residuals. `slopes` are the derivatives of the value
+    /// with respect to the variables.
     pub(in crate::optimise) fn write(
         &self,
         of: usize,

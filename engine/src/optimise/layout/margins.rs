@@ -6,11 +6,11 @@ use super::{Beside, Part, RowLabel, TargetLayout};
 /// ([`crate::study::Limited::visible`]): a millionth of a millimetre or of a degree is rounding. Runs use a smaller limit.
 pub const VIOLATED: f64 = 1e-6;
 
-/// Smallest margin of a constraint in one design.
+/// Smallest margin (distance to a limit) of a constraint in one design.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margin {
-    /// Margin to the nearest limit, in the constraint's unit; negative if the limit is violated. NaN if a value of the
-    /// constraint is missing.
+    /// Distance from the value to the nearest limit, in the constraint's unit; negative if the limit is violated. NaN if a
+    /// value of the constraint is missing.
     pub margin: f64,
     /// Drive value of the station with the smallest margin, or of the extreme near it. `None` if the constraint does not
     /// change along the motion, or applies at only one drive value.
@@ -22,7 +22,7 @@ pub struct Margin {
 /// Largest difference between values of a row at several stations that counts as a rounding error, in the row's unit.
 const CONSTANT: f64 = 1e-6;
 
-/// For each row that is a component of a distance, finds the row of the other component.
+/// For each row that is one of the two components of a distance, finds the row of the other component.
 pub(super) fn other_components(labels: &[RowLabel], parts: &[Part]) -> Vec<Option<usize>> {
     let other = |own: &RowLabel| {
         let components = parts[own.part].limited.of.components()?;

@@ -31,7 +31,8 @@ fn at_load(
     let certifies = file.outputs.as_ref().and_then(|o| o.certify.as_ref());
     let order = file.outputs.as_ref().and_then(|o| o.order.as_ref());
     let has_derivatives = order.is_some_and(|order| order.get_ref() != "position");
-    // Derivatives along roll are computed at constant mean travel. At constant wheel load, the motion is different.
+    // Derivatives along roll are computed at constant mean travel. At constant wheel load the motion differs, so
+    // derivatives are refused.
     let message = if at_load && (has_derivatives || section.time.is_some()) {
         "hold = \"wheel_load\" does not work with derivatives; expected order = \"position\" and no time law, or hold = \"mean_travel\""
     } else if section.roll.is_none() {
@@ -87,7 +88,7 @@ fn over_time(
     Some(Some((AxleTime { coordinate, law }, values)))
 }
 
-/// Reads the rule that combines the lists of a motion into stations.
+/// Reads the key `combine`: the rule that combines the lists of a motion into stations.
 fn combine(section: &file::Motion, problems: &mut Problems) -> Option<Combine> {
     let Some(text) = &section.combine else {
         return Some(Combine::All);
@@ -103,7 +104,7 @@ fn combine(section: &file::Motion, problems: &mut Problems) -> Option<Combine> {
     Some(combine)
 }
 
-/// A motion as written.
+/// Keys of an axle's motion, as written in the file.
 struct MotionKeys<'a> {
     place: Span<usize>,
     section: &'a file::Motion,
@@ -153,7 +154,7 @@ impl MotionKeys<'_> {
             .collect()
     }
 
-    /// Returns true if the motion gives the rack or the steering wheel, as values or over time.
+    /// Returns true if the motion gives rack displacements or steering-wheel angles, as values or over time.
     fn steers(&self) -> bool {
         let drive = self.section.time.as_ref().and(self.section.drive.as_ref());
         let steering = [Coordinate::Rack, Coordinate::SteeringWheel];
@@ -163,7 +164,8 @@ impl MotionKeys<'_> {
             || drive.is_some_and(is_driven)
     }
 
-    /// Motion of the wheels, from roll, heave and both travels.
+    /// Motion of the wheels, from the values of roll, heave, left travel and right travel. `None` if these keys have an
+    /// error.
     fn wheels(
         &self,
         given: (Given, Given, Given, Given),
@@ -245,7 +247,7 @@ impl MotionKeys<'_> {
     }
 }
 
-/// Stations of a motion.
+/// Reads the stations of an axle's motion. `None` if the motion has an error.
 pub(super) fn motion(
     file: &File,
     section: &Spanned<file::Motion>,

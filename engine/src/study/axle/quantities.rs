@@ -6,7 +6,8 @@ use super::super::untested;
 use super::super::value::Text;
 use crate::axle::{Axle, AxleKind, Quantity};
 
-/// All quantities with this name. Quantities of the two wheels share a name.
+/// All quantities of an axle with this name. Quantities of the two wheels share a name. `None` if the axle has no quantity
+/// of this name.
 pub(in super::super) fn quantities(
     text: &Text,
     axle: &Axle,

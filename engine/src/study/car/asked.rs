@@ -14,10 +14,10 @@ use hardpoint_study_file::value::{Number, Text};
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Largest number of builds. The values of all builds are kept in memory.
+/// Largest number of builds (cars with random deviations). The values of all builds are kept in memory.
 const MOST_BUILDS: i64 = 100_000;
 
-/// Difference between successive seeds: those of the front axle, of the rear axle and of the values of the car.
+/// Difference between successive seeds: the seeds of the front axle, of the rear axle and of the values of the car.
 const STREAM: u32 = 0x9e37_79b9;
 
 /// `between`, `at_least` and `at_most` of a target, a constraint or a band.

@@ -81,8 +81,8 @@ impl Resolver<'_> {
         Some(number.value)
     }
 
-    /// Reads the displacements of the racks, [front, rear], in the kernel's frame. It refuses a displacement of an axle that is
-    /// not steered.
+    /// Reads the displacements of the racks, [front, rear], and converts them to the kernel's frame (+y to the left). It
+    /// refuses a displacement of an axle that is not steered.
     fn racks(&mut self, car: &Car, written: [&Option<Number>; 2]) -> Option<[f64; 2]> {
         for (axle, rack) in written.into_iter().enumerate() {
             let moved = rack.as_ref().filter(|rack| rack.value != 0.0);
@@ -97,7 +97,7 @@ impl Resolver<'_> {
         Some(written.each(|rack| side * rack.as_ref().map_or(0.0, |rack| rack.value)))
     }
 
-    /// Setting of a case with this longitudinal acceleration.
+    /// Settings of a load case with the longitudinal acceleration `ax`, such as kind of longitudinal force and of tyres.
     fn setting(&mut self, car: &Car, written: &car_file::Case, ax: f64) -> Option<Setting> {
         let mut setting = Case::at_rest("").setting;
         let kinds = [

@@ -15,7 +15,7 @@ use std::ops::Range as Span;
 use std::sync::Arc;
 use toml::Spanned;
 
-/// Needs that are rates. A variable of a car can change each of them.
+/// Required inputs of quantities that are rates (of springs, bars or tyres). A variable of a car can change each of them.
 const RATES: [Need; 7] = [
     Need::SpringForce,
     Need::Springs,

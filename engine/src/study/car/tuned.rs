@@ -8,7 +8,7 @@ use crate::optimise::{Control, Fit};
 /// A tuned car.
 #[derive(Clone, Debug)]
 pub struct TunedCar {
-    /// Result of the best start.
+    /// Result of the best start of the tuning.
     pub fit: Fit,
     /// Study with the tuned car.
     pub study: CarStudy,

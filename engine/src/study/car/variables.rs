@@ -132,8 +132,8 @@ impl Resolver<'_> {
         }
     }
 
-    /// Coordinates of hardpoints. If the variable names two axles, both axles must have points with these names. The factors
-    /// are those of the first axle's points, then those of the second axle's points.
+    /// Coordinates of hardpoints. If the variable names two axles, both axles must have points with these names. The
+    /// factors of the first axle's points come first, then the factors of the second axle's points.
     fn points(&mut self, car: &Car, ends: &[usize], own: &Written<'_>) -> Option<Moves> {
         if own.axis.is_none() && own.direction.is_none() {
             let message = "a hardpoint needs axis = \"x\", \"y\" or \"z\", or a direction";
@@ -205,7 +205,8 @@ impl Resolver<'_> {
         choose(figure, "value of the car", &figures, self.problems)
     }
 
-    /// Percentage of a value of the study. `instead` is the key to use if the value is 0.
+    /// Converts a percentage of the study's value `now` to the unit of this value. Refuses a value of 0; the message names
+    /// `instead` as the key to use.
     pub(super) fn percent_of(&mut self, part: &Number, now: f64, instead: &str) -> Option<f64> {
         let percent = above_zero(part, self.problems)?;
         if now == 0.0 {
@@ -238,7 +239,7 @@ impl Resolver<'_> {
         Some(())
     }
 
-    /// A variable with its range.
+    /// Reads a variable with its range. `None` if it has an error.
     pub(super) fn variable(&mut self, car: &Car, own: &Written<'_>) -> Option<CarVariable> {
         let place = own.place.clone();
         let moves = self.moves(car, own)?;

@@ -22,13 +22,13 @@ use toml::Spanned;
 /// Elastic parts of an axle and their tests.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleComplianceStudy {
-    /// Elastic parts.
+    /// Elastic parts of the axle.
     pub parts: AxleCompliance,
     /// Names of the links of a wheel, in the order of [`crate::compliance::Compliance::links`].
     pub link_names: Vec<String>,
-    /// Tests of the parts.
+    /// Tests of the elastic parts.
     pub tests: Vec<KcTest>,
-    /// Results of the tests.
+    /// Results of the tests, with their names.
     pub figures: Vec<TestFigure>,
     /// Rate of the tyre, in N per length unit.
     pub tyre_rate: Option<f64>,

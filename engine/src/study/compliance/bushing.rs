@@ -357,7 +357,7 @@ fn shape_of_points(
 /// Force and torque laws of a bushing from a file, in a form that a study's text can contain.
 #[derive(Clone, Debug)]
 pub(in super::super) struct BushingText {
-    /// Name.
+    /// Name of the bushing.
     pub name: String,
     /// Key of each curve with its points, without the factor `scale`. Axes without stiffness are left out.
     pub curves: Vec<(&'static str, Vec<[f64; 2]>)>,

@@ -56,7 +56,7 @@ pub(super) fn link(
     Some((known.clone(), part))
 }
 
-/// Refuses members with two elastic entries, and arms with only one elastic leg.
+/// Refuses members with two elastic entries, and arms with only one elastic leg (member from a pivot to the outer joint).
 pub(super) fn check_members(
     file: &File,
     suspension: &Suspension,

@@ -30,11 +30,11 @@ use toml::Spanned;
 /// Elastic parts of a study and their tests.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ComplianceStudy {
-    /// Elastic parts.
+    /// Elastic parts of the wheel.
     pub parts: Compliance,
     /// Names of the links, in the order of [`Compliance::links`].
     pub link_names: Vec<String>,
-    /// Tests of the parts.
+    /// Tests of the elastic parts.
     pub tests: Vec<KcTest>,
     /// Rate of the tyre, in N per length unit.
     pub tyre_rate: Option<f64>,
@@ -133,7 +133,7 @@ struct WheelParts {
     relaxed: Relaxed,
 }
 
-/// Reads the links, and the bushings that are not one of these mounts of the subframe.
+/// Reads the links, and the bushings that are not one of the subframe's `mounts`.
 fn wheel_parts(
     file: &File,
     section: &Spanned<file::Compliance>,

@@ -8,22 +8,22 @@ use crate::study::Study;
 /// A bushing of a wheel, or a mount of a subframe.
 #[derive(Clone, Copy, Debug)]
 pub struct NamedBushing<'s> {
-    /// Name.
+    /// Name of the bushing or mount.
     pub name: &'s str,
     /// Force and torque laws along and about the axes of the bushing.
     pub shapes: &'s [Shape; 6],
-    /// Constant forces and torques.
+    /// Constant forces along the axes of the bushing and constant torques about them.
     pub preload: [f64; 6],
 }
 
 /// A link with axial stiffness.
 #[derive(Clone, Copy, Debug)]
 pub struct NamedLink<'s> {
-    /// Name.
+    /// Name of the link.
     pub name: &'s str,
-    /// Axial stiffness.
+    /// Axial stiffness of the link.
     pub stiffness: AxialStiffness,
-    /// Constant tension.
+    /// Constant tension of the link.
     pub preload: f64,
 }
 
@@ -45,7 +45,7 @@ pub struct NamedParts<'s> {
 pub struct NamedRate {
     /// Name of the part.
     pub name: &'static str,
-    /// The section and the key of a study that give it.
+    /// Section and key of a study that give the rate.
     pub key: [&'static str; 2],
     /// The rate as an input of equilibria.
     pub parameter: Parameter,

@@ -1,4 +1,4 @@
-//! Elastic parts of a solid axle: parts of both halves, and parts that exist only once.
+//! Elastic parts of a solid axle: parts of both halves, and parts that exist only once, such as a Panhard rod.
 
 use super::super::error::Problems;
 use super::super::file;

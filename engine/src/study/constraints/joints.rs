@@ -69,7 +69,7 @@ impl Reader<'_> {
         let (name, ends) = length(written, self.suspension(), problems)?;
         let limits = self.needed_limits(problems)?;
         let [lower, upper] = limits;
-        // The plunge is zero in the design position.
+        // The plunge is zero in the design position, so limits that exclude zero are refused.
         if lower.is_some_and(|low| low > 0.0) || upper.is_some_and(|high| high < 0.0) {
             let message = "a plunge is measured from the design position; expected limits with 0 \
                            between them";
@@ -113,12 +113,13 @@ pub(crate) fn joint_angle(
 enum Housing {
     /// An arm, with its two pivots.
     Arm([PointId; 2]),
-    /// A rod, with its other end.
+    /// A rod, with the end that is not at the joint.
     Rod(PointId),
 }
 
 impl Housing {
-    /// Part at a joint. `None` if the point is not a joint of the wheel carrier with an arm or a rod.
+    /// Part with the housing of the joint at a point. `None` if the point is not a joint of the wheel carrier with an arm
+    /// or a rod.
     fn of(joint: PointId, mechanism: &Mechanism) -> Option<Self> {
         let arm = mechanism.arms.iter().find(|arm| arm.outer == joint);
         let rod = mechanism.constraints.iter().find_map(|c| match *c {
@@ -153,7 +154,8 @@ pub(crate) fn check_studs(file: &File, suspension: &Suspension, problems: &mut P
     }
 }
 
-/// Direction of a stud in the kernel's frame, with length 1. `None` for a direction that [`check_studs`] refuses.
+/// Direction of a stud in the kernel's frame (x forward, y left, z up), with length 1. `None` for a direction that
+/// [`check_studs`] refuses.
 fn stud_direction(written: &Coordinates, suspension: &Suspension) -> Option<Vector3<f64>> {
     let [x, y, z] = written.get_ref().as_slice() else {
         return None;
@@ -165,7 +167,7 @@ fn stud_direction(written: &Coordinates, suspension: &Suspension) -> Option<Vect
 }
 
 /// Joints whose angle can have a limit: joints of the wheel carrier with an arm or a rod, and both joints of a drive shaft.
-/// Joints of the far half of a solid axle are excluded.
+/// Joints of a solid axle's far half (the half of the other wheel) are excluded.
 pub fn named_joints(suspension: &Suspension) -> Vec<PointId> {
     let mechanism = &suspension.mechanism;
     let points = (0..mechanism.points.len()).map(PointId);

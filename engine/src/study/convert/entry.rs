@@ -111,7 +111,7 @@ pub(super) struct Facts<'a> {
     pub(super) subject: Subject<'a>,
     /// Conversions of the front and the rear study of a car. For a single study, both are equal.
     pub(super) ends: [Conversion; 2],
-    /// The text before the conversion.
+    /// Text of the study before the conversion.
     pub(super) before: &'a Item,
 }
 

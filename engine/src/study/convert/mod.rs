@@ -93,8 +93,8 @@ impl Study {
             let message = "a study with elastic parts cannot have forces in lbf";
             return Err(refusal(&source, &["suspension", "force_unit"], message));
         }
-        // Reads the text again, so that the entries of the study have the same order as those of the text. The text
-        // contains the target curves of other files.
+        // Reads the text again, so that the entries of the study have the same order as the entries of the text. The
+        // text contains the target curves of other files.
         let study = self.read_again(name, &self.text)?;
         let conversion = Conversion::new(from, to, self.wheel().frame.meaning().1);
         let walk = Walk::new(Root::Suspension, Subject::Study(&study), [conversion; 2]);

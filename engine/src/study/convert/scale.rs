@@ -40,7 +40,7 @@ impl Conversion {
         from.sign(axis) * to.sign(axis)
     }
 
-    /// Sign of a component about an axis in the new text, relative to the old text.
+    /// Sign of a rotation or torque about an axis in the new text, relative to the old text.
     pub(super) fn turn_sign(&self, axis: Axis) -> f64 {
         let [from, to] = self.frames;
         from.turn_sign(axis) * to.turn_sign(axis)

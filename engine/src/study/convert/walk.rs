@@ -58,7 +58,7 @@ impl At {
     }
 }
 
-/// Conversion of one text.
+/// Conversion of the text of one study.
 pub(super) struct Walk<'a> {
     root: Root,
     subject: Subject<'a>,
@@ -75,7 +75,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Returns the same conversion of a text, with these units of mass.
+    /// Returns the same conversion, but with the masses of the text converted from unit `from` to unit `to`.
     pub(super) fn with_masses(self, from: MassUnit, to: MassUnit) -> Self {
         let ends = self.ends.map(|end| end.with_masses(from, to));
         Walk { ends, ..self }
@@ -118,11 +118,11 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// One pass through a text.
+/// One pass through the text of a study, which converts its numbers.
 struct Pass<'a> {
     root: Root,
     facts: Facts<'a>,
-    /// Trails of the study's tests.
+    /// Trails of the study's tests. A trail is the distance from the contact point back to the side force.
     trails: Vec<f64>,
     text: &'a str,
     problems: Problems,
@@ -327,7 +327,7 @@ fn one(value: &mut Value, conversion: &Conversion, of: Measured) {
     };
     let new = of.sign * conversion.scaled(old, of.scale);
     if new != old {
-        // Zero has no sign.
+        // The added zero turns -0 into 0.
         let new = of.sign * conversion.rounded(old, of.scale) + 0.0;
         put(value, new.into());
     }

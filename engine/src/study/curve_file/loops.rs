@@ -55,10 +55,10 @@ fn branch(ways: &[Way], is_rising: bool, x: f64) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
-/// A pass in one direction.
+/// A pass of a curve in one direction of the drive value.
 struct Way {
     is_rising: bool,
-    /// At least two points, sorted by drive value.
+    /// Points of the pass, at least two, sorted by drive value.
     points: Vec<[f64; 2]>,
 }
 

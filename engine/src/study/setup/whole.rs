@@ -71,7 +71,7 @@ pub(super) fn adjustments(
     Some(found)
 }
 
-/// Returns true if the dimension is a coordinate of a spring end.
+/// Returns true if `parameter` is a coordinate of an end of the spring.
 fn holds_spring(parameter: BuildParameter, mechanism: &Mechanism) -> bool {
     let BuildParameter::Coordinate(id, _) = parameter else {
         return false;

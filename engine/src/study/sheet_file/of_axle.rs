@@ -99,7 +99,7 @@ impl Reader<'_> {
         } else {
             Coordinate::TravelLeft
         };
-        // These coordinates have the same values in the motion and in the study.
+        // The values of heave and of the left travel are the same numbers in the motion and in the study's text.
         let values = held.along(over).cloned().unwrap_or_default();
         let mut put = |coordinate: Coordinate, value: f64| {
             if let Some(along) = held.along(coordinate) {

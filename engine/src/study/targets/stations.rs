@@ -12,8 +12,9 @@ pub(super) fn rack_displacements(site: &Site, motion: &Motion) -> Vec<f64> {
     }
 }
 
-/// Stations in addition to those of the motion. If the motion has fewer stations within a curve than the curve has
-/// points within the motion, the stations do not represent the curve. These points of the curve are then added.
+/// Stations to add to the stations of the motion, so that they represent a target or limit curve. They are needed if the motion has
+/// fewer stations within the curve than the curve has points within the motion. The added stations are these points of the
+/// curve.
 pub(super) fn added_stations(wanted: &Wanted, motion: &Motion) -> Vec<f64> {
     let values = &motion.values;
     let rounding = DriveRounding::of(values);

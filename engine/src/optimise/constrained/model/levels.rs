@@ -13,7 +13,7 @@ const PATIENCE: usize = 4;
 const SECANTS: usize = 30;
 
 impl<'a> ConvexModel<'a> {
-    /// Logarithm of the ratio between the norm after the step and the level.
+    /// Logarithm of the ratio between the norm of the k-th level's residuals after the step and the level (limit) itself.
     fn excess(&mut self, k: usize) -> f64 {
         // A norm can approach zero but not reach it. So a level of zero is replaced by a small number.
         let goal = self.levels[k].max(1e-12);

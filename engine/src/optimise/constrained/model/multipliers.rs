@@ -11,7 +11,7 @@ const BINDING_LEVEL: f64 = 1e-6;
 /// Distance from a bound, in half ranges, up to which a variable counts as at the bound.
 const ON_BOUND: f64 = 1e-12;
 
-/// A constraint that binds.
+/// A constraint, level or bound that binds at the end of a run.
 #[derive(Clone, Copy, Debug)]
 enum Push {
     Row(usize),

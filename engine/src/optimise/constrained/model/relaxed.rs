@@ -75,7 +75,7 @@ impl ConvexModel<'_> {
             }
             match held {
                 Held::Row(row) => culprits.push(Held::Row(self.kept[of[row]])),
-                // The limit is a bound of the variable itself, not the radius.
+                // This end of the step is a bound of the variable itself, not the limit by the trust radius.
                 Held::Lower(j) if j < n && self.lower[j] == self.distance_below[j] => {
                     culprits.push(held);
                 }

@@ -15,11 +15,11 @@ pub(super) struct Trials {
     pub curved: bool,
     /// Largest reduction of the goal that counts as zero.
     pub negligible: f64,
-    /// Number of trials.
+    /// Number of trial steps in this iteration.
     pub count: usize,
-    /// Number of evaluations.
+    /// Number of evaluations in this iteration.
     pub evaluations: u32,
-    /// Number of evaluations without a result.
+    /// Number of evaluations without a result, in this iteration.
     pub infeasible: u32,
     /// Reason of the last evaluation without a result.
     pub obstacle: Option<Infeasible>,
@@ -27,9 +27,9 @@ pub(super) struct Trials {
 
 /// Step that the model proposes.
 struct Step {
-    /// Largest component of the step.
+    /// Largest component of the step, in half ranges of the variables.
     length: f64,
-    /// Predicted reduction of the goal.
+    /// Reduction of the goal that the model predicts for the step.
     predicted: f64,
     /// True if the current point is the optimum of the convex model, so no step improves the model.
     is_balanced: bool,
@@ -172,8 +172,8 @@ impl SequentialConvex<'_> {
         }
     }
 
-    /// Moves to the trial, and adapts the radius to the accuracy of the prediction. Returns the length of the step in
-    /// fractions of the ranges.
+    /// Moves to the trial, and adapts the trust radius (limit of the step's components) to the accuracy of the model's
+    /// prediction. Returns the length of the step in fractions of the ranges.
     fn accept(&mut self, x: &mut DVector<f64>, step: &Step, from: [f64; 2]) -> f64 {
         let &Step {
             length, predicted, ..

@@ -100,7 +100,7 @@ impl Coordinate {
 }
 
 impl Placement {
-    /// Travel of a wheel. `None` in roll, because the travels then depend on the design.
+    /// Given travel of a wheel. `None` in roll, because the travels then depend on the design.
     pub fn travel(&self, side: Side) -> Option<f64> {
         match self {
             Placement::Travels { travels, .. } => Some(travels[side as usize]),

@@ -24,7 +24,7 @@ pub struct BeyondCurve {
     pub part: ForcePart,
     /// Length of the spring or compression of the bump stop, in the study's unit.
     pub value: f64,
-    /// Value at the end of the curve, in the same unit.
+    /// Length of the spring or compression of the bump stop at this end of the curve, in the same unit.
     pub end: f64,
     /// Travel of the wheel.
     pub travel: f64,

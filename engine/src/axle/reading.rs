@@ -58,7 +58,8 @@ impl<T: Copy> WheelPose<T> {
     }
 }
 
-/// Values of a wheel that formulas use, and the index of each value on a tape.
+/// Selection of the values of a wheel that formulas use, and the index of each value on a tape (recorded operations for
+/// derivatives).
 #[derive(Clone, Copy, Debug)]
 pub struct Parts {
     slots: Slots,
@@ -73,7 +74,8 @@ impl Parts {
         let mut slots = Slots::default().with(ALWAYS).with(slots);
         let is_steered = matches!(carriers, Carriers::Steered(_));
         if is_steered {
-            // The kingpin is a line that is fixed in the axle.
+            // The kingpin is a line that is fixed in the axle. So its point and the axle's rotation give the motion of the
+            // axle.
             slots = slots.with(&[Slot::SteeringPoint]);
         }
         if slots.contain_any(NumberPart::SpringLength.slots()) {

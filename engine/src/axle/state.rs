@@ -442,9 +442,10 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
 }
 
 impl<T: Real> AxleState<'_, T> {
-    /// Corrects travels or roll angle to first order, so that both wheels are on the same ground. The corrected numbers are
-    /// those that the study does not give: the travels or the roll angle. In numbers with gradients, the correction also adds
-    /// the gradients of these results. The arguments are the values of F and of the track, without derivatives.
+    /// Corrects the travels or the roll angle to first order, so that both wheels are on the same ground. If the study
+    /// gives the roll angle, the travels change. If the study gives both travels, the roll angle changes. In numbers with
+    /// gradients, the correction also adds the gradients of these results. The arguments are the values of F (equations of
+    /// this module) and of the track, without derivatives.
     pub fn settled(&self, [rise, track]: [f64; 2]) -> Self {
         let like = self.like();
         match self.hold {

@@ -37,7 +37,7 @@ pub enum Placement {
 }
 
 impl Placement {
-    /// Returns travels and rack of wheels that are on level pads at given heights. `None` for another placement.
+    /// Returns travels and rack displacement of wheels that are on level pads. `None` for another placement.
     pub fn on_level_pads(&self) -> Option<([f64; 2], f64)> {
         match *self {
             Placement::Travels {

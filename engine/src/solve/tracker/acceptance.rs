@@ -59,7 +59,7 @@ impl Rejection {
     }
 }
 
-/// Lanes that have passed every check so far. For each other lane, the first check that failed.
+/// SIMD lanes whose design has passed every check so far. For each other lane, the first check that failed.
 #[derive(Clone, Copy)]
 pub struct Acceptance<B: SimdReal> {
     accepted: B::Mask,
@@ -90,7 +90,7 @@ impl<B: SimdReal> Acceptance<B> {
         self.accepted
     }
 
-    /// Reason why a lane is rejected.
+    /// Reason why the design in a lane is rejected. `None` if it is accepted.
     #[inline(always)]
     pub fn reason(&self, lane: usize) -> Option<Rejection> {
         match self.reason.in_lane(lane) {

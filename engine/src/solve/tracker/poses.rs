@@ -36,7 +36,7 @@ struct PreparedBatch<'m> {
 pub(crate) struct TrackedPoses {
     /// Pose of each station, or the reason why the tracker has none.
     pub poses: Vec<Result<Pose<f64>, Rejection>>,
-    /// Number of rounds of corrections.
+    /// Number of rounds of corrections by Newton's method, over all waypoints.
     pub rounds: u64,
 }
 

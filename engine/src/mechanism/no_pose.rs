@@ -15,7 +15,7 @@ pub enum NoPose {
     Wheel {
         /// The wheel.
         side: Side,
-        /// Travel.
+        /// Travel of this wheel.
         travel: f64,
         /// Reason for the failure.
         failure: Failure,
@@ -69,9 +69,9 @@ pub enum NoPose {
 }
 
 impl NoPose {
-    /// Describes the reason in words, with lengths in this unit and the rack in the axes of this frame. The frame is
-    /// that of a single wheel, or of an axle's left wheel. If the rack is the limit, the text omits the wheel's
-    /// travel, which is irrelevant.
+    /// Describes the reason in words, with lengths in this unit and the rack in the axes of this frame. The frame belongs
+    /// to a single wheel, or to an axle's left wheel. If the rack is the limit, the text omits the wheel's travel, which is
+    /// irrelevant.
     pub fn describe(&self, unit: LengthUnit, frame: Frame) -> String {
         let frame_of = |side: Side| match side {
             Side::Left => frame,

@@ -9,8 +9,8 @@
 //! f  = n,   m = l x n                                              (3)
 //! ```
 //!
-//! For the first point of the axis, n is x, y and z. For the second point, n is each of two directions normal to the
-//! axis. These directions rotate with the axis. But p = c in every pose of a design, so their rotation adds no term to
+//! For the first point of the axis, n is x, y and z. For the second point, n is each of two directions normal to the axis.
+//! These directions rotate with the axis. But p = c in every pose of a design, so their rotation adds no term to equation
 //! (2).
 //!
 //! Rates along the motion (v, w), from l' = w x l and n fixed in the body:
@@ -35,7 +35,7 @@ use crate::number::{Matrix3, Vector3};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pinned<T> {
     pub point: PointId,
-    /// Direction n.
+    /// Direction n in which the point p must not move away from c.
     pub direction: Vector3<T>,
     /// Vector from the origin of the undisplaced knuckle to p.
     lever: Vector3<T>,

@@ -12,7 +12,7 @@ struct Turning<T> {
     turn: Turn<T>,
     /// Angular rate about the axis.
     speed: T,
-    /// Square of the smallest leverage among this rocker and the rockers that turn it: the smallest w^2/(r.r l.l).
+    /// Square of the smallest leverage (w^2/(r.r l.l) in module `rocker`) among this rocker and the rockers that turn it.
     leverage_squared: T,
 }
 
@@ -111,7 +111,8 @@ impl<B: SimdReal> Configuration<'_, B> {
             let end = turn.moved(inner);
             let rod = end - outer;
             let speed = rod.dot(rate) / rod.dot(turn.axis.cross(end - first));
-            // The selection returns NaN if the new value is NaN. After a rocker with NaN, every new value is NaN.
+            // The selection returns NaN if this rocker's leverage is NaN. A rocker whose leverage is NaN also makes the
+            // leverages of the rockers that it turns NaN.
             least = B::select(
                 least.less(turn.leverage_squared),
                 least,

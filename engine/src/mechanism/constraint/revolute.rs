@@ -54,8 +54,8 @@ impl<T: Real> Pinned<T> {
     ) -> [Self; 5] {
         let axis = (body[second.0] - body[first.0]).normalised();
         let [x, y, z] = Matrix3::identity(axis.x).columns;
-        // The sign is that of the nominal axis. So two builds have nearly equal normals, even if the axis of one build
-        // rises and the axis of the other build falls.
+        // The z component of the nominal axis gives the sign. So two builds have nearly equal normals, even if the axis of
+        // one build rises and the axis of the other build falls.
         let sign = (knuckle[second.0] - knuckle[first.0]).z.sign();
         let [across, other] = normals(axis, sign);
         let at_first = knuckle[first.0] - knuckle[origin.0];

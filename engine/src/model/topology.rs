@@ -59,7 +59,7 @@ pub(super) const SPRING_ON_LOWER_ARM: Hardpoint = optional(
     "lower end of spring and damper, on the lower arm or the rocker",
 );
 
-/// The pivots of a lower arm.
+/// Front pivot of a lower arm.
 pub(super) const LOWER_ARM_FRONT: Hardpoint = required(
     "lower_arm_front",
     "front pivot of the lower arm on the body",
@@ -67,7 +67,7 @@ pub(super) const LOWER_ARM_FRONT: Hardpoint = required(
 pub(super) const LOWER_ARM_REAR: Hardpoint =
     required("lower_arm_rear", "rear pivot of the lower arm on the body");
 
-/// The ends of an upper link.
+/// Inner end of an upper link.
 pub(super) const UPPER_LINK_INNER: Hardpoint =
     required("upper_link_inner", "upper link at the body");
 pub(super) const UPPER_LINK_OUTER: Hardpoint =

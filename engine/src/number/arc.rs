@@ -68,7 +68,7 @@ fn odd<B: SimdReal, const N: usize>(x: B, coefficients: &[f64; N]) -> B {
         before = x.constant(coefficients[k - 2]).plus_product(before, v);
         k -= 2;
     }
-    // If the number of coefficients is odd, one coefficient remains.
+    // If the number of coefficients is odd, the last coefficient has no partner.
     let (even, odd) = if k == 1 {
         (x.constant(coefficients[0]).plus_product(last, v), before)
     } else {

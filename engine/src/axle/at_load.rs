@@ -22,7 +22,7 @@ use crate::number::{Each, Vector3};
 pub(super) const LOAD_TERMS: usize = 3;
 /// Largest number of Newton steps, including steps back to a travel that the wheels can reach.
 const MOST_STEPS: usize = 60;
-/// Smallest step of the roll angle, as a fraction of the roll angle.
+/// Smallest step of the roll angle, as a fraction of the required roll angle.
 const LEAST_STEP: f64 = 1.0 / 64.0;
 
 /// Wheel loads whose sum stays constant.

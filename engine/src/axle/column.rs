@@ -14,7 +14,7 @@ use crate::number::{Each, Jet};
 /// A column of values in the results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleColumn {
-    /// Name with unit.
+    /// Name of the column, with its unit.
     pub name: String,
     /// Content of the column.
     pub of: Of,
@@ -45,7 +45,7 @@ pub enum Of {
         id: PointId,
         /// The coordinate.
         axis: Axis,
-        /// Name without the unit.
+        /// Name of the column without the unit.
         name: String,
         /// Rocker that carries the point. `None` if no rocker carries it.
         rocker: Option<RockerId>,
@@ -54,9 +54,9 @@ pub enum Of {
     Turn(Side, Axis),
     /// Force in a member that carries a load on one wheel.
     Force {
-        /// Name without the unit.
+        /// Name of the column without the unit.
         name: String,
-        /// Meaning of a positive value.
+        /// Meaning of a positive force, in words.
         positive: &'static str,
     },
 }

@@ -33,7 +33,7 @@ impl Coordinate {
         Coordinate::SteeringWheel,
     ];
 
-    /// Key in `[motion]`.
+    /// Key of the coordinate in the section `[motion]` of a study.
     pub fn key(self) -> &'static str {
         match self {
             Coordinate::Roll => "roll",

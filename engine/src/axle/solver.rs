@@ -462,7 +462,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         })
     }
 
-    /// Returns the size of the left wheel's mechanism, the reference for lengths.
+    /// Returns the size of the left wheel's mechanism: the largest distance of a point from the carrier's origin.
+    /// Tolerances for lengths are relative to this size.
     pub(super) fn size(&self) -> f64 {
         self.corners[0].solver.size()
     }

@@ -92,7 +92,7 @@ pub struct WheelState<'s, T, W = Reading<T>> {
     pub reading: &'s W,
     /// Ground under the wheel.
     pub ground: Ground<T>,
-    /// Loaded radius. NaN if the study does not contain it.
+    /// Loaded radius of the wheel. NaN if the study does not contain it.
     pub radius: f64,
     /// Bodies that carry the wheels.
     pub carriers: Carriers,

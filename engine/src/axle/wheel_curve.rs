@@ -46,9 +46,9 @@ const SINGLE: [NumberPart; 3] = [
     NumberPart::BarAngle,
     NumberPart::RockerAngle,
 ];
-/// Index of the first column of the rotation matrix.
+/// Index of the first number of the rotation matrix, among all numbers of a curve.
 const COLUMNS: usize = 3 * VECTORS.len();
-/// Index of the first scalar.
+/// Index of the first scalar, among all numbers of a curve.
 const NUMBERS: usize = COLUMNS + 9;
 /// Count of all numbers, rounded up to a multiple of [`LANES`]. The last numbers are unused.
 const COUNT: usize = (NUMBERS + SINGLE.len()).next_multiple_of(LANES);

@@ -11,7 +11,7 @@ pub struct TestFigure {
     pub test: KcTest,
     /// Name in the tables of the test rig.
     pub quantity: &'static str,
-    /// Type of unit.
+    /// Type of the result's unit.
     pub unit: Unit,
     /// Part to which the result belongs: the axle, or one of its wheels.
     pub of: KcSubject,
@@ -70,7 +70,7 @@ impl TestFigure {
         }
     }
 
-    /// Name in columns, without the unit.
+    /// Name of the result in columns, without the unit.
     pub fn name(&self) -> String {
         match self.side() {
             Some(side) => format!("{}_{}", side.name(), self.stem()),

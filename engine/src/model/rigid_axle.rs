@@ -25,7 +25,7 @@ pub enum AxleTravel {
 }
 
 impl AxleTravel {
-    /// The other travel.
+    /// Returns the other one of the two travels.
     pub fn other(self) -> AxleTravel {
         match self {
             AxleTravel::Mean => AxleTravel::Difference,

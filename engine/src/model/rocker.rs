@@ -66,7 +66,7 @@ impl Rod {
         matches!(self, Rod::Pushrod | Rod::Pullrod)
     }
 
-    /// Name in keys and columns.
+    /// Name of the rod in keys and columns.
     pub fn key(self) -> &'static str {
         match self {
             Rod::Pushrod => "pushrod",

@@ -11,7 +11,7 @@ use crate::number::Vector3;
 /// Hardpoint of a topology.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Hardpoint {
-    /// Name in the study.
+    /// Name of the hardpoint in studies.
     pub name: &'static str,
     /// Description of the hardpoint, for messages and templates.
     pub about: &'static str,
@@ -228,9 +228,9 @@ impl Given {
 
 /// A kind of suspension.
 pub struct Topology {
-    /// Name in the study.
+    /// Name of the topology in studies.
     pub name: &'static str,
-    /// Description in one line.
+    /// Description of the topology in one line.
     pub summary: &'static str,
     /// Hardpoints, in the order of printing.
     pub hardpoints: &'static [Hardpoint],

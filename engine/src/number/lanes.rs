@@ -196,7 +196,7 @@ impl Width {
             .filter(|width| width.is_available())
     }
 
-    /// Name for tables.
+    /// Name of the width, for tables.
     pub fn name(self) -> &'static str {
         match self {
             Width::Portable => "portable",

@@ -24,7 +24,7 @@ pub enum Rejection {
 }
 
 impl Rejection {
-    /// All reasons.
+    /// All reasons for a rejection.
     pub const ALL: [Rejection; 7] = [
         Rejection::NoLength,
         Rejection::NotSettled,

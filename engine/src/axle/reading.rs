@@ -410,7 +410,8 @@ pub trait WheelParts<T: Real>: Copy {
     }
 
     /// Returns the wheel as series in a motion with these rates of travel and rack. `None` means that the rack is at
-    /// rest. Coefficients of the result are known up to one degree less than those of this wheel.
+    /// rest. If coefficients of this wheel are known up to a degree, coefficients of the result are known up
+    /// to one degree less.
     #[inline(always)]
     fn moving(&self, travel: T, rack: Option<T>) -> Moving<'_, Self, T> {
         Moving {

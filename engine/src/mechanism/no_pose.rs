@@ -23,7 +23,7 @@ pub enum NoPose {
     /// A rigid axle has no pose at the requested difference of its two travels.
     #[error("axle at a travel difference of {difference:.6} (left - right): {failure}")]
     RigidAxle {
-        /// Travel of the left wheel minus that of the right one.
+        /// Travel of the left wheel minus the travel of the right wheel.
         difference: f64,
         /// Reason for the failure. The limit of the drive is half a difference of travels, in the frame of a wheel. The limit of
         /// the rack is a mean travel.

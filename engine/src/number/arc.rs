@@ -1,5 +1,5 @@
 //! Arc sine and arc tangent with elementary arithmetic. The results are bit-identical in all lanes and on every platform, and
-//! take a fraction of the time of a mathematical library. Results for a plain `f64` can differ from those in lanes in the
+//! take a fraction of the time of a mathematical library. Results for a plain `f64` can differ from results in lanes in the
 //! last digit, because lanes round products with sums once.
 //!
 //! atan t = t + t u P(u) for |t| <= tan(pi/8), asin x = x + x u Q(u) for |x| <= 1/2, with u the square of the argument. P

@@ -7,7 +7,7 @@
 //! F = (d.d - d0.d0)/(2 |d0|),   dF = g.(d outer - d inner) + ..,   g = d/|d0|                    (1)
 //! ```
 //!
-//! The derivatives of (1) with respect to x and p are G and H = -G. G = (x - p)/|d0|, whether x is the inner or the
+//! The derivatives of F in equation (1) with respect to x and p are G and H = -G. G = (x - p)/|d0|, whether x is the inner or the
 //! outer end. Let f be a point of the axis and e its direction. n is the rod's end on the rocker, o its other end,
 //! and s = n - o. The rod's tension k balances G about the axis:
 //!

@@ -485,7 +485,8 @@ impl CornerTracker<'_> {
     }
 }
 
-/// Lanes in which `now` has the sign of `before`, and its absolute value is between half and twice that of `before`.
+/// Lanes in which `now` has the sign of `before`, and its absolute value is between half and twice the absolute value of
+/// `before`.
 #[inline(always)]
 fn within_half<B: SimdReal>(now: B, before: B) -> B::Mask {
     ((now - (before + before)) * now.minus_product(before, before.constant(0.5)))

@@ -169,7 +169,7 @@ impl Curve<'_> {
         let m = fold
             .factors
             .solve_transposed([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
-        // Equations are relative to the mechanism's size; the value is in its own unit.
+        // The equations are relative to the mechanism's size. The moving quantity is in its own unit.
         array_of(|i| m[i] * self.unit() / self.size)
     }
 

@@ -351,8 +351,8 @@ impl<'a, 'c, T: Real> TurnedRockers<'a, 'c, T> {
     }
 }
 
-/// Rates of the wrench on the knuckle due to a constant force at a point of a rocker: equation (4) of this file with G' =
-/// 0. A separate function, because it is large and rarely used.
+/// Rates of the wrench on the knuckle due to a constant force at a point of a rocker, by equation (4) with G' = 0. A separate
+/// function, because it is large and rarely used.
 #[inline(always)]
 pub(super) fn constant_push_rate<T: Real>(
     x: PointId,

@@ -12,9 +12,8 @@
 //! The module `closed_form` defines the other symbols. J is the Jacobian of the closure equations. A unit of travel q moves
 //! the pose x by v = |x_q|. This motion must also cancel the travel that the residuals have caused. So |J^-1| is about X +
 //! v (1 + X). With the arm as the drive, |J^-1| is about X. These sums of absolute values tend to overestimate. Each row of
-//! J is a unit force and its moment, so its norm
-//! J| is somewhat above one. The estimate uses |J| = 1. The product |J| |J^-1| is correct within a factor of ten up to 1000
-//! (`tests/it/hard_cases.rs`).
+//! J is a unit force and its moment, so the norm |J| is somewhat above one. The estimate uses |J| = 1. The product |J|
+//! |J^-1| is correct within a factor of ten up to 1000 (`tests/it/hard_cases.rs`).
 
 use super::{ArmState, ClosedForm};
 

@@ -52,7 +52,7 @@ pub enum WheelMotion {
     Roll {
         /// Mean travels of the wheel centres.
         heave: Vec<f64>,
-        /// Roll angles.
+        /// Roll angles of the body.
         roll: Vec<f64>,
         /// True if roll does not change the sum of the wheel loads. This sum is then the sum without roll at this
         /// heave, and the program computes the mean travel from it.

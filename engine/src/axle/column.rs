@@ -37,13 +37,13 @@ pub enum Of {
     Quantity(Quantity),
     /// A coordinate of a point of one wheel's suspension.
     Point {
-        /// The wheel.
+        /// Wheel whose suspension has the point.
         side: Side,
         /// Index of the point in [`AxlePlan::points`](super::AxlePlan::points).
         number: usize,
-        /// The point.
+        /// Identifier of the point.
         id: PointId,
-        /// The coordinate.
+        /// Axis along which the coordinate is measured.
         axis: Axis,
         /// Name of the column without the unit.
         name: String,

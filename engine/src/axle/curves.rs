@@ -94,7 +94,7 @@ impl Axle {
 /// Curves of an axle, and their poses.
 #[derive(Clone, Debug)]
 pub struct AxleCurves {
-    /// The curves.
+    /// Values of all columns at all stations.
     pub curves: Curves,
     /// Pose of both wheels at each station, or the reason why a station has no pose. Empty for an axle with elastic
     /// parts.

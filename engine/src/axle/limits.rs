@@ -15,7 +15,7 @@ use crate::solve::Solver;
 /// Limits of an axle's motion, found by moving the axle away from its design position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleLimits {
-    /// Ranges of the travels.
+    /// Ranges of the wheels' travels.
     pub travels: TravelRanges,
     /// Ranges of the rockers of each wheel up to their toggles, within the wheel's travel. Empty if one body carries
     /// both wheels.
@@ -23,8 +23,8 @@ pub struct AxleLimits {
     /// Smallest and largest displacement of the rack at zero travel, positive in the outboard direction of the left
     /// wheel. For a steered solid axle, these are displacements of the drag link. `None` if nothing steers the wheels.
     pub rack: Option<[AxleEnd; 2]>,
-    /// Smallest and largest roll angle (radians) at zero heave, with the rack centred. `None` if the angle is not
-    /// known.
+    /// Smallest and largest roll angle (radians) at zero heave, with the rack centred. `None` if the axle has no pose at
+    /// this end or shortly before it.
     pub roll: [Option<AxleEnd>; 2],
 }
 

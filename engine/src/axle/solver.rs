@@ -77,7 +77,7 @@ pub(super) type ReceiveGradients<'r> = dyn FnMut(usize, [&[Vector3<f64>]; 2]) + 
 pub struct AxlePose {
     /// Travels of the left and the right wheel.
     pub travels: [f64; 2],
-    /// Roll angle, radians.
+    /// Roll angle of the body, in radians.
     pub roll: f64,
     /// Displacement of the rack, positive in the outboard direction of the left wheel.
     pub rack: f64,

@@ -9,7 +9,7 @@ pub enum Law<T = f64> {
     Linear {
         /// Force in the design position, or at [`SpringLaw::own_length`] if it is set.
         force: T,
-        /// Force per length.
+        /// Rate: force per shortening of the spring.
         rate: T,
     },
     /// Curve through points (length, force).
@@ -54,7 +54,7 @@ impl Stop {
     /// Both stops.
     pub const ALL: [Self; 2] = [Stop::Bump, Stop::Rebound];
 
-    /// Name in messages.
+    /// Name of the stop in messages.
     pub fn name(self) -> &'static str {
         match self {
             Stop::Bump => "bump stop",
@@ -269,7 +269,7 @@ impl ForceCurve {
         })
     }
 
-    /// The points.
+    /// Points of the curve: pairs of abscissa and value.
     pub fn points(&self) -> &[[f64; 2]] {
         &self.points
     }

@@ -105,7 +105,7 @@ pub struct AxleState<'a, T, W = Reading<T>> {
     pub readings: [W; 2],
     /// Ground in the left wheel's frame: sine and cosine of the roll angle.
     pub ground: Ground<T>,
-    /// Roll angle.
+    /// Roll angle of the body.
     pub roll: T,
     /// Coordinates that stay constant in a motion.
     pub hold: Hold,
@@ -232,7 +232,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         [self.wheel(Side::Left), self.wheel(Side::Right)]
     }
 
-    /// One wheel.
+    /// Returns the wheel on this side.
     #[inline(always)]
     pub fn wheel(&self, side: Side) -> WheelState<'_, T, W> {
         WheelState {

@@ -62,7 +62,7 @@ impl Line {
     }
 }
 
-/// A polynomial. Unknown coefficients are NaN.
+/// A Taylor polynomial in travel and rack displacement. Unknown coefficients are NaN.
 #[derive(Clone, Copy, Debug)]
 pub struct Taylor<T>([T; COEFFICIENTS]);
 

@@ -22,7 +22,7 @@ struct ArmTurn<T> {
     inverse_length: T,
     /// Levers r and r' of the outer joint, and lever L of the point (symbols of this module).
     levers: [Vector3<T>; 3],
-    /// Number 1/r.r.
+    /// Number 1/r.r, with the lever r of the outer joint in the design position.
     inverse: T,
     cosine: T,
     sine: T,

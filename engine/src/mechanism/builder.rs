@@ -26,7 +26,7 @@ pub enum BuildError {
     Number {
         /// Name of the number.
         what: String,
-        /// Its value.
+        /// Value of the number.
         value: f64,
         /// Expected range, in words.
         expected: &'static str,

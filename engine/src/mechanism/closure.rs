@@ -18,9 +18,9 @@ pub enum Driver<T> {
     Travel(T),
     /// Angle of the first arm, from its design position.
     ArmAngle {
-        /// Sine of the angle.
+        /// Sine of the arm's angle.
         sine: T,
-        /// Cosine of the angle.
+        /// Cosine of the arm's angle.
         cosine: T,
     },
 }
@@ -120,13 +120,13 @@ impl<T: Real, D: Dimensions<T>> Outlined for RowToMake<'_, T, D> {
 }
 
 impl<T: Real> Closure<T> {
-    /// Makes the equations of a design.
+    /// Makes the closure equations of a design.
     #[inline(always)]
     pub fn new(mechanism: &Mechanism, design: &[Vector3<T>]) -> Self {
         Closure::of_rows(mechanism, design)
     }
 
-    /// Makes the equations for built parts.
+    /// Makes the closure equations for built parts.
     #[inline(always)]
     pub(crate) fn of_parts(mechanism: &Mechanism, parts: PartDimensions<T>) -> Self {
         Closure::of_rows(mechanism, parts)

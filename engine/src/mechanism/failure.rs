@@ -173,7 +173,7 @@ pub struct PartMeasure {
     pub sine: f64,
 }
 
-/// A toggle of a rocker.
+/// A toggle of a rocker: the dead centre at which its rod can no longer turn it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Toggle {
     /// Last travel at which the rod still has leverage. The toggle is about 1e-10 mechanism sizes beyond it.

@@ -13,7 +13,7 @@ pub enum NoPose {
     /// A wheel of an axle has no pose at its travel.
     #[error("{} wheel at travel {travel:.6}: {failure}", side.name())]
     Wheel {
-        /// The wheel.
+        /// Wheel that has no pose.
         side: Side,
         /// Travel of this wheel.
         travel: f64,

@@ -31,9 +31,9 @@ use std::cmp::Ordering;
 /// Quantity that moves while all other quantities are fixed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Moving {
-    /// The drive.
+    /// The drive moves, and the rack is fixed.
     Drive,
-    /// The rack.
+    /// The rack moves, and the drive is fixed.
     Rack,
 }
 
@@ -449,7 +449,7 @@ fn bordered(rows: &[[f64; 7]; 6], last: &[f64; 7]) -> Option<Lu<f64, 7>> {
     Lu::of(square, 1.0)
 }
 
-/// Largest row sum of the inverse.
+/// Largest row sum of the inverse of the matrix with these factors.
 fn inverse_norm(factors: &Lu<f64, 7>) -> f64 {
     let rows = factors.inverse();
     rows.iter().map(|row| magnitude(row)).fold(0.0, f64::max)

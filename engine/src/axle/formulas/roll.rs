@@ -61,7 +61,7 @@ pub(crate) fn jacking<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> [T;
     ]
 }
 
-/// Track at the ground.
+/// Track: distance of the contact points across the vehicle.
 #[inline(always)]
 pub(crate) fn track<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     state.track()

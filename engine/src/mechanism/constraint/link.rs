@@ -35,7 +35,7 @@ use crate::number::{Real, Vector3, outlined};
 pub(crate) struct RodLength<T> {
     /// Number d0.d0/2, half the squared length in the design position.
     half_squared: T,
-    /// Inverse length 1/|d0|.
+    /// Inverse length 1/|d0| of the rod.
     pub(super) scale: T,
 }
 

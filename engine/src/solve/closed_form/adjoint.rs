@@ -100,7 +100,7 @@ struct Legs<T> {
 
 /// Outer joint of an arm in a pose.
 struct Joint<T> {
-    /// Displacement from the design position.
+    /// Displacement of the joint from the design position.
     moved: Vector3<T>,
     /// Vector rho/rho^2, with rho from the centre of the joint's circle to the joint.
     radius: Vector3<T>,

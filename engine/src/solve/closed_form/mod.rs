@@ -69,7 +69,8 @@ pub struct ClosedForm<T> {
     wheel_height: T,
 }
 
-/// The mechanism at one arm angle.
+/// State of the mechanism at one angle of the lower arm. The heads of this module and of module `upper` explain the
+/// symbols.
 #[derive(Clone, Copy, Debug)]
 pub struct ArmState<T> {
     ball_joint: Vector3<T>,
@@ -117,7 +118,7 @@ impl ClosedForm<f64> {
 }
 
 impl<T: Real> ClosedForm<T> {
-    /// Makes the constants of a design.
+    /// Makes the constants of the closed form for a design.
     #[inline(always)]
     pub fn new(roles: &Roles, design: &[Vector3<T>]) -> Self {
         ClosedForm::with_carrier(roles, design).0

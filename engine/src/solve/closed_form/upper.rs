@@ -23,7 +23,7 @@ use super::roles::{Roles, UpperRoles};
 use crate::number::Real;
 use crate::number::Vector3;
 
-/// Constants of the upper end.
+/// Constants of the upper end in one design.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Upper<T> {
     Strut {
@@ -32,7 +32,7 @@ pub(crate) enum Upper<T> {
         foot: Vector3<T>,
         /// Unit vector u along the strut line.
         line: Vector3<T>,
-        /// Product m.m.
+        /// Product m.m: squared distance of the ball joint from the strut line.
         foot_squared: T,
         /// Inverse length 1/|d0|, with d0 the vector from ball joint to mount in the design position.
         scale: T,

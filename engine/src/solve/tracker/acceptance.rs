@@ -84,7 +84,7 @@ impl<B: SimdReal> Acceptance<B> {
         self.accepted = self.accepted & mask;
     }
 
-    /// Accepted lanes.
+    /// SIMD lanes whose designs are accepted.
     #[inline(always)]
     pub fn lanes(&self) -> B::Mask {
         self.accepted

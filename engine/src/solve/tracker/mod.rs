@@ -142,7 +142,7 @@ pub trait LanePose<B: SimdReal> {
     /// A point of the steering axis, the vector along it, and the lanes in which both are accurate. An instantaneous axis is
     /// accurate if the rack rotates the knuckle enough and the axis is not near horizontal.
     fn steering_axis(&self) -> (Vector3<B>, Vector3<B>, B::Mask);
-    /// Derivatives with respect to the drive.
+    /// Velocities of the knuckle per unit of the drive.
     fn rates(&self) -> LaneRates<B>;
     /// Velocity of the knuckle's origin and angular velocity, both per unit of rack displacement with the drive
     /// held, from the rates of this pose.

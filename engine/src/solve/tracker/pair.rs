@@ -68,7 +68,7 @@ pub struct PairStations {
     pub rack: f64,
     /// Largest height by which a steering gear lifts a wheel centre of the base design, at zero travel of the axle.
     pub lift: f64,
-    /// Travels or roll angles.
+    /// Travels (in heave) or roll angles of the stations, and the order in which they are visited.
     pub order: StationOrder,
 }
 
@@ -89,7 +89,7 @@ pub struct GroundContact<B> {
     pub travels: [B; 2],
     /// The ground in the left wheel's frame.
     pub ground: Ground<B>,
-    /// Roll angle.
+    /// Roll angle of the body.
     pub roll: B,
 }
 
@@ -108,7 +108,7 @@ pub trait VisitPair<B: SimdReal> {
 
 /// A wheel, linearised about unknowns near a pose.
 pub(super) struct Linear<B: SimdReal> {
-    /// Wheel centre.
+    /// Position of the wheel centre.
     pub centre: Vector3<B>,
     /// Unit vector along the spin axis.
     pub axis: Vector3<B>,
@@ -128,7 +128,7 @@ pub(super) struct Corrected<B: SimdReal, const N: usize> {
     pub is_settled: B::Mask,
     /// Unknowns. Six unknowns are corrected once more for the remaining residuals.
     pub unknowns: [B; N],
-    /// Wheel centre.
+    /// Position of the wheel centre.
     pub centre: Vector3<B>,
     /// Unit vector along the spin axis.
     pub axis: Vector3<B>,

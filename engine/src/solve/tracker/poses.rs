@@ -143,7 +143,7 @@ impl CornerTracker<'_> {
 struct Tracking<'t, 'm> {
     tracker: &'t CornerTracker<'m>,
     design: &'t [Vector3<f64>],
-    /// Index of the rack displacement.
+    /// Index of this rack displacement in the tracker's list.
     number: usize,
     /// Rack displacement.
     rack: f64,

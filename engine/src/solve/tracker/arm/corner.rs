@@ -18,7 +18,7 @@ pub(in crate::solve::tracker) struct ArmCorner<'w, 'd, B, V> {
     pub(super) visitor: &'w mut V,
     /// Derivative of the half-angle tangent with respect to the drive, for the corrections.
     pub(super) slope: B,
-    /// State after the last correction.
+    /// State of the closed form after the last correction.
     pub(super) state: ArmState<B>,
     /// Change of the half-angle tangent in the last correction.
     pub(super) step: B,

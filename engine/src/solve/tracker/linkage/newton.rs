@@ -23,7 +23,7 @@ pub(in crate::solve::tracker) struct NewtonSteps<'w, 'd, B> {
     pub(super) method: &'w ByLinkage,
     linkage: &'w LinkageDesign<'d, B>,
     tolerance: f64,
-    /// Equations linearised about the latest unknowns.
+    /// Closure equations linearised about the latest unknowns.
     pub(super) linear: RefCell<Linear<B>>,
     /// Determinants of the blocks A and S (module `linkage`) in the linearisation with which each lane converged.
     pub(super) determinants: [B; 2],
@@ -90,7 +90,7 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
         }
     }
 
-    /// Design of the lanes.
+    /// Constants of the designs in the SIMD lanes.
     #[inline(always)]
     pub(super) fn linkage(&self) -> &'w LinkageDesign<'d, B> {
         self.linkage

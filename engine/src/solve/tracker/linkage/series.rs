@@ -77,7 +77,7 @@ impl<B: SimdReal> Outlined for SubtractingSeries<'_, B> {
 }
 
 impl ByLinkage {
-    /// Adjoint at a configuration along the travel.
+    /// Makes the [`SeriesAdjoint`] for a configuration that is a series along the travel.
     #[inline(always)]
     pub(crate) fn series_adjoint<'p, B: SimdReal>(
         &self,

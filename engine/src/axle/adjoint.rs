@@ -50,12 +50,14 @@ pub(super) fn inputs_on_tape<const N: usize>(parts: &Parts, lines: usize) -> usi
     parts.count * N * lines
 }
 
-/// Adds the gradient of an output with respect to every hardpoint to `gradient`. `by` contains the derivatives of the output with
-/// respect to the inputs of one line, in the order of [`Reading::on_tape`]. `buffer` has one entry per point.
+/// Adds the gradient of an output with respect to every hardpoint to `gradient`. `by` contains the derivatives of the
+/// output with respect to the inputs of one straight line in travel and rack, in the order of [`Reading::on_tape`].
+/// `buffer` is working memory with one entry per point.
 ///
-/// An adjoint pass with a seed series S returns the series of S.u_p, where u_p is the derivative of the input u with
-/// respect to hardpoint p. In S, the coefficient of e^(N-1-k) is the derivative of the output with respect to the
-/// coefficient of e^k of u. So the coefficient of e^(N-1) of S.u_p is the required derivative.
+/// The series are in powers of e, the parameter of the line. Let u_p be the derivative of the input u with respect to
+/// hardpoint p. An adjoint pass with a seed series S returns the series of S.u_p. In S, the coefficient of e^(N-1-k) is the
+/// derivative of the output with respect to the coefficient of e^k of u. So the coefficient of e^(N-1) of S.u_p is the
+/// required derivative.
 pub(super) fn add_gradient<const N: usize>(
     linearised: &Linearised<'_, N>,
     parts: &Parts,
@@ -112,8 +114,8 @@ fn push<const N: usize>(
     if places.design.centre.x.is_some() {
         Slot::DesignCentre.push(design.centre, at, sink);
     }
-    // Let g be the seed of a column c of the rotation matrix. A small rotation d of the carrier moves c by d x c. So it changes the
-    // output by g.(d x c) = d.(c x g).
+    // Let g be the seed of a column c of the carrier's rotation matrix: the gradient of the output with respect to c. A
+    // small rotation d of the carrier moves c by d x c. So it changes the output by g.(d x c) = d.(c x g).
     for (column, seed) in at.carrier_rotation().columns.into_iter().zip(rotation) {
         sink.carrier_turn(column.cross(*seed));
     }

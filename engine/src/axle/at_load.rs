@@ -1,9 +1,9 @@
 //! Poses in roll at constant load. The mean travel is a result.
 //!
-//! When a car rolls, the load on its axle stays the same, but its height may change. At the mean travel z, the sum of
-//! the wheel loads equals the sum F_0 of the level axle with the rack centred: F(z) = F_0. The derivative of F with
-//! respect to z is twice the ride rate without the tyre. Newton's method finds the root. For the design p and a given
-//! roll angle,
+//! When a car rolls, the load on its axle stays the same, but its height may change. F(z) is the sum of the wheel loads at
+//! the mean travel z. F_0 is this sum for the level axle with the rack centred. So z is the root of F(z) = F_0. The
+//! derivative F_z of F with respect to z is twice the ride rate without the tyre. Newton's method finds the root. At a
+//! given roll angle, the derivative of z with respect to the design p is
 //!
 //! ```text
 //! dz/dp = (dF_0/dp - dF/dp)/F_z
@@ -17,12 +17,12 @@ use crate::mechanism::NoPose;
 use crate::model::Side;
 use crate::number::{Each, Vector3};
 
-/// Number of terms of the series that loads need. Loads contain velocities, and the program differentiates loads with respect
-/// to the travel and the design.
+/// Number of terms of the power series from which wheel loads are computed. Wheel loads contain velocities, and the program
+/// differentiates wheel loads with respect to the travel and the design.
 pub(super) const LOAD_TERMS: usize = 3;
 /// Largest number of Newton steps, including steps back to a travel that the wheels can reach.
 const MOST_STEPS: usize = 60;
-/// Smallest step of the roll angle, as a fraction of the roll angle.
+/// Smallest step of the roll angle, as a fraction of the required roll angle.
 const LEAST_STEP: f64 = 1.0 / 64.0;
 
 /// Wheel loads whose sum stays constant.
@@ -55,7 +55,8 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
         }
     }
 
-    /// Finds the pose in which the axle carries the same load as when it is level at the travel `level`.
+    /// Finds the pose in which the axle carries the same load as when it is level at the travel `level`, with the rack
+    /// centred.
     ///
     /// Newton's method starts at the mean travel of the level axle. It can fail there, for example because a wheel
     /// cannot reach its travel. Then the roll angle increases from zero in steps. Each step starts from the mean travel
@@ -82,7 +83,8 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
         }
     }
 
-    /// Newton's method for the mean travel at which the load is `wanted`.
+    /// Newton's method for the mean travel at which the sum of the wheel loads is `wanted`. It begins at the mean travel
+    /// `start`.
     fn descend(
         &mut self,
         start: f64,
@@ -135,7 +137,8 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
         })
     }
 
-    /// Derivatives of the mean travel with respect to the hardpoints of both sides, at constant load.
+    /// Derivatives of the mean travel with respect to the hardpoints of both sides. The sum of the wheel loads stays
+    /// constant.
     pub(super) fn heave_by_design(
         &mut self,
         level: f64,
@@ -153,7 +156,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
 }
 
 impl<'a, const N: usize> AxleSolver<'a, N> {
-    /// Returns the solver for loads, with the designs of this solver.
+    /// Returns a second solver for the same designs. Its power series are long enough for wheel loads ([`LOAD_TERMS`]).
     pub(super) fn loads(&mut self) -> Result<&mut AxleSolver<'a, LOAD_TERMS>, NoPose> {
         if self.loads.is_none() {
             let made = AxleSolver::new(self.axle, &LOADS, false);
@@ -166,7 +169,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.loads.as_deref_mut().ok_or(NoPose::NoLoad)
     }
 
-    /// Finds the pose in which the axle carries the same load as when it is level at the travel `level`.
+    /// Finds the pose in which the axle carries the same load as when it is level at the travel `level`, with the rack
+    /// centred.
     pub(super) fn at_load(&mut self, level: f64, roll: f64, rack: f64) -> Result<AxlePose, NoPose> {
         self.loads()?.found(level, roll, rack)
     }

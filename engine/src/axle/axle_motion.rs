@@ -24,7 +24,7 @@ pub struct AxleMotion {
     pub wheels: WheelMotion,
     /// Displacements of the rack.
     pub racks: Vec<f64>,
-    /// Rule that combines the values into stations.
+    /// Rule that combines the values of the coordinates into stations.
     pub combine: Combine,
     /// True if results have a column for the rack.
     pub shows_rack: bool,
@@ -52,7 +52,7 @@ pub enum WheelMotion {
     Roll {
         /// Mean travels of the wheel centres.
         heave: Vec<f64>,
-        /// Roll angles.
+        /// Roll angles of the body.
         roll: Vec<f64>,
         /// True if roll does not change the sum of the wheel loads. This sum is then the sum without roll at this
         /// heave, and the program computes the mean travel from it.
@@ -246,10 +246,10 @@ impl AxleMotion {
         }
     }
 
-    /// Returns the index of the station's time. The result is 0 if the motion is not a function of time.
+    /// Index of the station's time in the list of times. The result is 0 if the motion is not a function of time.
     pub(super) fn time_at(&self, station: usize) -> usize {
         let Some(time) = &self.time else { return 0 };
-        // Number of neighbouring stations with the same value of this coordinate.
+        // Number of neighbouring stations with the same value of the coordinate that is a function of time.
         let repeated = match (time.coordinate, &self.wheels) {
             (Coordinate::Rack | Coordinate::SteeringWheel, _) => self.stations() / self.racks.len(),
             (Coordinate::Heave, WheelMotion::Roll { roll, .. }) => roll.len(),
@@ -266,7 +266,8 @@ impl AxleMotion {
         Some(self.steering_wheel.as_ref()?[station / per_rack])
     }
 
-    /// Checks that another study can have this motion: the checks of a study's own motion.
+    /// Checks that the axle `other` with the plan `plan` can have this motion. The conditions are the same as for a motion
+    /// in the axle's own study. The error is a sentence with the reason.
     fn check_for(&self, other: &Axle, plan: &AxlePlan) -> Result<(), String> {
         let by_time = self.time.as_ref().map(|time| time.coordinate.motion());
         let at_load = matches!(self.wheels, WheelMotion::Roll { at_load: true, .. });
@@ -292,7 +293,8 @@ impl AxleMotion {
         Err(why.to_owned())
     }
 
-    /// Converts this motion of the axle `own` to a motion of the other study, with its length unit and its steering ratio.
+    /// Converts this motion of the axle `own` to a motion of the study `other`, with the length unit and the steering ratio
+    /// of `other`.
     ///
     /// # Errors
     ///

@@ -8,10 +8,12 @@ use crate::model::AxleTravel;
 pub enum Carriers {
     /// Each wheel has its own carrier. The carrier moves with the travel of this wheel and with the rack.
     Independent,
-    /// One body carries both wheels. The position of a wheel is a function of two travels of the axle. One travel drives the axle.
-    /// The other travel is held: it stays constant, and takes the place of the rack displacement.
+    /// One body carries both wheels. The position of a wheel is a function of two travels of the axle: the mean travel, and
+    /// half the difference of the travels. One of these travels drives the axle. The other is held: it stays constant, and
+    /// takes the place of the rack displacement.
     Rigid(AxleTravel),
-    /// One body carries both wheels, and each wheel is on a knuckle that turns in this body.
+    /// One body carries both wheels, and each wheel is on a knuckle that turns in this body. The [`AxleTravel`] is the held
+    /// travel.
     Steered(AxleTravel),
 }
 

@@ -61,7 +61,7 @@ macro_rules! catalogue {
             /// All quantities of a wheel, in the order of the catalogue.
             pub const ALL: &'static [WheelQuantity] = &[$(WheelQuantity::$wheel),*];
 
-            /// Catalogue entry.
+            /// Catalogue entry of the quantity: name, unit, sign, formula, source and required inputs.
             pub fn info(self) -> &'static Info {
                 match self {
                     $(WheelQuantity::$wheel => &Info {
@@ -72,7 +72,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// Returns the value at one wheel. The compiler makes a separate function of each formula.
+            /// Returns the value of the quantity at one wheel. The compiler makes a separate function of each formula.
             pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &AxleState<T, W>, side: Side) -> T {
                 match self {
                     $(WheelQuantity::$wheel => call_outlined((state, side), |(state, side)| $wfunction(state, side)),)*
@@ -86,7 +86,8 @@ macro_rules! catalogue {
                 }
             }
 
-            /// Returns the values in SIMD lanes. They are NaN if the quantity is not available in lanes.
+            /// Returns the values of the quantity at one wheel, in SIMD lanes. They are NaN if the quantity is not
+            /// available in lanes.
             #[inline(always)]
             pub fn evaluate_in_lanes<B: SimdReal, W: WheelParts<B>>(self, state: &AxleState<B, W>, side: Side) -> B {
                 match self {
@@ -99,7 +100,7 @@ macro_rules! catalogue {
             /// All quantities of an axle, in the order of the catalogue.
             pub const ALL: &'static [AxleQuantity] = &[$(AxleQuantity::$axle),*];
 
-            /// Catalogue entry.
+            /// Catalogue entry of the quantity: name, unit, sign, formula, source and required inputs.
             pub fn info(self) -> &'static Info {
                 match self {
                     $(AxleQuantity::$axle => &Info {
@@ -110,7 +111,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// Returns the value for the axle. The compiler makes a separate function of each formula.
+            /// Returns the value of the quantity for the axle. The compiler makes a separate function of each formula.
             pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &AxleState<T, W>) -> T {
                 match self {
                     $(AxleQuantity::$axle => call_outlined(state, $function),)*
@@ -124,7 +125,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// Returns the values in SIMD lanes. They are NaN if the quantity is not available in lanes.
+            /// Returns the values of the quantity in SIMD lanes. They are NaN if the quantity is not available in lanes.
             #[inline(always)]
             pub fn evaluate_in_lanes<B: SimdReal, W: WheelParts<B>>(self, state: &AxleState<B, W>) -> B {
                 match self {
@@ -295,7 +296,7 @@ impl Quantity {
         names
     }
 
-    /// Name in columns, without the unit.
+    /// Name of the quantity in columns of results, without the unit.
     pub fn name(self) -> String {
         let of_side = |side: Side, name: &str| format!("{}_{name}", side.name());
         match self {
@@ -315,7 +316,7 @@ impl Quantity {
         }
     }
 
-    /// Catalogue entry.
+    /// Catalogue entry of the quantity: name, unit, sign, formula, source and required inputs.
     pub fn info(self) -> Info {
         match self {
             Quantity::Corner(_, c) => *c.info(),
@@ -330,7 +331,7 @@ impl Quantity {
         self.info().rate_order
     }
 
-    /// Value in a state of the axle.
+    /// Value of the quantity in a state of the axle.
     pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &AxleState<T, W>) -> T {
         match self {
             Quantity::Corner(side, c) => {
@@ -378,7 +379,7 @@ impl Quantity {
         void.or(plane).unwrap_or(NoValue::NotFinite).reason()
     }
 
-    /// Value in a state, or the reason for a missing value.
+    /// Value of the quantity in a state of the axle, or the reason for a missing value.
     pub fn value(self, state: &AxleState<f64>) -> Result<f64, NoValue> {
         let is_void = |void: &NoValue| match void {
             NoValue::StraightAhead => steering::is_straight_ahead(state),

@@ -1,17 +1,19 @@
 //! Certificates of an axle's pose: rigorous bounds for the poses of both wheels and for the conditions at the ground.
 //!
-//! On a plane ground, the program certifies one additional number u. If the roll angle is given, u is half the
-//! difference s of the travels. If both travels are given, u is the roll angle. The exact value of u is the root of f =
-//! h_l - h_r, the difference in height of the contact points. With f enclosed at the computed number u, and f' enclosed
-//! over [u - d, u + d],
+//! On a plane ground, the program certifies one additional number u. If the roll angle is given, u is half the difference s
+//! of the travels. If both travels are given, u is the roll angle. The exact value of u is the root of f = h_l - h_r, the
+//! difference in height of the contact points. The program computes two enclosures, i.e. intervals that certainly contain a
+//! number: f at the computed u, and f' over [u - d, u + d]. Then
 //!
 //! ```text
 //! f' > 0 and |f(u)| <= d f'   =>   one and only one root in [u - d, u + d], and |root - u| <= |f(u)|/f'
 //! ```
 //!
-//! In roll, f' = n.C_l' + n.C_r', on poses enclosed over the intervals of travel ([`Certifier::over_travels`]). The
-//! derivative of f with respect to the roll angle is the track. The sine and cosine of the angle, the design and the
-//! radius are enclosed, too. So the certificate applies to the exact axle whose numbers are the given doubles.
+//! In roll, f' = n.C_l' + n.C_r', on poses enclosed over the intervals of travel ([`Certifier::over_travels`]). n is the
+//! normal of the ground. C_l' and C_r' are the velocities of the carriers' points at the contact points, each with respect
+//! to its wheel's travel. The derivative of f with respect to the roll angle is the track. The sine and cosine of the roll
+//! angle, the hardpoints and the wheel radius are enclosed, too. So the certificate applies to the exact axle whose numbers
+//! are the given doubles.
 
 use super::solver::{AxlePose, Placement};
 use super::{Axle, Ground};
@@ -55,9 +57,11 @@ struct Wheel<'a> {
     rise: f64,
 }
 
-/// Largest number of times that the interval is reduced to a quarter. After that, the certificate fails.
+/// Largest number of times that the interval around a computed number is reduced to a quarter. After that, the certificate
+/// fails.
 const MOST_QUARTERINGS: usize = 24;
-/// Factor on the width of the interval after a failed attempt. It changes the path, not the result.
+/// Factor on the width of this interval after a failed attempt. It changes the number of attempts, not the validity of the
+/// result.
 const NARROWER: f64 = 0.25;
 /// Half-width of the widest interval in which the roll angle is certified, in radians.
 const WIDEST_ROLL: f64 = 0.1;
@@ -66,13 +70,13 @@ const WIDEST_ROLL: f64 = 0.1;
 struct Root {
     /// Bound on the distance between the root and the computed number.
     off: f64,
-    /// Half-width of the interval that certainly contains no other root.
+    /// Half-width of the interval around the computed number that certainly contains no other root.
     alone: f64,
 }
 
 impl Root {
-    /// Certifies that `function` has a root near `at`. `function` returns intervals that enclose its value and its derivative over
-    /// an interval. `None` if the root cannot be certified.
+    /// Certifies that `function` has a root near `at`, inside the half-width `widest`. `function` returns intervals that
+    /// enclose its value and its derivative over an interval. `None` if the root cannot be certified.
     fn near(
         at: f64,
         widest: f64,
@@ -87,8 +91,8 @@ impl Root {
         let mut alone = widest;
         for _ in 0..MOST_QUARTERINGS {
             if let Some(off) = off_by(alone) {
-                // The root is certainly within the distance `off`. Over this shorter interval, the enclosure of the
-                // slope is narrower.
+                // The root is certainly within the distance `off` of the computed number. Over this shorter interval, the
+                // derivative of the function has narrower bounds.
                 let off = off_by(off).unwrap_or(off);
                 return Some(Root { off, alone });
             }
@@ -114,8 +118,8 @@ impl<'a> Wheel<'a> {
             let [x, y, z] = lever.to_array().each(f64::abs);
             1.0 + (x + y + z) / scale
         };
-        // For a rigid axle, the travel that drives it is half the sum or half the difference of the rises of the wheel centres.
-        // So the larger of both bounds holds for this travel.
+        // For a rigid axle, the travel that drives it is half the sum or half the difference of the rises of the wheel
+        // centres. So the larger bound of the two wheel centres also holds for this travel.
         let far = mechanism
             .rigid_axle
             .as_ref()
@@ -127,7 +131,7 @@ impl<'a> Wheel<'a> {
             prover,
             mechanism,
             design: suspension.design.iter().map(exact).collect(),
-            // The last factor covers a few rounding errors of positive numbers.
+            // The factor 1 + 8 epsilon covers a few rounding errors of positive numbers.
             rise: rise * (1.0 + 8.0 * f64::EPSILON),
         }
     }
@@ -207,7 +211,7 @@ impl<'a> AxleCertifier<'a> {
                 let wheels = over(travels.each(Interval::point))?;
                 let roll = on_plane.then_some(placed.roll);
                 let proof = self.at_travels(&wheels, roll)?;
-                // The last term covers the rounding of the mean of both travels.
+                // The bound on the travel error of a rigid axle is the rounding error of the mean of both travels.
                 let rounding = if self.is_rigid {
                     f64::EPSILON * (travels[0].abs() + travels[1].abs())
                 } else {
@@ -246,8 +250,8 @@ impl<'a> AxleCertifier<'a> {
         let ground = Ground { sine, cosine }.map(Jet::constant);
         let half = 0.5 * (travels[0] - travels[1]);
         let written = travels.each(Interval::point);
-        // The intervals include the stored travels. At these travels, the poses are certified to be on the solution
-        // branch of the design position.
+        // The intervals include the travels that the solver found. At these travels, the poses are certified to be on the
+        // solution branch of the design position.
         let travels = |half: Interval| {
             let heave = Interval::point(heave);
             let [left, right] = written;
@@ -264,8 +268,8 @@ impl<'a> AxleCertifier<'a> {
         let found = travels(around(half, root.off));
         let wheels = over(found)?;
         let errors = [0, 1].each(|wheel| (found[wheel] - written[wheel]).magnitude());
-        // Any other pose close to the poses of both wheels would have travels in the interval, but the interval
-        // contains only one root.
+        // Any other pose close to the poses of both wheels would have travels in the interval around the root. But this
+        // interval contains only one root.
         let nearest = nearest_other(&over(travels(around(half, root.alone)))?);
         let reach = |wheel: usize| {
             let error = wheels[wheel].certificate.error;

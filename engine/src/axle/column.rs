@@ -14,7 +14,7 @@ use crate::number::{Each, Jet};
 /// A column of values in the results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleColumn {
-    /// Name with unit.
+    /// Name of the column, with its unit.
     pub name: String,
     /// Content of the column.
     pub of: Of,
@@ -37,15 +37,15 @@ pub enum Of {
     Quantity(Quantity),
     /// A coordinate of a point of one wheel's suspension.
     Point {
-        /// The wheel.
+        /// Wheel whose suspension has the point.
         side: Side,
         /// Index of the point in [`AxlePlan::points`](super::AxlePlan::points).
         number: usize,
-        /// The point.
+        /// Identifier of the point.
         id: PointId,
-        /// The coordinate.
+        /// Axis along which the coordinate is measured.
         axis: Axis,
-        /// Name without the unit.
+        /// Name of the column without the unit.
         name: String,
         /// Rocker that carries the point. `None` if no rocker carries it.
         rocker: Option<RockerId>,
@@ -54,9 +54,9 @@ pub enum Of {
     Turn(Side, Axis),
     /// Force in a member that carries a load on one wheel.
     Force {
-        /// Name without the unit.
+        /// Name of the column without the unit.
         name: String,
-        /// Meaning of a positive value.
+        /// Meaning of a positive force, in words.
         positive: &'static str,
     },
 }

@@ -33,7 +33,7 @@ impl Coordinate {
         Coordinate::SteeringWheel,
     ];
 
-    /// Key in `[motion]`.
+    /// Key of the coordinate in the section `[motion]` of a study.
     pub fn key(self) -> &'static str {
         match self {
             Coordinate::Roll => "roll",
@@ -100,7 +100,7 @@ impl Coordinate {
 }
 
 impl Placement {
-    /// Travel of a wheel. `None` in roll, because the travels then depend on the design.
+    /// Given travel of a wheel. `None` in roll, because the travels then depend on the design.
     pub fn travel(&self, side: Side) -> Option<f64> {
         match self {
             Placement::Travels { travels, .. } => Some(travels[side as usize]),

@@ -83,7 +83,8 @@ impl Axle {
             derivatives: 0,
             ..plan.at_design()
         };
-        // The ratio does not exist in an equilibrium. In the design position the rigid mechanism has the same sign.
+        // In an equilibrium, the steering ratio does not exist. In the design position, the ratio of the rigid mechanism
+        // has the same sign.
         let ratio = curves_here(self, &plan).ok();
         let ratio = ratio.and_then(|found| found.curves.stations.first()?.value(0));
         ratio.is_some_and(|ratio| ratio < 0.0)
@@ -93,7 +94,7 @@ impl Axle {
 /// Curves of an axle, and their poses.
 #[derive(Clone, Debug)]
 pub struct AxleCurves {
-    /// The curves.
+    /// Values of all columns at all stations.
     pub curves: Curves,
     /// Pose of both wheels at each station, or the reason why a station has no pose. Empty for an axle with elastic
     /// parts.
@@ -111,7 +112,7 @@ impl AxlePlan {
     pub(crate) fn degree_for(&self, by_design: bool) -> usize {
         let orders = self.quantities.iter().map(|q| q.rate_order());
         let along = self.derivatives;
-        // On a plane, the travels depend on the design.
+        // On a plane, the travels depend on the design. So gradients contain one more derivative with respect to travel.
         let by_design = usize::from(by_design && self.is_on_plane());
         orders.max().unwrap_or(0) + along.max(by_design)
     }

@@ -35,7 +35,7 @@ pub(crate) struct Expandable<'a> {
     /// Design in which the wheel was solved. Its steering gear is in the centre position.
     pub(super) design: &'a [Vector3<f64>],
     pub(super) pose: Pose<f64>,
-    /// LU factors of the Jacobian in this pose.
+    /// LU factors of the closure equations' Jacobian in this pose.
     pub(super) factors: Lu6<f64>,
     /// Driving travel and rack displacement of the wheel, in its own frame. For a rigid axle, the held travel takes the place of
     /// the rack displacement.
@@ -60,13 +60,13 @@ pub(crate) struct ExpandedWheel {
 type ByTravel = [Series; TERMS];
 
 impl Expandable<'_> {
-    /// Returns the wheel of the unchanged design.
+    /// Returns the wheel as a function of travel, with a design that does not change.
     pub(crate) fn still(&self) -> ExpandedWheel {
         let design: Vec<_> = self.design.iter().map(|p| p.map(Jet::constant)).collect();
         self.along(&design)
     }
 
-    /// Returns the wheel of a design whose points are series.
+    /// Returns the wheel as a function of travel and of the change of its design. The points of `design` are series in e.
     pub(crate) fn along(&self, design: &[Vector3<Series>]) -> ExpandedWheel {
         let lines = self.lines.iter();
         let series: Vec<Vec<ByTravel>> = match self.mechanism.rigid_axle {

@@ -18,13 +18,13 @@ pub enum ForcePart {
 /// Pose in which a part is farthest beyond an end of its force curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeyondCurve {
-    /// The wheel.
+    /// Wheel to which the part belongs.
     pub side: Side,
-    /// The part.
+    /// Part whose force curve is exceeded.
     pub part: ForcePart,
     /// Length of the spring or compression of the bump stop, in the study's unit.
     pub value: f64,
-    /// Value at the end of the curve, in the same unit.
+    /// Length of the spring or compression of the bump stop at this end of the curve, in the same unit.
     pub end: f64,
     /// Travel of the wheel.
     pub travel: f64,
@@ -33,11 +33,11 @@ pub struct BeyondCurve {
 /// Station at which a spring is in tension.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pull {
-    /// The wheel.
+    /// Wheel to which the spring belongs.
     pub side: Side,
     /// Force of the spring without its stops, in newtons. It is negative.
     pub force: f64,
-    /// Index of the station.
+    /// Index of this station in the curves.
     pub station: usize,
 }
 

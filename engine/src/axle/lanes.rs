@@ -59,8 +59,8 @@ impl<B: SimdReal> WheelParts<B> for LaneWheel<'_, B> {
         }
     }
 
-    /// Lanes contain the angular velocity of the carrier instead of the columns of its rotation matrix. For a rigid
-    /// axle, they also contain the columns of the axle's rotation along x and y.
+    /// The SIMD lanes contain the angular velocity of the carrier instead of the columns of its rotation matrix. For a
+    /// rigid axle, they also contain the columns of the axle's rotation matrix along x and y.
     #[inline(always)]
     fn column(&self, i: usize, powers: [usize; 2]) -> Vector3<B> {
         if self.axle.is_steered {

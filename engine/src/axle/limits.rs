@@ -15,7 +15,7 @@ use crate::solve::Solver;
 /// Limits of an axle's motion, found by moving the axle away from its design position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleLimits {
-    /// Ranges of the travels.
+    /// Ranges of the wheels' travels.
     pub travels: TravelRanges,
     /// Ranges of the rockers of each wheel up to their toggles, within the wheel's travel. Empty if one body carries
     /// both wheels.
@@ -23,8 +23,8 @@ pub struct AxleLimits {
     /// Smallest and largest displacement of the rack at zero travel, positive in the outboard direction of the left
     /// wheel. For a steered solid axle, these are displacements of the drag link. `None` if nothing steers the wheels.
     pub rack: Option<[AxleEnd; 2]>,
-    /// Smallest and largest roll angle (radians) at zero heave, with the rack centred. `None` if the angle is not
-    /// known.
+    /// Smallest and largest roll angle (radians) at zero heave, with the rack centred. `None` if the axle has no pose at
+    /// this end or shortly before it.
     pub roll: [Option<AxleEnd>; 2],
 }
 
@@ -53,13 +53,14 @@ pub struct AxleEnd {
     pub end: RangeEnd,
 }
 
-/// Fraction of the roll angle at which the axle must have a pose. Otherwise the end of the roll angle is not reported.
+/// Fraction of the roll angle at an end of roll. The axle must have a pose at this fraction. Otherwise the end is not
+/// reported.
 const BEFORE_END: f64 = 0.999;
 /// Fraction as in [`BEFORE_END`], but for a rigid axle. Near a fold, where a rigid axle's motion ends, the heights of the
 /// wheels change with the square root of the distance to the fold.
 const BEFORE_FOLD: f64 = 0.97;
-/// Fractions of the travel at a toggle. The program tries them in turn until the axle has a pose. At these fractions,
-/// the heights of the wheels differ from the heights at the toggle by at most 1e-8 of the travel.
+/// Fractions of the travel at which a rod is at its toggle (dead centre). The program tries them in turn until the axle has
+/// a pose. At these fractions, the wheel centres are within 1e-8 of the travel from their heights at the toggle.
 const BEFORE_TOGGLE: [f64; 3] = [1.0 - 1e-12, 1.0 - 1e-10, 1.0 - 1e-8];
 /// Largest displacement of a steering gear, relative to the mechanism's size, in the search for toggles.
 const FARTHEST_GEAR: f64 = 2.0;
@@ -204,11 +205,13 @@ impl<const N: usize> AxleSolver<'_, N> {
     }
 
     /// Finds the roll angle at which the first wheel reaches the end of its travel. `ends` contains the end of the left
-    /// wheel and the end of the right wheel, for one direction of roll. `None` if the angle is not known.
+    /// wheel and the end of the right wheel, for one direction of roll. `None` if no pose exists at this end or shortly
+    /// before it, or if no plane touches both wheels at this end.
     fn roll_end(&mut self, ends: [&RangeEnd; 2]) -> Option<AxleEnd> {
         let [left, right] = ends;
         let end = if self.is_rigid() {
-            // The name of each part of the axle is its name as seen from the left wheel.
+            // From each wheel, the parts of a rigid axle have other names (left or right). The result has the names as seen
+            // from the left wheel.
             AxleEnd {
                 value: left.value(),
                 side: Side::Left,

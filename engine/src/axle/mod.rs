@@ -2,7 +2,7 @@
 //!
 //! An independent axle has two corners at travels z_l and z_r and racks r and -r, each in the kernel's frame of a left
 //! wheel. Each corner is solved like a single wheel, with one difference: its contact point depends on the ground's
-//! normal instead of the vertical. The signs of both wheels are those of ISO 8855. `steer` and `mean_steer` are
+//! normal instead of the vertical. The signs of both wheels follow ISO 8855. `steer` and `mean_steer` are
 //! positive to the left. Roll is positive about +x.
 
 mod adjoint;

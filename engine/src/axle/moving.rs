@@ -21,7 +21,8 @@ impl<W, T: Copy> Clone for Moving<'_, W, T> {
 impl<W, T: Copy> Copy for Moving<'_, W, T> {}
 
 impl<T: Real, W: WheelParts<T>> Moving<'_, W, T> {
-    /// Makes the series of a vector along the motion, from the coefficients of the vector.
+    /// Makes the series of a vector along the motion, from the coefficients of the vector in travel and rack. `of` returns
+    /// the coefficient with the given powers of travel and rack.
     #[inline(always)]
     fn vector_series(
         &self,

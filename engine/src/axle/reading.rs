@@ -58,7 +58,8 @@ impl<T: Copy> WheelPose<T> {
     }
 }
 
-/// Values of a wheel that formulas use, and the index of each value on a tape.
+/// Selection of the values of a wheel that formulas use, and the index of each value on a tape (recorded operations for
+/// derivatives).
 #[derive(Clone, Copy, Debug)]
 pub struct Parts {
     slots: Slots,
@@ -73,7 +74,8 @@ impl Parts {
         let mut slots = Slots::default().with(ALWAYS).with(slots);
         let is_steered = matches!(carriers, Carriers::Steered(_));
         if is_steered {
-            // The kingpin is a line that is fixed in the axle.
+            // The kingpin is a line that is fixed in the axle. So its point and the axle's rotation give the motion of the
+            // axle.
             slots = slots.with(&[Slot::SteeringPoint]);
         }
         if slots.contain_any(NumberPart::SpringLength.slots()) {
@@ -408,7 +410,8 @@ pub trait WheelParts<T: Real>: Copy {
     }
 
     /// Returns the wheel as series in a motion with these rates of travel and rack. `None` means that the rack is at
-    /// rest. Coefficients of the result are known up to one degree less than those of this wheel.
+    /// rest. If coefficients of this wheel are known up to a degree, coefficients of the result are known up
+    /// to one degree less.
     #[inline(always)]
     fn moving(&self, travel: T, rack: Option<T>) -> Moving<'_, Self, T> {
         Moving {

@@ -1,7 +1,8 @@
 //! Springs between the rockers of both wheels: heave spring, T-bar and heave bar.
 //!
-//! l is the distance between the points `heave_spring` of both rockers, l0 its value in the design position. rho_l and rho_r
-//! are the angles of the rockers. The energies are
+//! l is the distance between the points `heave_spring` of both rockers, l0 its value in the design position. rho_l and
+//! rho_r are the angles of the rockers. Each spring has a rate k. In the design position, the heave spring has the force F
+//! and the heave bar the torque M. The energies are
 //!
 //! ```text
 //! heave spring    F s + k s^2/2                  s = l0 - l                                                     (1)

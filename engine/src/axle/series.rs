@@ -1,14 +1,15 @@
 //! Positions of an axle as power series in a number e. The designs, or the displacement of the steering gear, change with e.
 //!
 //! The poses of both wheels are computed from their closure equations, order by order. The travels, or the roll angle, are
-//! computed from the condition f = h_l - h_r = 0 on the heights of both contact points. If the roll angle is given, the travels
-//! are z +- s(e). If both travels are given on a plane, the roll angle phi(e) changes:
+//! computed from the condition f = h_l - h_r = 0 on the heights of both contact points. n is the normal of the ground. C_l'
+//! and C_r' are the velocities of the carriers' points at the contact points, each with respect to its wheel's travel. If
+//! the roll angle is given, the travels are z +- s(e). If both travels are given on a plane, the roll angle phi(e) changes:
 //!
 //! ```text
 //! s_k = -f_k/(n.C_l' + n.C_r'),   phi_k = -f_k/track                                           (1)
 //! ```
 //!
-//! with f_k the coefficient of f that remains when the lower orders of s or phi are known.
+//! with f_k the coefficient of e^k of f, computed with the known lower orders of s or phi.
 //!
 //! In a solid axle, C_b' is the velocity while wheel b rises and the other wheel falls at the same unit rate. The mean travel
 //! is held. In a steered solid axle, the steering gear displaces the drag link's end. If this displacement increases by e in a
@@ -121,7 +122,7 @@ impl SeriesPosition {
         Configuration::new(mechanism, design, pose, rack)
     }
 
-    /// Returns the state of the axle. The travels change by +-`apart`, and the ground rotates by `turn`.
+    /// Returns the state of the axle. The travels change by +-`apart`, and the roll angle of the ground changes by `turn`.
     fn state<'a>(
         &self,
         axle: &'a Axle,

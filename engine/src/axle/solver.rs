@@ -1,9 +1,10 @@
 //! Solver for the position of an axle: it solves both corners and the conditions at the ground.
 //!
-//! On a plane ground with the normal n, both contact points C have the same height h = n.C. So f = h_l(z_l) - h_r(z_r) = 0. For
-//! a given roll angle and z_l, z_r = heave +- s, this is one equation in s. Its slope n.C_l' + n.C_r' is near 2. The slope
-//! stays positive until a wheel reaches a fold, the turning point at which the travel reverses. So Newton's method finds the
-//! only root. For given travels, f = 0 is one equation in the roll angle, with the slope track.
+//! On a plane ground with the normal n, both contact points C have the same height h = n.C. So f = h_l(z_l) - h_r(z_r) = 0.
+//! For a given roll angle and the travels z_l, z_r = heave +- s, this is one equation in s. Its slope n.C_l' + n.C_r' is
+//! near 2, with C' the velocity of the carrier's point at C with respect to travel. The slope stays positive until a wheel
+//! reaches a fold, the turning point at which the travel reverses. So Newton's method finds the only root. For given
+//! travels, f = 0 is one equation in the roll angle, with the slope track.
 
 mod corner;
 mod linearised;
@@ -50,8 +51,8 @@ fn rack_end(failure: &NoPose) -> Option<f64> {
     }
 }
 
-/// Joins the results of both wheels. If neither wheel can reach the rack displacement, returns the failure of the wheel whose
-/// rack range ends first.
+/// Joins the results of both wheels, left first. Returns a failure if a wheel has one. If neither wheel can reach the rack
+/// displacement, this is the failure of the wheel whose rack range ends first.
 pub(super) fn join_results<T>(
     left: Result<T, NoPose>,
     right: Result<T, NoPose>,
@@ -76,7 +77,7 @@ pub(super) type ReceiveGradients<'r> = dyn FnMut(usize, [&[Vector3<f64>]; 2]) + 
 pub struct AxlePose {
     /// Travels of the left and the right wheel.
     pub travels: [f64; 2],
-    /// Roll angle, radians.
+    /// Roll angle of the body, in radians.
     pub roll: f64,
     /// Displacement of the rack, positive in the outboard direction of the left wheel.
     pub rack: f64,
@@ -115,7 +116,8 @@ pub struct AxleSolver<'a, const N: usize> {
 const MOST_STEPS: usize = 80;
 /// Number of terms in the series for the heights of contact points.
 const TERMS: usize = 4;
-/// Largest number of rounds that solve all open placements together. The remaining placements are then solved one by one.
+/// Largest number of rounds in which all unsolved placements are solved together. The remaining placements are then solved
+/// one by one.
 const MOST_ROUNDS: usize = 4;
 /// Largest step along the series of a pose, relative to the mechanism's size. Up to this step, the error of four terms is smaller
 /// than rounding errors, except close to a fold.
@@ -139,7 +141,7 @@ pub struct WheelRead {
     pose: Pose<f64>,
     reading: Reading<f64>,
     condition: Option<f64>,
-    /// Rod at or beyond a toggle. `None` if there is no such rod.
+    /// Rod at or beyond a toggle (the dead centre at which it cannot turn its lever). `None` if there is no such rod.
     toggle: Option<Rod>,
     /// Rockers at or beyond a toggle.
     stuck: Vec<RockerId>,
@@ -204,7 +206,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         })
     }
 
-    /// Requests the condition number of the Jacobian in every position that is read.
+    /// Requests the condition number of the closure equations' Jacobian in every position that is read.
     pub fn find_conditions(&mut self) {
         for corner in &mut self.corners {
             corner.has_condition = true;
@@ -249,7 +251,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.axle.left.mechanism.axle_steering().is_some()
     }
 
-    /// Prepares one wheel in a position for loads. [`Failure::Singular`] if it cannot carry a load, or if the gear is elsewhere.
+    /// Prepares one wheel in a position for loads. The error is [`Failure::Singular`] if the wheel cannot carry a load, or
+    /// if the steering gear has another displacement than in this position.
     pub fn balance(
         &self,
         side: Side,
@@ -267,8 +270,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             .balance(&placed.poses[side as usize], rack, support)
     }
 
-    /// Returns the LU factors of the Jacobian of each wheel in a position. The steering gear must be at the
-    /// displacement of this position. `None` if a Jacobian is singular.
+    /// Returns the LU factors of the closure equations' Jacobian for each wheel in a position. The steering gear must be at
+    /// the displacement of this position. `None` if a Jacobian is singular.
     pub(crate) fn factorised(&self, placed: &AxlePose) -> Option<[Lu6<f64>; 2]> {
         let coordinates = self.coordinates(placed.travels, placed.rack);
         let wheel = |side: Side| {
@@ -288,7 +291,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     }
 
     /// Prepares both wheels of a position of the axle's own design for series along directions of the design. The
-    /// steering gear must be at the displacement of this position. `None` if a Jacobian is singular.
+    /// steering gear must be at the displacement of this position. `None` if the closure equations' Jacobian of a wheel is singular.
     pub(crate) fn expandable(&self, placed: &AxlePose) -> Option<[Expandable<'a>; 2]> {
         let coordinates = self.coordinates(placed.travels, placed.rack);
         let factors = self.factorised(placed)?;
@@ -459,7 +462,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         })
     }
 
-    /// Returns the size of the left wheel's mechanism, the reference for lengths.
+    /// Returns the size of the left wheel's mechanism: the largest distance of a point from the carrier's origin.
+    /// Tolerances for lengths are relative to this size.
     pub(super) fn size(&self) -> f64 {
         self.corners[0].solver.size()
     }

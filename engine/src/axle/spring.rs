@@ -9,7 +9,7 @@ pub enum Law<T = f64> {
     Linear {
         /// Force in the design position, or at [`SpringLaw::own_length`] if it is set.
         force: T,
-        /// Force per length.
+        /// Rate: force per shortening of the spring.
         rate: T,
     },
     /// Curve through points (length, force).
@@ -34,7 +34,8 @@ pub struct SpringLaw<T = f64> {
 /// A stop. The field comments describe a bump stop; for a rebound stop, read extension in place of compression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BumpStop {
-    /// Compression of the spring, from the design position, at which the stop is reached.
+    /// Compression of the spring at which the stop is reached. It counts from the length that [`SpringLaw::own_length`]
+    /// describes.
     pub gap: f64,
     /// Force as a function of the stop's compression, 0 at 0.
     pub curve: ForceCurve,
@@ -53,7 +54,7 @@ impl Stop {
     /// Both stops.
     pub const ALL: [Self; 2] = [Stop::Bump, Stop::Rebound];
 
-    /// Name in messages.
+    /// Name of the stop in messages.
     pub fn name(self) -> &'static str {
         match self {
             Stop::Bump => "bump stop",
@@ -91,8 +92,8 @@ impl<T: Copy> SpringLaw<T> {
         self.reference(design) - length
     }
 
-    /// Returns the force at a length, without the stops. `over` converts the numbers of the law to the number type of
-    /// the length.
+    /// Returns the force of the spring at a length, without the stops. `over` converts the numbers of the law to the number
+    /// type of the length.
     #[inline(always)]
     fn without_stops<U: Valued>(&self, length: U, design: U, over: &impl Fn(T) -> U) -> U {
         match &self.spring {
@@ -103,7 +104,8 @@ impl<T: Copy> SpringLaw<T> {
         }
     }
 
-    /// Returns the force at a length. `over` converts the numbers of the law to the number type of the length.
+    /// Returns the force of the spring with its stops at a length. `over` converts the numbers of the law to the number
+    /// type of the length.
     #[inline(always)]
     fn force_over<U: Valued>(&self, length: U, design: U, over: impl Fn(T) -> U) -> U {
         let shortened = self.shortened(length, design);
@@ -117,7 +119,8 @@ impl<T: Copy> SpringLaw<T> {
     }
 }
 
-/// Combines the force of a stop with a force by `add`, if the spring's change of length exceeds the gap.
+/// Combines the force of a stop with `force` by `add`, if the spring's change of length exceeds the gap of the stop.
+/// Otherwise returns `force`.
 #[inline(always)]
 fn with_stop<U: Valued>(
     stop: &Option<BumpStop>,
@@ -137,7 +140,8 @@ fn with_stop<U: Valued>(
 }
 
 impl<T: Valued> SpringLaw<T> {
-    /// Force and rate (force per shortening) at a length. `design` is the length in the design position.
+    /// Force and rate (force per shortening) of the spring with its stops at a length. `design` is the length in the design
+    /// position.
     #[inline(always)]
     pub(crate) fn at(&self, length: T, design: T) -> (T, T) {
         let series = Jet([length, -length.one()]);
@@ -167,7 +171,8 @@ impl<T: Copy> SpringLaw<T> {
         }
     }
 
-    /// Sets the rate of a linear spring, and keeps the force in the design position. A curve does not change.
+    /// Sets the rate of a linear spring, and keeps the force in the design position (at [`SpringLaw::own_length`] if it is
+    /// set). A curve does not change.
     pub(crate) fn set_rate(&mut self, value: T) {
         if let Law::Linear { rate, .. } = &mut self.spring {
             *rate = value;
@@ -176,18 +181,18 @@ impl<T: Copy> SpringLaw<T> {
 }
 
 impl SpringLaw {
-    /// Force at a length, without the stops. `design` is the length in the design position.
+    /// Force of the spring at a length, without the stops. `design` is the length in the design position.
     pub(crate) fn force_without_stops(&self, length: f64, design: f64) -> f64 {
         self.without_stops(length, design, &|number| number)
     }
 
-    /// Force at a length. `design` is the length in the design position.
+    /// Force of the spring with its stops at a length. `design` is the length in the design position.
     pub fn force<T: Scalar>(&self, length: T, design: T) -> T {
         self.force_over(length, design, |c| length.constant(c))
     }
 
-    /// Energy at a length: integral of the force over the shortening. It is zero in the design position. If
-    /// [`SpringLaw::own_length`] is set, it is zero at this length.
+    /// Energy of the spring with its stops at a length: integral of the force over the shortening. It is zero in the design
+    /// position. If [`SpringLaw::own_length`] is set, it is zero at this length.
     pub fn energy<T: Scalar>(&self, length: T, design: T) -> T {
         let reference = self.reference(design);
         let shortened = reference - length;
@@ -264,7 +269,7 @@ impl ForceCurve {
         })
     }
 
-    /// The points.
+    /// Points of the curve: pairs of abscissa and value.
     pub fn points(&self) -> &[[f64; 2]] {
         &self.points
     }
@@ -300,7 +305,7 @@ impl ForceCurve {
         )
     }
 
-    /// The value at `x`.
+    /// Value of the curve at the abscissa `x`.
     pub fn at<T: Valued>(&self, x: T) -> T {
         let [a, inverse, left, m, quadratic, cubic] = if T::IN_REGISTERS {
             self.pieces(x)
@@ -331,7 +336,7 @@ impl ForceCurve {
         pieces
     }
 
-    /// Integral from the first point to `x`.
+    /// Integral of the curve from its first point to the abscissa `x`.
     pub fn integral<T: Scalar>(&self, x: T) -> T {
         let points = &self.points;
         let end = points.len() - 1;

@@ -92,7 +92,7 @@ pub struct WheelState<'s, T, W = Reading<T>> {
     pub reading: &'s W,
     /// Ground under the wheel.
     pub ground: Ground<T>,
-    /// Loaded radius. NaN if the study does not contain it.
+    /// Loaded radius of the wheel. NaN if the study does not contain it.
     pub radius: f64,
     /// Bodies that carry the wheels.
     pub carriers: Carriers,
@@ -105,7 +105,7 @@ pub struct AxleState<'a, T, W = Reading<T>> {
     pub readings: [W; 2],
     /// Ground in the left wheel's frame: sine and cosine of the roll angle.
     pub ground: Ground<T>,
-    /// Roll angle.
+    /// Roll angle of the body.
     pub roll: T,
     /// Coordinates that stay constant in a motion.
     pub hold: Hold,
@@ -232,7 +232,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         [self.wheel(Side::Left), self.wheel(Side::Right)]
     }
 
-    /// One wheel.
+    /// Returns the wheel on this side.
     #[inline(always)]
     pub fn wheel(&self, side: Side) -> WheelState<'_, T, W> {
         WheelState {
@@ -442,9 +442,10 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
 }
 
 impl<T: Real> AxleState<'_, T> {
-    /// Corrects travels or roll angle to first order, so that both wheels are on the same ground. The corrected numbers are
-    /// those that the study does not give: the travels or the roll angle. In numbers with gradients, the correction also adds
-    /// the gradients of these results. The arguments are the values of F and of the track, without derivatives.
+    /// Corrects the travels or the roll angle to first order, so that both wheels are on the same ground. If the study
+    /// gives the roll angle, the travels change. If the study gives both travels, the roll angle changes. In numbers with
+    /// gradients, the correction also adds the gradients of these results. The arguments are the values of F (equations of
+    /// this module) and of the track, without derivatives.
     pub fn settled(&self, [rise, track]: [f64; 2]) -> Self {
         let like = self.like();
         match self.hold {

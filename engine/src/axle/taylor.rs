@@ -62,7 +62,7 @@ impl Line {
     }
 }
 
-/// A polynomial. Unknown coefficients are NaN.
+/// A Taylor polynomial in travel and rack displacement. Unknown coefficients are NaN.
 #[derive(Clone, Copy, Debug)]
 pub struct Taylor<T>([T; COEFFICIENTS]);
 
@@ -81,7 +81,7 @@ impl<T: Real> Taylor<T> {
     }
 
     /// Makes the polynomial from its series along the lines of [`Line::needed`]. Each series lists its coefficients by
-    /// rising degree. All series have the same length.
+    /// rising power of the line's parameter. All series have the same length.
     pub fn through(lines: &[&[T]]) -> Self {
         let first = lines[0];
         let mut taylor = Taylor::unknown(first[0]);

@@ -12,10 +12,10 @@
 //! f - p = f^(8)(..) h^8 t^4 (1-t)^4/8!                                                                          (4)
 //! ```
 //!
-//! D_k is the k-th coefficient of f at the second node minus that of the cubic c_0 + c_1 t + c_2 t^2 + c_3 t^3. The
+//! D_k is a difference of k-th coefficients at the second node: f minus the cubic c_0 + c_1 t + c_2 t^2 + c_3 t^3. The
 //! error (4) and the error of its derivative with respect to t fall with the eighth power of h. The error of the derivative
-//! is largest near t = 0.31. At this t, each piece is compared with one more pose: value and derivative must agree. If
-//! they differ by more than rounding errors, or this pose does not exist, the length of all pieces is halved.
+//! is largest near t = 0.31. At this t, each piece is compared with one more pose: value and derivative must agree. If they
+//! differ by more than rounding errors, or this pose does not exist, the length of all pieces is halved.
 
 use super::reading::{Reading, WheelParts};
 use super::solver::AxleSolver;
@@ -46,9 +46,9 @@ const SINGLE: [NumberPart; 3] = [
     NumberPart::BarAngle,
     NumberPart::RockerAngle,
 ];
-/// Index of the first column of the rotation matrix.
+/// Index of the first number of the rotation matrix, among all numbers of a curve.
 const COLUMNS: usize = 3 * VECTORS.len();
-/// Index of the first scalar.
+/// Index of the first scalar, among all numbers of a curve.
 const NUMBERS: usize = COLUMNS + 9;
 /// Count of all numbers, rounded up to a multiple of [`LANES`]. The last numbers are unused.
 const COUNT: usize = (NUMBERS + SINGLE.len()).next_multiple_of(LANES);
@@ -82,7 +82,7 @@ impl CurveWheel {
         }
     }
 
-    /// Makes a wheel with those values of `reading` that curves contain.
+    /// Makes a wheel from the values of `reading` that curves contain.
     fn of(reading: &Reading<f64>) -> Self {
         let mut wheel = CurveWheel::unknown();
         for (k, numbers) in wheel.coefficients.iter_mut().enumerate() {
@@ -98,7 +98,7 @@ impl CurveWheel {
         wheel
     }
 
-    /// Returns the coefficients of powers of travel. The unit of travel is the length of a piece.
+    /// Returns the coefficients of powers of travel, with the length of a piece as unit of travel.
     fn scaled(&self, length: f64) -> Powers<4> {
         let mut power = 1.0;
         self.coefficients.each(|numbers| {
@@ -480,7 +480,8 @@ impl SimdTask for Evaluation<'_> {
         let [t, inverse] = [t, 1.0 / length].map(|number| like.constant(number));
         for first in (0..COUNT).step_by(B::LANES) {
             let mut c: [B; 8] = array_of(|k| like.load(&self.polynomials[k][first..]));
-            // Four passes of Horner's scheme give the first four coefficients about t.
+            // Four passes of Horner's scheme give the first four coefficients of each polynomial in powers of the distance
+            // from t.
             for last in 0..4 {
                 for k in (last..7).rev() {
                     c[k] = c[k] + t * c[k + 1];

@@ -67,7 +67,7 @@ impl<const N: usize> MotionPoint<Jet<f64, N>> {
     }
 }
 
-/// A configuration along the motion, and the factors of its Jacobian if they were computed.
+/// A configuration along the motion, and the LU factors of the closure equations' Jacobian if they were computed.
 pub(crate) type Factorised<'a, const N: usize> = (Configuration<'a, Jet<f64, N>>, Option<Lu6<f64>>);
 
 /// A design as power series in the drive value with `N` coefficients, and its closure equations.
@@ -75,14 +75,14 @@ pub(crate) type Factorised<'a, const N: usize> = (Configuration<'a, Jet<f64, N>>
 pub struct DesignSeries<const N: usize> {
     design: Vec<Vector3<Jet<f64, N>>>,
     closure: Closure<Jet<f64, N>>,
-    /// Series for an instantaneous steering axis; `None` if the axis is not instantaneous or not requested.
+    /// Data for the series of an instantaneous steering axis; `None` if the axis is not instantaneous or not requested.
     steered: Option<Steered<N>>,
-    /// Equations that depend on the points of [`DesignSeries::with_sensitivities_to`].
+    /// Closure equations that depend on the points of [`DesignSeries::with_sensitivities_to`].
     rows: RowSet,
 }
 
 impl<const N: usize> DesignSeries<N> {
-    /// Makes the series of a design.
+    /// Makes the power series of a design. Its points do not move along the motion.
     pub fn new(mechanism: &Mechanism, design: &[Vector3<f64>]) -> Self {
         let design: Vec<_> = design.iter().map(|p| p.map(Jet::constant)).collect();
         let closure = Closure::new(mechanism, &design);
@@ -111,12 +111,13 @@ impl<const N: usize> DesignSeries<N> {
         self
     }
 
-    /// Closure equations along the series.
+    /// Closure equations of the design as power series along the motion.
     pub(crate) fn closure(&self) -> &Closure<Jet<f64, N>> {
         &self.closure
     }
 
-    /// Returns true if configurations contain the twist of the steering motion.
+    /// Returns true if configurations contain the velocity of the knuckle per unit of rack displacement (twist of the
+    /// steering motion).
     pub(crate) fn is_steered(&self) -> bool {
         self.steered.is_some()
     }
@@ -159,13 +160,13 @@ impl<const N: usize> DesignSeries<N> {
         self.prepare_equations(mechanism);
     }
 
-    /// Returns true if configurations need the factors of the Jacobian.
+    /// Returns true if configurations need the factors of the closure equations' Jacobian.
     pub(crate) fn takes_factors(&self) -> bool {
         N > 1 || self.is_steered()
     }
 
-    /// Configuration in a solved pose, as a series along `motion`, from the factors of its Jacobian. The factors may be
-    /// `None` unless [`DesignSeries::takes_factors`] is true.
+    /// Configuration in a solved pose, as a series along `motion`. `factors` are the factors of the closure equations'
+    /// Jacobian in this pose. They may be `None` unless [`DesignSeries::takes_factors`] is true.
     pub(crate) fn configuration<'a>(
         &'a self,
         mechanism: &'a Mechanism,
@@ -190,7 +191,7 @@ impl<const N: usize> DesignSeries<N> {
         configuration
     }
 
-    /// Pose as a series along `motion`.
+    /// Pose as a series along `motion`, from the factors of the closure equations' Jacobian.
     pub(crate) fn series(
         &self,
         mechanism: &Mechanism,

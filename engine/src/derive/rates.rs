@@ -1,9 +1,10 @@
 //! Derivatives of the pose along the motion, of any order.
 //!
-//! The code solves F(x(s), s) = 0 in truncated power series in e, the increment of s. If the coefficients of x below e^k
-//! are right, the lowest nonzero coefficient of the residual is F_k, the coefficient of e^k. The correction J0 dx_k = -F_k
-//! removes it. J0 is the Jacobian of the pose, the same for all orders. So each order costs one residual and one
-//! back-substitution. The code needs no formula for velocities or accelerations.
+//! F(x, s) = 0 are the closure equations, x is the pose and s the parameter of the motion. The code solves F(x(s), s) = 0
+//! in truncated power series in e, the increment of s. If the coefficients of x below e^k are right, the lowest nonzero
+//! coefficient of the residual is F_k, the coefficient of e^k. The correction J0 dx_k = -F_k removes it. J0 is the Jacobian
+//! of F with respect to the pose, the same for all orders. So each order costs one residual and one back-substitution. The
+//! code needs no formula for velocities or accelerations.
 
 use crate::linear::lu::Lu6;
 use crate::mechanism::{Closure, Driver};
@@ -12,9 +13,9 @@ use crate::model::Mechanism;
 use crate::number::Jet;
 use crate::number::{Each, Vector3};
 
-/// Pose as a power series in e, from the pose itself and its factorised Jacobian. `driver` and `rack` are series that
-/// describe the motion. For derivatives with respect to the drive coordinate, the series `driver` is the drive value
-/// plus e.
+/// Pose as a power series in e, from the pose itself and the factors of the closure equations' Jacobian. `driver` and
+/// `rack` are series that describe the motion. For derivatives with respect to the drive coordinate, the series `driver` is
+/// the drive value plus e.
 pub(crate) fn pose_series<const N: usize>(
     mechanism: &Mechanism,
     design: &[Vector3<Jet<f64, N>>],

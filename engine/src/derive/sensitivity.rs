@@ -1,14 +1,15 @@
 //! Derivatives with respect to the hardpoints, with the adjoint of the closure equations.
 //!
-//! With F(x, p) = 0 at the pose x of the design p, an output y(x, p) has
+//! With the closure equations F(x, p) = 0 for the pose x of the design p, an output y(x, p) has
 //!
 //! ```text
 //! dy/dp = y_p - mu . F_p,   J^T mu = y_x
 //! ```
 //!
-//! y_x is a wrench on the knuckle, and mu are the forces with which the six constraints balance this wrench. So one output
-//! costs one back-substitution for any number of hardpoints. The design changes with the hardpoint: lengths and the shape
-//! of the knuckle are computed again, while the drive value stays constant.
+//! J is the Jacobian of F with respect to x. Indices x and p denote derivatives. y_x is a wrench on the knuckle, and mu are
+//! the forces with which the six constraints balance this wrench. So one output costs one back-substitution for any number
+//! of hardpoints. The design changes with the hardpoint: lengths and the shape of the knuckle are computed again, while the
+//! drive value stays constant.
 //!
 //! With power series in the drive, the same code gives d/ds(dy/dp). This equals d/dp(dy/ds), the sensitivity of rates and
 //! curvatures.
@@ -69,10 +70,10 @@ impl<T: Real, G: Gradient<T> + ?Sized> Sink<T> for HardpointGradient<'_, G> {
     }
 }
 
-/// A configuration prepared for adjoints, with its Jacobian along the motion and the factors of the Jacobian's constant
-/// part.
+/// A configuration prepared for adjoints, with the Jacobian of the closure equations along the motion and the factors of
+/// the Jacobian's constant part.
 pub struct Linearised<'a, const N: usize> {
-    /// Configuration as a series.
+    /// Configuration as a power series along the motion.
     pub at: Configuration<'a, Jet<f64, N>>,
     closure: &'a Closure<Jet<f64, N>>,
     rows: RowSet,
@@ -105,17 +106,17 @@ impl<'a, const N: usize> Linearised<'a, N> {
         }
     }
 
-    /// Closure equations along the series.
+    /// Closure equations as power series along the motion.
     pub(crate) fn closure(&self) -> &'a Closure<Jet<f64, N>> {
         self.closure
     }
 
-    /// Counter of work.
+    /// Counter of the solver's steps.
     pub(crate) fn work(&self) -> &'a WorkCounter {
         self.work
     }
 
-    /// Factors of the Jacobian.
+    /// Factors of the constant part of the closure equations' Jacobian.
     pub(crate) fn factors(&self) -> &Lu6<f64> {
         &self.lu
     }
@@ -173,7 +174,8 @@ impl<'a, const N: usize> Linearised<'a, N> {
 pub struct Seeds<'s, 'a, T, G: ?Sized = [Vector3<T>]> {
     at: &'s Configuration<'a, T>,
     adjoint: Adjoint<'s, T, G>,
-    /// Derivative with respect to the twist of the steering motion; `None` if the output does not depend on it.
+    /// Derivative of the output with respect to the twist of the steering motion (the knuckle's velocity per unit of rack
+    /// displacement). `None` if the output does not depend on it.
     by_twist: Option<Twist<T>>,
 }
 
@@ -199,7 +201,7 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
         }
     }
 
-    /// Derivative with respect to the pose.
+    /// Derivative of the output with respect to the pose.
     #[inline(always)]
     pub fn wrench(&self) -> Wrench<T> {
         self.adjoint.wrench

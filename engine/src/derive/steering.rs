@@ -1,7 +1,8 @@
 //! The instantaneous steering axis: the screw axis of the knuckle when the rack moves and the drive does not.
 //!
-//! Let F(x, r) = 0 be the closure equations at rack displacement r. Let t = x_r be the twist of the knuckle per unit of
-//! rack displacement: velocity v of its origin o and angular velocity w. Then
+//! Let F(x, r) = 0 be the closure equations for the pose x at rack displacement r, with the Jacobian J with respect to x.
+//! Let t = x_r be the twist of the knuckle per unit of rack displacement: velocity v of its origin o and angular velocity
+//! w. Then
 //!
 //! ```text
 //! J t = -F_r,   axis: point o + (w x v)/w.w, direction w
@@ -52,7 +53,8 @@ impl<const N: usize> Steered<N> {
         self.closure.prepare(mechanism, &self.design);
     }
 
-    /// Subtracts l . d(J t + F_r) from a wrench on the knuckle and a gradient with respect to the hardpoints.
+    /// Subtracts the last term of this module's formula for dy, l . d(J t + F_r). The function subtracts it from a wrench
+    /// on the knuckle and from a gradient with respect to the hardpoints.
     #[inline(never)]
     pub(crate) fn subtract(
         &self,
@@ -110,8 +112,8 @@ impl<const N: usize> Sink<Along<N>> for Slope<'_, N> {
     }
 }
 
-/// Twist of the knuckle per unit of rack displacement, with the drive fixed. `lu` has the factors of the Jacobian's constant
-/// part.
+/// Twist of the knuckle per unit of rack displacement, with the drive fixed. `lu` has the factors of the constant part of
+/// the closure equations' Jacobian.
 pub(crate) fn twist_by_rack<const N: usize>(
     at: &Configuration<'_, Jet<f64, N>>,
     closure: &Closure<Jet<f64, N>>,
@@ -123,7 +125,8 @@ pub(crate) fn twist_by_rack<const N: usize>(
     Twist::from_array(lu.solve_series(&wrenches.each(Wrench::to_row), &by_rack))
 }
 
-/// Point of a twist's screw axis, and its upward direction. `origin` is the origin of the twist.
+/// Point of a twist's screw axis, and the upward vector along this axis. `origin` is the point to which the twist's
+/// velocity refers.
 #[inline(always)]
 pub(crate) fn screw_axis<T: Real>(
     origin: Vector3<T>,

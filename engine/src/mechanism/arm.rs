@@ -20,9 +20,9 @@ struct ArmTurn<T> {
     axis: Vector3<T>,
     /// Inverse length 1/|rear - front|.
     inverse_length: T,
-    /// Vectors r, r' and L.
+    /// Levers r and r' of the outer joint, and lever L of the point (symbols of this module).
     levers: [Vector3<T>; 3],
-    /// Number 1/r.r.
+    /// Number 1/r.r, with the lever r of the outer joint in the design position.
     inverse: T,
     cosine: T,
     sine: T,
@@ -61,7 +61,7 @@ pub(super) fn arm_point<T: Real>(inputs: Inputs<T>) -> Vector3<T> {
     inputs[3] - lever + lever * cosine + axis.cross(lever) * sine
 }
 
-/// Derivatives of `gradient . arm_point(inputs)` with respect to each input: the formulas above, differentiated in
+/// Derivatives of `gradient . arm_point(inputs)` with respect to each input: the formulas of this module, differentiated in
 /// reverse order.
 #[inline(always)]
 pub(super) fn arm_point_gradient<T: Real>(inputs: Inputs<T>, gradient: Vector3<T>) -> Inputs<T> {
@@ -84,7 +84,7 @@ pub(super) fn arm_point_gradient<T: Real>(inputs: Inputs<T>, gradient: Vector3<T
     ];
     let mut by_axis = lever.cross(gradient) * sine + radius.cross(radius_now) * by_sine;
     let [front, _, outer, point, outer_now] = inputs;
-    // Each lever depends on a point, the front bushing and the axis.
+    // Each of the levers r, r' and L depends on a point, the front bushing and the axis.
     let points = [outer, outer_now, point];
     let mut by_points = by_levers;
     for k in 0..3 {
@@ -108,8 +108,8 @@ pub(super) mod tests {
     use super::*;
     use crate::number::{Dual, Jet};
 
-    /// One backward pass gives the same gradient as dual numbers, even if the outer joint has left its circle. The pass
-    /// also gives the same rate of the gradient along a motion.
+    /// One backward pass gives the same gradient as dual numbers, even if the outer joint has left its circle. Along a
+    /// motion, the pass also gives the same rate of the gradient as dual numbers.
     #[test]
     fn the_gradient_is_that_of_dual_numbers() {
         let at = |x: f64, y: f64, z: f64| {
@@ -130,7 +130,7 @@ pub(super) mod tests {
         });
     }
 
-    /// Asserts that the derivatives of an output with respect to some points, and their rates, equal those of dual
+    /// Asserts that the derivatives of an output with respect to some points, and their rates, equal the results of dual
     /// numbers.
     pub(in crate::mechanism) fn assert_gradient<const K: usize>(
         inputs: [Vector3<Jet<f64, 2>>; K],

@@ -26,7 +26,7 @@ pub enum BuildError {
     Number {
         /// Name of the number.
         what: String,
-        /// Its value.
+        /// Value of the number.
         value: f64,
         /// Expected range, in words.
         expected: &'static str,
@@ -239,7 +239,7 @@ impl SuspensionBuilder {
         }
     }
 
-    /// Returns an error for data of wheel and vehicle that a study must not contain, such as a negative length.
+    /// Returns an error for data of wheel and vehicle that are out of range, such as a negative length.
     fn check_figures(&self) -> Result<(), BuildError> {
         let vehicle = &self.vehicle;
         let lengths = [

@@ -18,9 +18,9 @@ pub enum Driver<T> {
     Travel(T),
     /// Angle of the first arm, from its design position.
     ArmAngle {
-        /// Sine of the angle.
+        /// Sine of the arm's angle.
         sine: T,
-        /// Cosine of the angle.
+        /// Cosine of the arm's angle.
         cosine: T,
     },
 }
@@ -71,7 +71,7 @@ pub struct Closure<T> {
 /// designs contains no code for built parts. The function `row` is inlined, because a called function would not be compiled for
 /// SIMD lanes.
 trait Dimensions<T>: Copy {
-    /// Returns one of the dimensions. New constants get the number type of this dimension.
+    /// Returns one of the dimensions. The number type of this dimension is the type of new constants.
     fn like(self) -> T;
     /// Makes one constraint equation (row). `constraint` is the index of the constraint. `number` is the index among the equations
     /// of this constraint.
@@ -120,13 +120,13 @@ impl<T: Real, D: Dimensions<T>> Outlined for RowToMake<'_, T, D> {
 }
 
 impl<T: Real> Closure<T> {
-    /// Makes the equations of a design.
+    /// Makes the closure equations of a design.
     #[inline(always)]
     pub fn new(mechanism: &Mechanism, design: &[Vector3<T>]) -> Self {
         Closure::of_rows(mechanism, design)
     }
 
-    /// Makes the equations for built parts.
+    /// Makes the closure equations for built parts.
     #[inline(always)]
     pub(crate) fn of_parts(mechanism: &Mechanism, parts: PartDimensions<T>) -> Self {
         Closure::of_rows(mechanism, parts)
@@ -188,13 +188,14 @@ impl<T: Real> Closure<T> {
         residuals
     }
 
-    /// Jacobian with respect to the pose.
+    /// Jacobian of the closure equations with respect to the pose.
     #[inline]
     pub fn jacobian(&self, at: &Configuration<T>, driver: Driver<T>) -> Matrix6<T> {
         self.wrenches(at, driver).each(Wrench::to_row)
     }
 
-    /// Jacobian with respect to the pose, row by row, with the derivatives with respect to the displacement of the rack.
+    /// Jacobian of the closure equations with respect to the pose, row by row, with the derivatives with respect to the
+    /// displacement of the rack.
     #[inline(never)]
     pub(crate) fn wrenches(&self, at: &Configuration<T>, driver: Driver<T>) -> [Wrench<T>; 6] {
         let like = at.rack;
@@ -441,8 +442,8 @@ static_toe = 0.0
 heave = [0.0]
 "#;
 
-    /// The rates of all rows of the Jacobian along a motion of the knuckle equal the derivatives of Taylor series. The test covers
-    /// rods on knuckles and on a half of a twist beam, and both halves of an axle.
+    /// The rates of all rows of the Jacobian along a motion of the knuckle equal the derivatives of Taylor series. The test
+    /// covers rods on knuckles, rods on a half of a twist beam, and rods on both halves of an axle.
     #[test]
     fn rates_of_rows_are_those_of_series() {
         let beam = crate::model::Topology::named("twist_beam")

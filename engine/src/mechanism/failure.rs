@@ -14,7 +14,7 @@ pub enum Failure {
         drive: Drive,
         /// Value at the end of the path: a length, or an angle in radians.
         limit: f64,
-        /// Reason for the end.
+        /// Reason for the end of the path.
         cause: LimitCause,
     },
     /// With the drive at zero, the rack cannot reach the requested displacement. For a rigid axle, the held travel takes the
@@ -22,7 +22,7 @@ pub enum Failure {
     RackUnreachable {
         /// Displacement at the end of the path, towards the kernel's +y.
         limit: f64,
-        /// Reason for the end.
+        /// Reason for the end of the path.
         cause: LimitCause,
     },
     /// The solver reached the pose, but its derivatives do not exist there. Or a steering gear makes the design of its axle
@@ -173,7 +173,7 @@ pub struct PartMeasure {
     pub sine: f64,
 }
 
-/// A toggle of a rocker.
+/// A toggle of a rocker: the dead centre at which its rod can no longer turn it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Toggle {
     /// Last travel at which the rod still has leverage. The toggle is about 1e-10 mechanism sizes beyond it.

@@ -17,7 +17,7 @@ use crate::number::{Real, Vector3, outlined};
 pub struct Ground<T> {
     /// Sine of the angle by which the ground falls in the outboard direction.
     pub sine: T,
-    /// Cosine of that angle.
+    /// Cosine of the same angle.
     pub cosine: T,
 }
 

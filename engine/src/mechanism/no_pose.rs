@@ -13,9 +13,9 @@ pub enum NoPose {
     /// A wheel of an axle has no pose at its travel.
     #[error("{} wheel at travel {travel:.6}: {failure}", side.name())]
     Wheel {
-        /// The wheel.
+        /// Wheel that has no pose.
         side: Side,
-        /// Travel.
+        /// Travel of this wheel.
         travel: f64,
         /// Reason for the failure.
         failure: Failure,
@@ -23,7 +23,7 @@ pub enum NoPose {
     /// A rigid axle has no pose at the requested difference of its two travels.
     #[error("axle at a travel difference of {difference:.6} (left - right): {failure}")]
     RigidAxle {
-        /// Travel of the left wheel minus that of the right one.
+        /// Travel of the left wheel minus the travel of the right wheel.
         difference: f64,
         /// Reason for the failure. The limit of the drive is half a difference of travels, in the frame of a wheel. The limit of
         /// the rack is a mean travel.
@@ -69,9 +69,9 @@ pub enum NoPose {
 }
 
 impl NoPose {
-    /// Describes the reason in words, with lengths in this unit and the rack in the axes of this frame. The frame is
-    /// that of a single wheel, or of an axle's left wheel. If the rack is the limit, the text omits the wheel's
-    /// travel, which is irrelevant.
+    /// Describes the reason in words, with lengths in this unit and the rack in the axes of this frame. The frame belongs
+    /// to a single wheel, or to an axle's left wheel. If the rack is the limit, the text omits the wheel's travel, which is
+    /// irrelevant.
     pub fn describe(&self, unit: LengthUnit, frame: Frame) -> String {
         let frame_of = |side: Side| match side {
             Side::Left => frame,

@@ -15,9 +15,10 @@
 //! H = A^2 + B^2, w^2 = H - C^2 = B^2 - E (2 A + E)                                              (4)
 //! ```
 //!
-//! In the design position E = 0, cos = 1 and sin = 0, so w = -B there, and w keeps that sign. |w| is the lever arm of the rod
-//! about the axis times |l|. The ratio |w|/(|r| |l|) is the rod's *leverage*: 1 if the rod is square to lever and axis, 0 at
-//! toggle. At a toggle, rod, lever and axis lie in one plane. A rocker stops there, and derivatives do not exist.
+//! In the design position E = 0, cos = 1 and sin = 0, so w = -B there. w keeps this sign. |w| is the lever arm of the rod
+//! about the axis times |l|. The ratio |w|/(|r| |l|) is the rod's *leverage*: 1 if the rod is square to lever and axis, 0
+//! at toggle. At a toggle (dead centre), rod, lever and axis lie in one plane. A rocker stops there, and derivatives do not
+//! exist.
 //!
 //! # Derivatives
 //!
@@ -38,7 +39,7 @@
 //! M = (x' - f) x g - k (n' - f) x s',   h = g - k s'                                            (9)
 //! ```
 //!
-//! A couple m on the rocker, which is the derivative with respect to its rotation, is added to (x' - f) x g in (8)
+//! A couple m on the rocker is the derivative with respect to its rotation. It is added to (x' - f) x g in equations (8)
 //! and (9). The derivatives of g.x' + t theta are
 //!
 //! ```text
@@ -75,7 +76,7 @@ pub(crate) struct Turn<T> {
     sine: T,
     /// Sign of the rotation that a push of the rod causes: 1 or -1.
     pushed: T,
-    /// Square of the leverage, w^2/(r.r l.l).
+    /// Square of the leverage, w^2/(r.r l.l), with the symbols of this module.
     pub(crate) leverage_squared: T,
 }
 
@@ -114,22 +115,22 @@ impl<T: Real> Turn<T> {
         point - lever + lever * self.cosine + self.axis.cross(lever) * self.sine
     }
 
-    /// Turns a vector v by the rocker's angle: R v, with R as in (6).
+    /// Turns a vector v by the rocker's angle: R v, with the rotation R of equation (6).
     #[inline(always)]
     fn turned(&self, v: Vector3<T>) -> Vector3<T> {
         let lever = v.across(self.axis);
         v - lever + lever * self.cosine + self.axis.cross(lever) * self.sine
     }
 
-    /// Turns a vector v back by the rocker's angle: R'v, with R as in (6).
+    /// Turns a vector v back by the rocker's angle: R'v, with the rotation R of equation (6).
     #[inline(always)]
     fn turned_back(&self, v: Vector3<T>) -> Vector3<T> {
         let lever = v.across(self.axis);
         v - lever + lever * self.cosine - self.axis.cross(lever) * self.sine
     }
 
-    /// Derivatives with respect to each of the inputs and to the point. The differentiated quantity is `gradient .
-    /// moved(point)`, plus `couple` times the rotation, plus `moment` times the angle.
+    /// Derivatives with respect to the five points in `Ends` and to the design position `point`. The differentiated
+    /// quantity is `gradient . moved(point)`, plus `couple` times the rotation, plus `moment` times the angle.
     #[inline(always)]
     fn gradient(
         &self,
@@ -183,8 +184,8 @@ impl<T: Real> Turn<T> {
     }
 }
 
-/// Returns true if w^2/(r.r l.l) of a rod is large enough for six accurate digits of a derivative. The absolute error of the
-/// number is a few rounding units. Returns false for NaN.
+/// Returns true if the squared leverage w^2/(r.r l.l) of a rod is large enough for six accurate digits of a derivative. The
+/// absolute error of the squared leverage is a few rounding units. Returns false for NaN.
 #[inline]
 pub(crate) fn is_effective(ends: Ends<f64>) -> bool {
     Turn::of(ends).leverage_squared > DEGENERATE
@@ -217,7 +218,8 @@ impl<T: Real> Configuration<'_, T> {
         self.mechanism.body(rocker.first) == Body::Knuckle
     }
 
-    /// Position of the point `now` relative to the base of a rocker, in the axes of the base: y of equation (12).
+    /// Position of the point `now` relative to the base of a rocker, in the axes of the base: y of equation (12) of this
+    /// module.
     #[inline(always)]
     fn in_base(&self, rocker: Rocker, now: Vector3<T>) -> Vector3<T> {
         if self.is_on_axle(rocker) {
@@ -229,7 +231,7 @@ impl<T: Real> Configuration<'_, T> {
         }
     }
 
-    /// Inverse of [`Configuration::in_base`]: x of (12).
+    /// Inverse of [`Configuration::in_base`]: x of equation (12) of this module.
     #[inline(always)]
     pub(super) fn out_of_base(&self, rocker: Rocker, place: Vector3<T>) -> Vector3<T> {
         if self.is_on_axle(rocker) {
@@ -359,7 +361,7 @@ impl<T: Real> Configuration<'_, T> {
             sink.hardpoint(*id, by[k]);
         }
         let by_outer = if self.is_on_axle(rocker) {
-            // The second form of (12) converts the outer end to the frame of the axle.
+            // The second form of equation (12) converts the outer end to the frame of the axle.
             let pull = self.pose.rotation.apply(by[4]);
             let lever = self.point(rocker.outer) - self.pose.origin;
             sink.wrench(-pull, -lever.cross(pull));
@@ -373,7 +375,7 @@ impl<T: Real> Configuration<'_, T> {
     }
 
     /// Converts the seed (the quantity to differentiate) to the frame of the rocker's base. First adds the other terms of
-    /// (12) to the sink.
+    /// equation (12) to the sink.
     #[inline(always)]
     fn seed_in_base(
         &self,
@@ -456,7 +458,7 @@ mod tests {
     use crate::mechanism::arm::tests::assert_gradient;
     use crate::number::{Dual, Jet};
 
-    /// The derivatives from the rod's tension equal those of dual numbers. Their rates along a motion are also equal.
+    /// The derivatives from the rod's tension equal the results of dual numbers. Their rates along a motion are also equal.
     #[test]
     fn the_gradient_is_that_of_dual_numbers() {
         let at = |x: f64, y: f64, z: f64| {

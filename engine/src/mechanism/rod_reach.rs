@@ -35,13 +35,13 @@ const LEAST_ALIGNED: f64 = 2.0;
 #[derive(Clone, Copy, Debug)]
 pub struct RodReach<T> {
     outer: Vector3<T>,
-    /// Frame on the body of the outer end.
+    /// Frame of unit vectors on the body of the rod's outer end, in the axes of the rocker's base.
     frame: [Vector3<T>; 3],
-    /// Product r.r.
+    /// Product r.r: squared distance of the rod's inner end from the rocker's axis.
     lever: T,
-    /// Squared distance s.
+    /// Squared distance s of the rod's outer end from the rocker's axis.
     from_axis: T,
-    /// Product q.q.
+    /// Product q.q: squared distance of the rod's outer end from the foot c of the lever on the axis.
     from_foot: T,
     c: T,
     w_squared: T,
@@ -136,8 +136,8 @@ mod tests {
     use super::RodReach;
     use crate::number::{Each, Matrix3, Vector3};
 
-    /// A rod's outer end moves along random arcs of up to 170 degrees. If the certificate holds, the rod has leverage at
-    /// every sampled point of the arc.
+    /// A rod's outer end moves along random arcs of up to 170 degrees. If the certificate of an arc holds, the rod has
+    /// leverage at every sampled point of this arc.
     #[test]
     fn rods_with_a_certificate_keep_their_leverage() {
         let mut seed = 1_u64;

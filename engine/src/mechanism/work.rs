@@ -6,7 +6,7 @@
 use serde::{Deserialize, Serialize};
 use std::cell::Cell;
 
-/// Counts of steps.
+/// Counts of the solver's steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Work {

@@ -33,7 +33,7 @@ impl Mechanism {
         rigid.extra_links.push(far);
     }
 
-    /// Links of a solid axle that have no constraint, because rigid links would bind.
+    /// Links of a solid axle for which the mechanism has no constraint, because rigid links would bind.
     pub fn extra_links(&self) -> &[[PointId; 2]] {
         let rigid = self.rigid_axle.as_ref();
         rigid.map_or(&[], |rigid| &rigid.extra_links)

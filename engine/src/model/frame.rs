@@ -22,7 +22,7 @@ impl Axis {
     /// The three axes in order.
     pub const ALL: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
 
-    /// Lower-case letter, as in studies and column names.
+    /// Lower-case letter of the axis, as in studies and column names.
     pub fn name(self) -> &'static str {
         ["x", "y", "z"][self as usize]
     }
@@ -73,7 +73,7 @@ impl Side {
     /// Both sides, left first.
     pub const ALL: [Side; 2] = [Side::Left, Side::Right];
 
-    /// Name in studies.
+    /// Name of the side in studies.
     pub fn name(self) -> &'static str {
         ["left", "right"][self as usize]
     }
@@ -117,7 +117,7 @@ impl FrameConvention {
         FrameConvention::XRear,
     ];
 
-    /// Name in studies.
+    /// Name of the convention in studies.
     pub fn name(self) -> &'static str {
         ["iso8855", "sae_j670", "x_rear"][self as usize]
     }
@@ -253,7 +253,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// The frame of a study.
+    /// Makes the frame of a study with this axis convention, for a wheel on this side.
     pub fn new(convention: FrameConvention, side: Side) -> Self {
         let mut signs = match convention {
             FrameConvention::Iso8855 => [1.0, 1.0, 1.0],

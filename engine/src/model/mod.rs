@@ -84,7 +84,7 @@ pub struct Arm {
 }
 
 impl Arm {
-    /// The two rods with the same outer point that hold the knuckle as the arm does.
+    /// Makes two rods with the same outer point. Together they hold the knuckle as the arm does.
     fn links(self) -> [Constraint; 2] {
         let Arm { front, rear, outer } = self;
         [front, rear].map(|inner| Constraint::Link { inner, outer })
@@ -261,9 +261,10 @@ pub struct Mechanism {
     pub wheel_centre: PointId,
     /// Spin axis of the wheel.
     pub spin_axis: SpinAxis,
-    /// Wheel centres of an assembled wheel carrier, if the study gives the spin axis as angles: [centre, added point of the
-    /// axis]. A deviation of the centre moves both points, so the axis stays parallel to itself. Empty for other
-    /// mechanisms.
+    /// Pairs of points of an assembled suspension: a deviation of the first point moves both points, so the axis through
+    /// them stays parallel to itself. One pair is a wheel centre and the point that the program adds on its spin axis, if
+    /// the study gives the axis as angles. Another pair is the shear centre and the second hinge point of a twist beam.
+    /// Empty for other mechanisms.
     pub parallel_axes: Vec<[PointId; 2]>,
     /// The steering axis; `None` for a wheel that cannot be steered.
     pub steering_axis: Option<SteeringAxis>,
@@ -294,8 +295,8 @@ impl Mechanism {
         self.has_rack() || self.axle_steering().is_some()
     }
 
-    /// Second point that a deviation of the point `leader` also moves. The added point of the spin axis moves with its
-    /// wheel centre.
+    /// Returns the second point that a deviation of the point `leader` also moves ([`Mechanism::parallel_axes`]). `None` if
+    /// no other point moves.
     #[inline(always)]
     pub(crate) fn moves_with(&self, leader: PointId) -> Option<PointId> {
         let mut pairs = self.parallel_axes.iter();

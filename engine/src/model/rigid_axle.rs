@@ -10,7 +10,7 @@
 //! ```
 //!
 //! One travel is the drive. The other travel replaces the displacement of the rack; a constraint keeps it constant. As seen
-//! from the far wheel, (1) is the same and (2) has the opposite sign.
+//! from the far wheel, the mean (1) is the same and the difference (2) has the opposite sign.
 
 use super::{AxleSteering, PointId, TwistBeam};
 use crate::number::{Real, Vector3};
@@ -18,14 +18,14 @@ use crate::number::{Real, Vector3};
 /// One of the two travels of a rigid axle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxleTravel {
-    /// Equation (1): both wheels rise.
+    /// Mean travel, equation (1) of this module: both wheels rise.
     Mean,
-    /// Equation (2): the near wheel rises and the far wheel falls.
+    /// Half the difference of the travels, equation (2) of this module: the near wheel rises and the far wheel falls.
     Difference,
 }
 
 impl AxleTravel {
-    /// The other travel.
+    /// Returns the other one of the two travels.
     pub fn other(self) -> AxleTravel {
         match self {
             AxleTravel::Mean => AxleTravel::Difference,
@@ -33,7 +33,7 @@ impl AxleTravel {
         }
     }
 
-    /// Factor on the far wheel's height: 1 or -1.
+    /// Factor on the far wheel's height in equations (1) and (2) of this module: 1 or -1.
     #[inline(always)]
     pub fn far_sign(self) -> f64 {
         match self {
@@ -142,8 +142,8 @@ impl RigidAxle {
             && singles.all(|single| design[single.0] == mirrored(design[single.0]))
     }
 
-    /// Adds up derivatives. The derivatives with respect to all copies of a point are added to the derivatives with respect
-    /// to the point of the left half. The copies are in the far half, and in the axle as seen from the right wheel.
+    /// Adds the derivatives with respect to all copies of a point to the derivatives with respect to this point in the left
+    /// half. The copies are in the far half, and in the axle as seen from the right wheel.
     pub fn gather(&self, [left, right]: [&mut [Vector3<f64>]; 2]) {
         let zero = Vector3::new(0.0, 0.0, 0.0);
         for [point, beside] in self.followers() {

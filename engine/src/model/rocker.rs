@@ -66,7 +66,7 @@ impl Rod {
         matches!(self, Rod::Pushrod | Rod::Pullrod)
     }
 
-    /// Name in keys and columns.
+    /// Name of the rod in keys and columns.
     pub fn key(self) -> &'static str {
         match self {
             Rod::Pushrod => "pushrod",
@@ -192,7 +192,7 @@ const WATT_ON_CHASSIS: [&str; 4] = [
     "watt_axis",
 ];
 
-/// Bodies that carry the outer ends of rods and springs if a study does not name other bodies.
+/// Bodies that carry the outer ends of rods and springs, unless a study names other bodies.
 #[derive(Clone, Copy)]
 pub(super) struct Carriers {
     pub pushrod: Body,
@@ -327,7 +327,7 @@ impl Mechanism {
         found.map_or_else(String::new, |(name, _)| name.replace('_', " "))
     }
 
-    /// Returns the mechanism with each hardpoint on the body that the topology assigns to it.
+    /// Returns the mechanism with each hardpoint on the body that the topology assigns to it, whatever the study names.
     fn usual(&self) -> Mechanism {
         let known = self.points.iter();
         let known = known.filter_map(|point| self.topology.hardpoint(&point.name));

@@ -4,7 +4,8 @@ use super::{Body, Mechanism, PointId, SpinAxis};
 use crate::number::Vector3;
 use crate::sorting::sort_by;
 
-/// Ratio of distances from a point. Below this ratio, a body counts as clearly nearer than the assigned body.
+/// Ratio of two distances from a point: to another body, and to the assigned body. Below this ratio, the other body counts
+/// as clearly nearer.
 const CLEARLY_NEARER: f64 = 0.5;
 
 /// A body that may carry a point.
@@ -33,8 +34,8 @@ impl Mechanism {
         seats
     }
 
-    /// Assigned body of a hardpoint, and the nearest body. `None` unless the nearest body is another body and clearly
-    /// nearer.
+    /// Returns the assigned body of a hardpoint, then the nearest body. `None` unless the nearest body is clearly nearer
+    /// than the assigned body.
     pub fn doubtful_seat(&self, design: &[Vector3<f64>], id: PointId) -> Option<[Seat; 2]> {
         let seats = self.seats(design, id);
         let own = seats.iter().find(|seat| seat.body == self.body(id))?;

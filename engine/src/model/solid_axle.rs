@@ -185,7 +185,8 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
                 .any(|of| name.starts_with(of))
         }
     };
-    // Each wheel moves its own lever of the anti-roll bar.
+    // Each wheel moves its own lever of the anti-roll bar. So a far point of a lever is not on the left wheel's rocker. It
+    // counts as a point of the chassis.
     let far_body = |_, body| match body {
         Body::Rocker(id) if is_steered && id == left_knuckle => Body::Rocker(RockerId(id.0 + 1)),
         Body::Rocker(_) => Body::Chassis,

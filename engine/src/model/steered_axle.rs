@@ -29,7 +29,7 @@
 //! Steering lifts or lowers the wheel centres even while the axle rests. Let w_n and w_f be the hardpoints of the near and
 //! the far wheel centre. c_n and c_f are the positions of both centres after the knuckles have turned, with the axle at
 //! rest. The closure equations count the travels from c_n and c_f. They compute both positions from p' for each new design;
-//! designs do not store them:
+//! designs do not store them. The mean and the difference are the two travels of `rigid_axle.rs`:
 //!
 //! ```text
 //! mean of the equations        = mean travel - (c_n.z - w_n.z + c_f.z - w_f.z)/2               (4)
@@ -91,7 +91,7 @@ pub struct AxleSteering {
     pub far_knuckle: RockerId,
     /// End of the drag link at the steering gear, in the design position.
     pub end: PointId,
-    /// Position of the drag link's end after a displacement of the steering gear: equation (1).
+    /// Position of the drag link's end after a displacement of the steering gear: p' in equation (1) of this module.
     pub place: PointId,
     /// Unit vector along which the steering gear moves the end, in the kernel's frame of the near side.
     pub direction: Vector3<f64>,
@@ -104,7 +104,7 @@ impl AxleSteering {
         [self.place, self.end]
     }
 
-    /// Moves the drag link's end from its hardpoint by equation (1).
+    /// Moves the drag link's end from its hardpoint by equation (1) of this module.
     #[inline(always)]
     pub(crate) fn displace<T: Real>(&self, displacement: T, design: &mut [Vector3<T>]) {
         let end = design[self.end.0];

@@ -47,7 +47,7 @@ pub enum TorquePath {
 /// All numbers are in the kernel's frame (see [`Frame`]) and in the study's length unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Suspension {
-    /// Structure.
+    /// Structure of the suspension: its points, bodies and constraints.
     pub mechanism: Mechanism,
     /// Design positions of all points, indexed by [`PointId`](super::PointId).
     pub design: Vec<Vector3<f64>>,

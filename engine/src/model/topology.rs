@@ -11,7 +11,7 @@ use crate::number::Vector3;
 /// Hardpoint of a topology.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Hardpoint {
-    /// Name in the study.
+    /// Name of the hardpoint in studies.
     pub name: &'static str,
     /// Description of the hardpoint, for messages and templates.
     pub about: &'static str,
@@ -59,7 +59,7 @@ pub(super) const SPRING_ON_LOWER_ARM: Hardpoint = optional(
     "lower end of spring and damper, on the lower arm or the rocker",
 );
 
-/// The pivots of a lower arm.
+/// Front pivot of a lower arm.
 pub(super) const LOWER_ARM_FRONT: Hardpoint = required(
     "lower_arm_front",
     "front pivot of the lower arm on the body",
@@ -67,7 +67,7 @@ pub(super) const LOWER_ARM_FRONT: Hardpoint = required(
 pub(super) const LOWER_ARM_REAR: Hardpoint =
     required("lower_arm_rear", "rear pivot of the lower arm on the body");
 
-/// The ends of an upper link.
+/// Inner end of an upper link.
 pub(super) const UPPER_LINK_INNER: Hardpoint =
     required("upper_link_inner", "upper link at the body");
 pub(super) const UPPER_LINK_OUTER: Hardpoint =
@@ -228,9 +228,9 @@ impl Given {
 
 /// A kind of suspension.
 pub struct Topology {
-    /// Name in the study.
+    /// Name of the topology in studies.
     pub name: &'static str,
-    /// Description in one line.
+    /// Description of the topology in one line.
     pub summary: &'static str,
     /// Hardpoints, in the order of printing.
     pub hardpoints: &'static [Hardpoint],

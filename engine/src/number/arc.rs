@@ -1,5 +1,5 @@
 //! Arc sine and arc tangent with elementary arithmetic. The results are bit-identical in all lanes and on every platform, and
-//! take a fraction of the time of a mathematical library. Results for a plain `f64` can differ from those in lanes in the
+//! take a fraction of the time of a mathematical library. Results for a plain `f64` can differ from results in lanes in the
 //! last digit, because lanes round products with sums once.
 //!
 //! atan t = t + t u P(u) for |t| <= tan(pi/8), asin x = x + x u Q(u) for |x| <= 1/2, with u the square of the argument. P
@@ -68,7 +68,7 @@ fn odd<B: SimdReal, const N: usize>(x: B, coefficients: &[f64; N]) -> B {
         before = x.constant(coefficients[k - 2]).plus_product(before, v);
         k -= 2;
     }
-    // If the number of coefficients is odd, one coefficient remains.
+    // If the number of coefficients is odd, the last coefficient has no partner.
     let (even, odd) = if k == 1 {
         (x.constant(coefficients[0]).plus_product(last, v), before)
     } else {

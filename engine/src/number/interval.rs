@@ -116,7 +116,7 @@ impl Interval {
     }
 }
 
-/// Encloses a result of the platform's mathematics library.
+/// Interval around a result of the platform's mathematics library that certainly contains the exact result.
 #[inline]
 fn trusted(value: f64) -> Interval {
     Interval::bounds(value.next_down().next_down(), value.next_up().next_up())

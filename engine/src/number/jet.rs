@@ -54,7 +54,7 @@ impl<T: Real, const N: usize> Jet<T, N> {
         Jet(rate)
     }
 
-    /// Series with the derivative `rate` and the constant term `value`.
+    /// Makes the integral of the series `rate`, with the constant term `value`.
     #[inline(always)]
     fn integrated(value: T, rate: Self) -> Self {
         let mut series = [value; N];

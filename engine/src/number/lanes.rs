@@ -177,9 +177,10 @@ logic!(Not, not, not);
 /// Number of values that one operation processes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Width {
-    /// One value, with instructions that every processor has. On x86-64 this width is not compiled: without AVX2, the program
-    /// solves each design alone. This is faster, and saves a third of the code for lanes. With `--cfg hardpoint_portable`,
-    /// x86-64 has this width, too. Tests then check that its results are bit-identical to those of the other widths.
+    /// One value, with instructions that every processor has. On x86-64 this width is not compiled: without AVX2, the
+    /// program solves each design alone. This is faster, and saves a third of the code for lanes. With `--cfg
+    /// hardpoint_portable`, x86-64 has this width, too. Tests then check that this width and the other widths give
+    /// bit-identical results.
     Portable,
     /// AVX2: registers of four values.
     Avx2,
@@ -195,7 +196,7 @@ impl Width {
             .filter(|width| width.is_available())
     }
 
-    /// Name for tables.
+    /// Name of the width, for tables.
     pub fn name(self) -> &'static str {
         match self {
             Width::Portable => "portable",
@@ -222,7 +223,7 @@ impl Width {
         Width::available().next_back()
     }
 
-    /// Number of values that tasks of this width process at once.
+    /// Number of values that one operation of this width processes.
     pub fn lanes(self) -> usize {
         struct Count;
         impl SimdTask for Count {
@@ -238,7 +239,7 @@ impl Width {
     /// Runs a task in lanes of this width. A processor without AVX-512 runs a task of that width in AVX2 lanes.
     ///
     /// # Panics
-    /// If neither is available.
+    /// If the processor has neither instruction set, or if this width is not compiled.
     pub fn run<T: SimdTask>(self, task: T) -> T::Output {
         #[cfg(target_arch = "x86_64")]
         if self == Width::Avx512
@@ -254,7 +255,7 @@ impl Width {
     /// of its number type, not [`Width::lanes`].
     ///
     /// # Panics
-    /// If these lanes are not available.
+    /// If this width is not [`Width::Portable`] and the processor lacks AVX2, or if this width is not compiled.
     pub(crate) fn run_in_avx2_lanes<T: SimdTask>(self, task: T) -> T::Output {
         #[cfg(any(not(target_arch = "x86_64"), hardpoint_portable))]
         if self == Width::Portable {
@@ -284,8 +285,8 @@ pub(crate) fn run_short<T: SimdTask>(task: T) -> T::Output {
     Width::run_in_avx2(task).unwrap_or_else(|task| task.run(Single(Plain).splat(0.0)))
 }
 
-/// Runs a task on one value at a time. A processor with fused products and sums uses them. The results are bit-identical to
-/// those in lanes. AVX-512 has no advantage for one value, so the task is not compiled for it.
+/// Runs a task on one value at a time. A processor with fused products and sums uses them. In lanes, the task gives
+/// bit-identical results. AVX-512 has no advantage for one value, so the task is not compiled for it.
 pub(crate) fn run_one<T: SimdTask>(task: T) -> T::Output {
     #[cfg(target_arch = "x86_64")]
     if let Some(simd) = Avx2::detect() {

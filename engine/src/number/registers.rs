@@ -4,9 +4,9 @@
 //! [`Single`] works on one number at a time with the instructions of a set. Chains of dependent steps use it, because
 //! registers filled with copies of one number would be slower.
 //!
-//! The code is written separately for each set ([`super::x86`]), not generically. A product then takes two instructions. A
-//! generic function would consist of nested calls. Compiling these calls would take longer than compiling all the
-//! arithmetic that uses them.
+//! The code is written separately for each set ([`super::x86`]), not generically. A product then takes two instructions,
+//! one for each register. A generic function would consist of nested calls. Compiling these calls would take longer than
+//! compiling all the arithmetic that uses them.
 
 use super::lanes::{LaneMask, Lanes};
 use std::fmt::Debug;

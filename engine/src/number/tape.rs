@@ -39,7 +39,7 @@ pub struct Tape {
 struct Record {
     nodes: Vec<Node>,
     adjoints: Adjoints,
-    /// Count of tapes.
+    /// Count of the thread's tapes.
     tapes: usize,
     /// Index of the first number of the newest tape.
     newest: usize,
@@ -57,8 +57,8 @@ struct Node {
 #[derive(Debug)]
 struct Adjoints {
     of: Vec<[f64; AT_ONCE]>,
-    /// One bit for each number, set if its derivative may be nonzero. A pass visits only these numbers. Most numbers of a
-    /// long tape do not contribute to a result.
+    /// One bit for each number, set if the derivative with respect to it may be nonzero. A pass visits only these numbers.
+    /// Most numbers of a long tape do not contribute to a result.
     noted: Vec<u64>,
 }
 
@@ -181,8 +181,9 @@ impl Record {
         found
     }
 
-    /// Follows a number back through operations with one operand. Returns the number where these operations start, and the
-    /// derivative with respect to it. So numbers that differ only by a factor share a backward pass.
+    /// Follows a number back through operations with one operand. Returns the number at which these operations start, and
+    /// the derivative of the given number with respect to it. So numbers that differ only by a factor share a backward
+    /// pass.
     fn origin_of(&self, number: usize, inputs: &Range<usize>) -> (usize, f64) {
         let (mut number, mut factor) = (number, 1.0);
         while number >= inputs.end {
@@ -238,8 +239,8 @@ impl Tape {
     }
 
     /// Computes the derivatives of results with respect to the first `inputs` numbers of the tape. `receive` gets the index
-    /// of each result and its derivatives. Several results share a backward pass; the derivatives are bit-identical to
-    /// those of separate passes.
+    /// of each result and its derivatives. Several results share a backward pass; separate passes would give bit-identical
+    /// derivatives.
     ///
     /// # Panics
     /// May panic if the tape has fewer numbers than `inputs`.
@@ -327,7 +328,8 @@ impl<'t> Tracked<'t> {
     #[inline(never)]
     fn of_one(self, value: f64, slope: f64) -> Self {
         match self.place {
-            // If the derivative with respect to the operand is zero, the result is a constant and needs no record.
+            // If the derivative with respect to the operand is zero, the result is a constant and does not enter the
+            // record.
             Some(place) if slope != 0.0 => {
                 RECORD.with_borrow_mut(|record| record.note_result(value, [place; 2], [slope, 0.0]))
             }

@@ -1,21 +1,22 @@
 //! Cause of a fold, where a path turns back: the part of the suspension that is singular there, or no part.
 //!
-//! Let C be the five rows of the Jacobian for the constraints, with the rack fixed. Let g be the row for the drive. At a fold
-//! of the drive there is a twist t of the wheel carrier with
+//! Let C be the five rows of the closure equations' Jacobian for the constraints, with the rack fixed. Let g be the row for
+//! the drive. At a fold of the drive there is a twist t of the wheel carrier with
 //!
 //! ```text
 //! C t = 0                                                                                     (1)
 //! g . t = 0                                                                                   (2)
 //! ```
 //!
-//! While only the drive moves, C has its full rank 5 at the fold. (Otherwise [C 0; g -1] would have a rank below 6, and
-//! the path would not be a single path.) So t is the free motion of the mechanism. By (2) the drive value does not
-//! change along t: the wheel centre is at its highest or lowest point. In general no single part causes this. If any
-//! one of the constraints is removed, t is still one of the free motions, and it is orthogonal to the removed
-//! constraint. So this property does not single out one part.
+//! While only the drive moves, C has its full rank 5 at the fold. (Otherwise [C 0; g -1] would have a rank below 6, and the
+//! path would not be a single path.) So t is the free motion of the mechanism. By equation (2) the drive value does not
+//! change along t: the wheel centre is at its highest or lowest point. In general no single part causes this. If any one of
+//! the constraints is removed, t is still one of the free motions, and it is orthogonal to the removed constraint. So this
+//! property does not single out one part.
 //!
-//! A part is the cause if it is singular by itself. With the arm fixed, its outer joint b is fixed, and the carrier can only
-//! rotate about b, with angular velocity w. Its upper end u then moves with w x (u - b).
+//! A part is the cause if it is singular by itself. With the arm fixed, its outer joint b is fixed, and the carrier can
+//! only rotate about b, with angular velocity w. Its upper end u then moves with w x (u - b). The upper arm or the strut
+//! permits this motion only along one direction, with an unknown rate s.
 //!
 //! ```text
 //! upper arm, axis e, foot c of u on it: w x (u - b) = s e x (u - c), so s (e x (u - c)).(u - b) = 0
@@ -40,11 +41,13 @@
 //!   axis, with which steering does not lift the wheel.) Otherwise no part is the cause.
 //!
 //! The links of a rigid axle have no such parts. Its limit (`analyse/limits.rs`) names the link with the largest multiplier
-//! w in w J = 0, where J is the whole Jacobian. This link carries the largest force that holds the axle at the fold.
+//! w_i in w J = 0. Here J is the whole Jacobian, and w contains one multiplier for each equation. This link carries the
+//! largest force that holds the axle at the fold.
 //!
 //! If the rack moves, C has an additional column for it, and the path may be regular where C has rank 4. Then some
-//! combination of the constraints, m C = 0, is the cause, namely the links with m not 0. Such a combination occurs only
-//! in mechanisms without a closed form; with a closed form, the cause is (3) or (4). A hinge is never singular.
+//! combination of the constraints, m C = 0, is the cause, namely the links with m not 0. Such a combination occurs only in
+//! mechanisms without a closed form. With a closed form, the cause is a part with U = 0 or T = 0, by equation (3) or (4). A
+//! hinge is never singular.
 
 use super::closed_form::{Roles, UpperRoles};
 use super::continuation::{Curve, CurvePoint, Moving};
@@ -53,8 +56,8 @@ use crate::model::{AxleTravel, Drive, Mechanism, PointId, TwistBeam};
 use crate::number::{Each, Vector3};
 use nalgebra::{Matrix5, SMatrix};
 
-/// A part counts as singular if its sine, (3) or (4), is smaller than this. Only rounding errors limit the accuracy of a
-/// fold. But at a double root only half as many digits of a sine are correct.
+/// A part counts as singular if its sine U or T, by equation (3) or (4) of this module, is smaller than this. Only rounding
+/// errors limit the accuracy of a fold. But at a double root only half as many digits of a sine are correct.
 pub(crate) const SINGULAR_PART: f64 = 1e-6;
 
 /// An arm counts as vertical if the sine of its angle to the vertical is smaller than this (about half a degree).
@@ -118,7 +121,7 @@ impl Curve<'_> {
     }
 }
 
-/// Part that is nearest to its singular position. `None` for a mechanism without such parts.
+/// Upper arm, strut or tie rod that is nearest to its singular position. `None` for a mechanism without such parts.
 pub(crate) fn nearest_part(at: &Configuration<f64>) -> Option<PartMeasure> {
     let measures = part_measures(at)?;
     measures
@@ -126,7 +129,8 @@ pub(crate) fn nearest_part(at: &Configuration<f64>) -> Option<PartMeasure> {
         .min_by(|a, b| a.sine.total_cmp(&b.sine))
 }
 
-/// Sine (3) of the upper arm or strut, and sine (4) of the tie rod. `None` for a mechanism without these parts.
+/// Sine U of the upper arm or strut, and sine T of the tie rod, by equations (3) and (4) of this module. `None` for a
+/// mechanism without these parts.
 fn part_measures(at: &Configuration<f64>) -> Option<[PartMeasure; 2]> {
     let roles = Roles::of(at.mechanism)?;
     let ball_joint = at.point(roles.ball_joint());
@@ -163,8 +167,8 @@ fn part_measures(at: &Configuration<f64>) -> Option<[PartMeasure; 2]> {
     Some([upper, tie_rod])
 }
 
-/// Outer ends of the links whose constraints depend on each other with the rack fixed: the links with m not 0 in m C
-/// = 0. Empty if C has its full rank, or is not finite.
+/// Outer ends of the links whose constraints depend on each other with the rack fixed. These links have a multiplier m that
+/// is not 0 in m C = 0, with the constraints' Jacobian C of this module. Empty if C has its full rank, or is not finite.
 pub(crate) fn dependent_links(
     closure: &Closure<f64>,
     at: &Configuration<f64>,

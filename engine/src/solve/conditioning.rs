@@ -25,7 +25,8 @@ use crate::number::{Each, Jet};
 /// Conditioning of one pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conditioning {
-    /// Condition number of the closure equations, with lengths relative to the mechanism's size. Infinite at a singular pose.
+    /// Condition number of the closure equations' Jacobian, with lengths relative to the mechanism's size. Infinite at a
+    /// singular pose.
     pub number: f64,
     /// Distance to singularity, as a length.
     pub distance: f64,
@@ -51,9 +52,11 @@ impl Conditioning {
         self.digits() < LEAST_DIGITS
     }
 
-    /// Conditioning from the factors of the Jacobian. The computation takes about as much work as the factorisation.
+    /// Conditioning from the LU factors of the closure equations' Jacobian. The computation takes about as much work as the
+    /// factorisation.
     pub(crate) fn of(lu: &Lu6<f64>, size: f64) -> Self {
-        // Row sums. Displacements and residuals are relative to the mechanism's size; rotations are in radians.
+        // Largest row sum of the Jacobian. Displacements and residuals are relative to the mechanism's size; rotations are
+        // in radians.
         let norm = lu.matrix().iter().fold(0.0_f64, |norm, row| {
             norm.max(magnitude(&row[..3]) + magnitude(&row[3..]) / size)
         });

@@ -31,9 +31,9 @@ use std::cmp::Ordering;
 /// Quantity that moves while all other quantities are fixed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Moving {
-    /// The drive.
+    /// The drive moves, and the rack is fixed.
     Drive,
-    /// The rack.
+    /// The rack moves, and the drive is fixed.
     Rack,
 }
 
@@ -44,7 +44,7 @@ pub(crate) struct Curve<'a> {
     pub closure: &'a Closure<f64>,
     pub design_series: &'a DesignSeries<3>,
     pub size: f64,
-    /// Rounding error of the equations, relative to the mechanism's size.
+    /// Rounding error of the closure equations' residuals, relative to the mechanism's size.
     pub rounding: f64,
     pub work: &'a WorkCounter,
     pub moving: Moving,
@@ -55,16 +55,16 @@ pub(crate) struct Curve<'a> {
 /// A point of the curve.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CurvePoint {
-    /// The pose as a Taylor series in the arc length.
+    /// The pose as a Taylor series in the arc length of the curve.
     pub series: Pose<Jet<f64, 3>>,
     /// Moving quantity as a Taylor series in the arc length.
     pub moved: Jet<f64, 3>,
     /// Tangent: displacement, rotation, moving quantity; lengths are relative to the mechanism's size.
     tangent: [f64; 7],
     factors: Lu<f64, 7>,
-    /// Required sign of the determinant of the matrix with the tangent as its last row.
+    /// Required sign of det [A; t]: the Jacobian A of this module, with the tangent as its last row.
     orientation: f64,
-    /// Error of the point that comes from the rounding of the equations, relative to the mechanism's size.
+    /// Error of the point due to the rounding of the closure equations, relative to the mechanism's size.
     noise: f64,
 }
 
@@ -73,7 +73,8 @@ pub(crate) struct CurvePoint {
 pub(crate) enum PathEnd {
     /// The path turns back at this point.
     Fold(Box<CurvePoint>),
-    /// The path could not be followed beyond this value, because it meets or nearly meets another path.
+    /// The path could not be followed beyond this value of the moving quantity, because it meets or nearly meets another
+    /// path.
     Unresolved(f64),
 }
 
@@ -102,8 +103,8 @@ impl CurvePoint {
 }
 
 impl Curve<'_> {
-    /// Follows the curve from one of its points towards `target`, which may be infinite. Returns the point with that value, or
-    /// the reason why the path ended before it.
+    /// Follows the curve from one of its points towards `target`, a value of the moving quantity that may be infinite.
+    /// Returns the point with that value, or the reason why the path ended before it.
     pub(crate) fn to(
         &self,
         pose: &Pose<f64>,
@@ -162,13 +163,13 @@ impl Curve<'_> {
         Err(unresolved(&here))
     }
 
-    /// Multipliers m of the six equations at a fold, with m A = (0, ..., 0, 1). If the design changes, the value at the fold
-    /// changes by -m . dF.
+    /// Multipliers m of the six closure equations at a fold: m A = (0, ..., 0, 1) with the 6x7 Jacobian A of this module.
+    /// If a change of the design changes the equations by dF, the value at the fold changes by -m . dF.
     pub(crate) fn fold_multipliers(&self, fold: &CurvePoint) -> [f64; 6] {
         let m = fold
             .factors
             .solve_transposed([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
-        // Equations are relative to the mechanism's size; the value is in its own unit.
+        // The equations are relative to the mechanism's size. The moving quantity is in its own unit.
         array_of(|i| m[i] * self.unit() / self.size)
     }
 
@@ -203,7 +204,7 @@ impl Curve<'_> {
         }
     }
 
-    /// Matrix [F_x F_q], with lengths relative to the mechanism's size.
+    /// Jacobian A = [F_x F_q] of the closure equations, with lengths relative to the mechanism's size.
     fn matrix(&self, pose: &Pose<f64>, value: f64) -> [[f64; 7]; 6] {
         let motion = self.motion(value);
         let at = Configuration::new(self.mechanism, self.design, *pose, motion.rack);
@@ -317,7 +318,8 @@ impl Curve<'_> {
         None
     }
 
-    /// Returns true if the value may turn back twice between two points at which it moves in the same direction.
+    /// Returns true if the moving quantity may turn back twice between two points at which it changes in the same
+    /// direction.
     fn may_turn_twice(&self, here: &CurvePoint, next: &CurvePoint, step: f64) -> bool {
         let within = |s: f64| s > 0.0 && s < step;
         here.moved[1] * next.moved[1] > 0.0
@@ -325,7 +327,7 @@ impl Curve<'_> {
             && within(0.5 * next.moved[1] / next.moved[2])
     }
 
-    /// Fold between two points at which the value moves in opposite directions.
+    /// Fold between two points at which the moving quantity changes in opposite directions.
     fn fold(&self, before: &CurvePoint, after: &CurvePoint, step: f64) -> Option<CurvePoint> {
         // A secant shows which of the two points is nearer to the fold. Newton's method starts there.
         let part = before.moved[1] / (before.moved[1] - after.moved[1]);
@@ -336,7 +338,8 @@ impl Curve<'_> {
             if length.is_nan() || length.abs() > step {
                 return None;
             }
-            // An error e in the arc length causes an error of order e^2 in the value, but an error of order e in the gradient.
+            // An error e in the arc length causes an error of order e^2 in the value at the fold. But it causes an error of
+            // order e in the gradient of this value.
             if length.abs() <= point.noise || (length.abs() >= 0.5 * last && last <= 1e-7) {
                 return Some(point);
             }
@@ -374,8 +377,8 @@ impl Curve<'_> {
             // The double root is used then.
             let discriminant = (first * first + 4.0 * second * short).max(0.0);
             let length = 2.0 * short / (first + first.signum() * discriminant.sqrt());
-            // Near a fold, an error of the value at rounding level is not sufficient. The remaining arc length must also
-            // be at rounding level. At the fold itself this arc length is NaN, which counts as zero.
+            // Near a fold, an error of the moving quantity at rounding level is not sufficient. The remaining arc length
+            // must also be at rounding level. At the fold itself this arc length is NaN, which counts as zero.
             let is_there = short.abs() <= 0.5 * rounding
                 && length.abs().partial_cmp(&point.noise) != Some(Ordering::Greater);
             if is_there || (length.abs() >= 0.5 * last && short.abs() <= 4.0 * rounding) {
@@ -446,7 +449,7 @@ fn bordered(rows: &[[f64; 7]; 6], last: &[f64; 7]) -> Option<Lu<f64, 7>> {
     Lu::of(square, 1.0)
 }
 
-/// Largest row sum of the inverse.
+/// Largest row sum of the inverse of the matrix with these factors.
 fn inverse_norm(factors: &Lu<f64, 7>) -> f64 {
     let rows = factors.inverse();
     rows.iter().map(|row| magnitude(row)).fold(0.0, f64::max)

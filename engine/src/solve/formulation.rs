@@ -39,7 +39,7 @@ pub struct FormulationPose {
     pub rack: f64,
     /// Condition number of the equations.
     pub condition: f64,
-    /// Drive value minus its value in the design position, with the sign that the equations use.
+    /// Value of the drive coordinate minus its value in the design position, with the sign that the equations use.
     pub drive: f64,
 }
 

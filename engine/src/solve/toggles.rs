@@ -1,4 +1,4 @@
-//! Finds rods that reach a toggle along the motion.
+//! Finds rods that reach a toggle along the motion: the dead centre at which a rod cannot turn its rocker.
 
 use super::{Solver, StationOrder};
 use crate::mechanism::{Configuration, DesignFault, Pose, RodReach, is_effective};
@@ -8,8 +8,8 @@ use crate::sorting::sort_by_key;
 use std::cell::{Cell, RefCell};
 use std::ops::ControlFlow;
 
-/// Number of parts into which an interval is divided if a rod may have reached a toggle in it. `DEPTH` is the largest number of
-/// successive divisions: first of the interval between two stations, then of its undecided parts.
+/// Number of parts into which an interval of the drive is divided if a rod may have reached a toggle in it. `DEPTH` is the
+/// largest number of successive divisions: first of the interval between two stations, then of its undecided parts.
 const PARTS: usize = 16;
 const DEPTH: usize = 3;
 
@@ -62,7 +62,7 @@ impl Toggles {
         }
     }
 
-    /// Makes a check for these rockers and the rockers of this check.
+    /// Makes a check for these rockers in addition to the rockers of this check.
     pub fn and(&self, mechanism: &Mechanism, rockers: impl IntoIterator<Item = RockerId>) -> Self {
         Toggles::of(mechanism, self.watched.iter().copied().chain(rockers))
     }
@@ -206,8 +206,9 @@ impl Toggles {
         all.all(|(id, (from, to))| stuck & 1 << id.0 != 0 || from.keeps_leverage_to(to))
     }
 
-    /// Adds to `stuck` the rockers that reach a toggle between two points. `ends` are the rods at both points. `look`
-    /// examines a part of the interval. Its input is the set of rockers that are at or beyond a toggle before this part.
+    /// Adds to `stuck` the rockers that reach a toggle between two points of the motion. `ends` are the rods at both
+    /// points. `look` examines the pose at a value between them. Its second argument is the set of rockers that are already
+    /// at or beyond a toggle.
     fn between(
         &self,
         look: &mut dyn FnMut(f64, RockerSet) -> Option<Seen>,
@@ -249,8 +250,9 @@ impl Toggles {
         watched.filter(|id| self.holds(*id)).collect()
     }
 
-    /// Rockers at or beyond a toggle in a pose: those in `before`, those without leverage, and those moved by such a rocker.
-    /// `now` converts a number to its value at this pose.
+    /// Returns the rockers at or beyond a toggle in a pose, and the positions of all watched rods. The rockers are the ones
+    /// in `before`, the ones whose rod has no leverage, and the ones that such a rocker moves. `now` converts a number to
+    /// its value at this pose.
     fn seen<T: Real>(
         &self,
         at: &Configuration<T>,

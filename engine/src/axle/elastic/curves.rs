@@ -112,7 +112,8 @@ impl StationReader<'_> {
         station: usize,
         at: ([f64; 2], f64),
     ) -> Result<Vec<Sensitivity>, NoEquilibrium> {
-        // Mirror-image wheels move together, and so do the halves of a solid axle. Other wheels move independently.
+        // Mirror-image wheels move together, and so do the halves of a solid axle: one derivative applies to both sides.
+        // Other wheels move independently, with one derivative for each side.
         let sides = match self.axle.right {
             None => &[None][..],
             Some(_) if self.axle.is_rigid() => &[None],

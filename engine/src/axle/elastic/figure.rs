@@ -4,18 +4,18 @@ use crate::ask::{Info, Unit};
 use crate::compliance::{HeldQuantity, KcSubject, KcTest, TestLoad, TestMode, sign_of_figure};
 use crate::model::Side;
 
-/// Result of a rig test of an axle: a derivative at a station, or a secant over the window of the test.
+/// Result of a rig test of an axle: a derivative at a station, or a secant over the test's window (its range of load).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TestFigure {
     /// Test that gives the result.
     pub test: KcTest,
     /// Name in the tables of the test rig.
     pub quantity: &'static str,
-    /// Type of unit.
+    /// Type of the result's unit.
     pub unit: Unit,
     /// Part to which the result belongs: the axle, or one of its wheels.
     pub of: KcSubject,
-    /// True if the result is the secant over the window of the test.
+    /// True if the result is the secant over the window of the test (the range of its load).
     pub is_secant: bool,
     /// True if the name of the result ends with the load of the test, because tests with other loads have a result of
     /// the same name.
@@ -23,9 +23,10 @@ pub struct TestFigure {
 }
 
 impl TestFigure {
-    /// Name without the side. The name contains only differences from the default test. It also contains the load, if
-    /// tests with other loads have a result of the same name. In the default test, the load acts on both wheels in the
-    /// same direction, without trail. The bar is connected, and the steering wheel is held.
+    /// Name without the side. The name contains only differences from the default test. It also contains the load, if tests
+    /// with other loads have a result of the same name. In the default test, the load acts on both wheels in the same
+    /// direction. The trail (distance from the contact point back to the side force) is 0, the anti-roll bar is connected,
+    /// and the steering wheel is held.
     pub fn stem(&self) -> String {
         let test = &self.test;
         let mut name = self.quantity.to_owned();
@@ -69,7 +70,7 @@ impl TestFigure {
         }
     }
 
-    /// Name in columns, without the unit.
+    /// Name of the result in columns, without the unit.
     pub fn name(&self) -> String {
         match self.side() {
             Some(side) => format!("{}_{}", side.name(), self.stem()),

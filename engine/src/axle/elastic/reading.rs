@@ -89,7 +89,7 @@ impl AxleColumn {
     }
 }
 
-/// Conditions for all quantities except test results: the bar is connected, and the steering wheel is held.
+/// Conditions for all quantities except test results: the anti-roll bar is connected, and the steering wheel is held.
 const USUAL: Conditions = (true, false);
 
 impl AxleRead {
@@ -116,7 +116,8 @@ struct Reader<'h, T: Valued> {
 }
 
 impl<T: Scalar> Reader<'_, T> {
-    /// Returns both wheels with their derivatives along a motion. `None` if the axle cannot move along it.
+    /// Returns the inputs of both wheels' formulas, with their derivatives along a motion. `None` if the axle cannot move
+    /// along it.
     fn moving(&mut self, by: Motion) -> Option<&Moving<T>> {
         if !self.known.iter().any(|(known, _)| *known == by) {
             let found = self.along(by);
@@ -126,7 +127,8 @@ impl<T: Scalar> Reader<'_, T> {
         found?.1.as_ref()
     }
 
-    /// Returns the change of an equilibrium along a motion. `None` if the motion is not defined in an equilibrium.
+    /// Returns the changes of the travels or of the rack along a motion. `None` if the motion is not defined in an
+    /// equilibrium.
     fn change(&self, by: Motion) -> Option<AxleChange<T>> {
         let zero = self.here.axle.travel(&self.here.at, Side::Left).zero();
         let one = zero.one();
@@ -267,8 +269,8 @@ fn place_quantity<T: Scalar>(of: AxleQuantity, place: &AxlePlace<T>) -> Option<T
     }
 }
 
-/// Computes values of a station under one set of conditions. `None` for missing values. `secants` returns the secants
-/// over the window of a test.
+/// Computes the wanted quantities of a station under one set of test conditions. `None` for missing values. `secants`
+/// returns the secants over the window of a test (the range of its load).
 fn read<T: Scalar>(
     run: &AxleKcRun<'_>,
     here: &mut Here<T>,

@@ -1,10 +1,10 @@
 //! Wheel loads and stiffnesses, from the forces of springs and anti-roll bars by virtual work.
 //!
-//! U is the energy of springs and bars, and U_zi its derivative with respect to the travel z_i of wheel i. C_i' is the velocity
-//! of the carrier's point at the contact point with respect to this travel. The load of the wheel along the normal n of the
-//! ground is F_i = U_zi/(n.C_i'). The weight of suspension parts is neglected. The bar adds the energy k_b (b_l - b_r)^2/2,
-//! with b the angles of its levers. Springs between the rockers add the energies of
-//! [`RockerSprings`](crate::axle::RockerSprings).
+//! U is the energy of springs and bars, and U_zi its derivative with respect to the travel z_i of wheel i. C_i' is the
+//! velocity of the carrier's point at the contact point with respect to this travel. The load of the wheel along the normal
+//! n of the ground is F_i = U_zi/(n.C_i'). The weight of suspension parts is neglected. The anti-roll bar adds the energy
+//! k_b (b_l - b_r)^2/2, with the rate k_b and the angles b_l and b_r of its levers. Springs between the rockers add the
+//! energies of [`RockerSprings`](crate::axle::RockerSprings).
 
 use super::rigid;
 use crate::axle::reading::WheelParts;
@@ -70,7 +70,7 @@ pub(crate) fn heave_bar_torque<T: Scalar, W: WheelParts<T>>(state: &AxleState<T,
     rocker_forces(state).heave_bar
 }
 
-/// Load of a wheel from its own spring and from the springs between the rockers.
+/// Load of a wheel from its own spring and from the springs between the rockers, without the anti-roll bar.
 fn sprung_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let own = match state.setup.springs {
         Some(_) => Some(spring_load(state, side)),
@@ -86,7 +86,7 @@ fn sprung_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side)
     }
 }
 
-/// Load of a wheel.
+/// Load of a wheel from its spring, the anti-roll bar and the springs between the rockers.
 pub(crate) fn wheel_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     if state.carriers.is_rigid() {
         return rigid::wheel_loads(state)[side as usize];

@@ -25,9 +25,9 @@
 //! height v.e/(w.i)        to the left -v.n/(w.i)                                               (2)
 //! ```
 //!
-//! When a steered axle moves, its wheels turn about the kingpins. This changes the forces of (1): C_b,h and C_b,d are
-//! then the velocities of points of the knuckles. The roll centre (2), pinion angle and direction describe the axle
-//! itself.
+//! When a steered axle moves, its wheels turn about the kingpins. This changes the forces of equation (1): C_b,h and C_b,d
+//! are then the velocities of points of the knuckles. The roll centre of equation (2), pinion angle and direction describe
+//! the axle itself.
 //!
 //! The height of a pad changes with both travels of the wheel centres:
 //!
@@ -136,8 +136,8 @@ fn rolling<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     turn.x
 }
 
-/// Lanes in which the roll centre is near enough that its position has a meaning. A roll centre with NaN coordinates counts as
-/// far away.
+/// Lanes in which the roll centre is less than a hundred tracks away, both in height and to the side. Farther away, its
+/// position is meaningless. A roll centre with NaN coordinates counts as far away.
 #[inline(always)]
 pub(crate) fn rolls_nearby<B: SimdReal, W: WheelParts<B>>(state: &AxleState<B, W>) -> B::Mask {
     let [height, lateral] = roll_centre(state);
@@ -150,8 +150,8 @@ pub(crate) fn wheel_loads<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) 
     loads_of(state, state.setup.bar_rate.is_some())
 }
 
-/// Derivative of the wheel load with respect to the height of the wheel's level pad, from the springs alone. The other
-/// pad does not move. So the changes of both travels are computed with the inverse of the matrix of (3).
+/// Derivative of the wheel load with respect to the height of the wheel's level pad, from the springs alone. The other pad
+/// does not move. So the changes of both travels are computed with the inverse of the matrix of equation (3).
 pub(crate) fn wheel_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let pads = state.on_pads();
     let by_travel = |motion: Motion| loads_of(&pads.moving(motion), false)[side as usize][1];
@@ -228,8 +228,9 @@ fn forward_force_loads<T: Real, W: WheelParts<T>>(
     balancing(state, &work)
 }
 
-/// Returns 100 share (L/h) (f_l + f_r) for a unit force forward, in percent. L is the wheelbase. h is here the height of the
-/// centre of gravity. f_l and f_r are the wheel loads of [`forward_force_loads`].
+/// Returns 100 share (L/h) (f_l + f_r) for a unit force forward, in percent. `share` is this axle's share of the drive or
+/// brake force. L is the wheelbase. h is here the height of the centre of gravity. f_l and f_r are the wheel loads of
+/// [`forward_force_loads`].
 #[inline(always)]
 fn supported<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, share: f64, by_carrier: f64) -> T {
     let c = &state.setup.constants;

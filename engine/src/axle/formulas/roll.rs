@@ -2,9 +2,9 @@
 //!
 //! C is the contact point, and C' its velocity with the wheel locked to its carrier, with respect to the wheel's travel. In
 //! front view, the reaction of a side force on the locked wheel acts along the normal to C' through C. A unit side force
-//! inboard along the ground adds j units of wheel load, j = (C'.o)/(C'.n) with o outboard along the ground. The normals of both
-//! wheels meet in the roll centre. Its coordinates are eta along the ground from midway between the contact points, positive to
-//! the left, and zeta above the ground:
+//! inboard along the ground adds j units of wheel load, j = (C'.o)/(C'.n). Here o points outboard along the ground, and n
+//! is the normal of the ground. The normals to C' of both wheels meet in the roll centre. Its coordinates are eta along the
+//! ground from midway between the contact points, positive to the left, and zeta above the ground:
 //!
 //! ```text
 //! d/2 + (track/2 - eta) j_l = zeta = -d/2 + (track/2 + eta) j_r
@@ -61,7 +61,7 @@ pub(crate) fn jacking<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> [T;
     ]
 }
 
-/// Track at the ground.
+/// Track: distance of the contact points across the vehicle.
 #[inline(always)]
 pub(crate) fn track<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     state.track()

@@ -180,7 +180,8 @@ pub(crate) fn ackermann_error<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>
     outer - turn.ideal_outer()
 }
 
-/// Difference of the steer angles, in percent of the ideal difference.
+/// Difference of the steer angles, in percent of the ideal difference. The ideal outer angle is computed from the inner
+/// angle.
 #[inline(always)]
 pub(crate) fn ackermann<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let turn = Turn::of(state);
@@ -200,7 +201,8 @@ pub(crate) fn ackermann_by_inner<T: Real, W: WheelParts<T>>(state: &AxleState<T,
     ((inner - outer) / (ideal - outer)).scaled(100.0)
 }
 
-/// Difference of the cotangents of the steer angles, in percent of the ideal difference.
+/// Difference of the cotangents of the steer angles, in percent of the ideal difference. The ideal difference is the track
+/// of the wheel centres in the design position, divided by the wheelbase.
 #[inline(always)]
 pub(crate) fn ackermann_by_cotangents<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let turn = Turn::of(state);

@@ -23,7 +23,7 @@ pub(super) struct Corner<'a, const N: usize> {
     pub(super) side: Side,
     /// Points whose positions are computed with the wheel.
     pub(super) points: Vec<PointId>,
-    /// True if condition numbers of the Jacobian are computed with the wheel.
+    /// True if condition numbers of the closure equations' Jacobian are computed with the wheel.
     pub(super) has_condition: bool,
     /// State of the steering gear of a steered axle.
     pub(super) steered: Steered,
@@ -222,7 +222,8 @@ impl<'a, const N: usize> Corner<'a, N> {
     }
 
     /// Returns the failure if a travel is beyond a known end. `None` if the travel is within all known ends. The arguments
-    /// are travel and rack displacement as in the closure equations ([`Corner::inner`]): outward travels have a larger magnitude.
+    /// are travel and rack displacement as in the closure equations ([`Corner::inner`]). Beyond an end, the travel has the
+    /// sign of the end and a larger magnitude.
     fn beyond_an_end(&self, travel: f64, rack: f64) -> Option<Failure> {
         let is_beyond =
             |end: &&End| end.rack == rack && (travel - end.travel) * end.travel.signum() > 0.0;
@@ -320,7 +321,8 @@ impl<'a, const N: usize> Corner<'a, N> {
         }
     }
 
-    /// Solves the wheel at a travel on this ground.
+    /// Solves the wheel at a travel on this ground. Returns series of its pose and of the height of its contact point in
+    /// the travel.
     pub(super) fn height(
         &mut self,
         travel: f64,

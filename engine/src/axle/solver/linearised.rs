@@ -91,7 +91,8 @@ pub(super) fn derivative_by_heave<const N: usize>(
         Sought::Point(side, id, axis) => {
             let place = linearised[side as usize][0].at.point(id)[axis];
             let by_travel = place.0.get(1).copied().unwrap_or(f64::NAN);
-            // For a rigid axle, the second line is along the held travel.
+            // For a rigid axle, the second line is along the held travel. So its first coefficient is the derivative by the
+            // held travel.
             let by_rack = match (state.carriers.is_rigid(), linearised[side as usize].get(1)) {
                 (false, _) => 0.0,
                 (true, None) => f64::NAN,

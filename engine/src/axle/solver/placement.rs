@@ -10,7 +10,7 @@ pub enum Placement {
     Roll {
         /// Mean travel of the wheel centres.
         heave: f64,
-        /// Roll angle in radians.
+        /// Roll angle of the body, in radians.
         roll: f64,
         /// Displacement of the rack.
         rack: f64,
@@ -20,7 +20,7 @@ pub enum Placement {
     AtLoad {
         /// Mean travel of the wheel centres at which the level axle carries the same load.
         heave: f64,
-        /// Roll angle in radians.
+        /// Roll angle of the body, in radians.
         roll: f64,
         /// Displacement of the rack.
         rack: f64,
@@ -37,7 +37,7 @@ pub enum Placement {
 }
 
 impl Placement {
-    /// Returns travels and rack of wheels that are on level pads at given heights. `None` for another placement.
+    /// Returns travels and rack displacement of wheels that are on level pads. `None` for another placement.
     pub fn on_level_pads(&self) -> Option<([f64; 2], f64)> {
         match *self {
             Placement::Travels {

@@ -13,7 +13,7 @@ pub(in crate::axle) type ReceiveOwnGradients<'r> = dyn FnMut(usize, [&mut [Vecto
 pub struct Read<'a> {
     /// State of the axle.
     pub state: AxleState<'a, f64>,
-    /// Condition number of the Jacobian, the larger of the two wheels. `None` unless it is requested
+    /// Condition number of the closure equations' Jacobian, the larger of the two wheels. `None` unless it is requested
     /// ([`AxleSolver::find_conditions`]).
     pub condition: Option<f64>,
     /// Rod of each wheel at or beyond a toggle. `None` if there is no such rod.
@@ -283,7 +283,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         if numbers.is_empty() {
             return Ok(found);
         }
-        // The adjoint also returns first derivatives of quantities that contain velocities. The series do not.
+        // The adjoint method also returns first derivatives of quantities that contain velocities. The series of
+        // `second_by_gear` do not.
         for (number, by) in numbers
             .into_iter()
             .zip(self.by_steering_gear(placed, &sought)?)
@@ -353,7 +354,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                 let linearised = &linearised.wheels[side as usize][0];
                 let by_travel = linearised.at.point(id)[axis].0.get(1).copied();
                 for by in self.gradients.iter_mut().flatten() {
-                    // On pads, the travels do not depend on the ground.
+                    // Without a derivative with respect to travel, the wheels are on pads. There, the travels do not depend
+                    // on the design, so this term is 0.
                     *by = *by * by_travel.unwrap_or(0.0);
                 }
                 let zero = Vector3::new(0.0, 0.0, 0.0);

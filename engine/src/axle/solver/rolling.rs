@@ -51,8 +51,8 @@ impl<const N: usize> AxleSolver<'_, N> {
         found.swap_remove(0)
     }
 
-    /// First estimate of half the difference of the travels. For this estimate, independent wheel centres move straight
-    /// up, and wheel centres of a rigid axle move on a circle.
+    /// First estimate of half the difference of the travels at a roll angle. For this estimate, independent wheel centres
+    /// move straight up, and wheel centres of a rigid axle move on a circle.
     pub(super) fn straight_half(&self, roll: f64) -> f64 {
         let level = Ground::level(0.0);
         let half = |side: Side| {
@@ -68,7 +68,7 @@ impl<const N: usize> AxleSolver<'_, N> {
     }
 
     /// Solves placements in roll at one rack displacement together. `numbers` contains the indices of the placements.
-    /// Placements that need more than a few rounds stay unsolved.
+    /// Placements that need more than [`MOST_ROUNDS`] rounds stay unsolved.
     pub(super) fn roll_together(
         &mut self,
         rack: f64,
@@ -126,7 +126,8 @@ impl<const N: usize> AxleSolver<'_, N> {
                 let half = at.half + step;
                 let poses = [left.moved(step), right.moved(-step)];
                 let travels = [at.level + half, at.level - half];
-                // Close to a fold, four terms of the series are not enough even for a small step.
+                // Close to a fold (turning point of the travel), four terms of the series are not enough even for a small
+                // step.
                 if step.abs() <= NEAR * size && self.stands(&poses, travels, rack, at.roll) {
                     found[at.number] = Some(AxlePose {
                         travels: [at.heave + half, at.heave - half],

@@ -61,7 +61,7 @@ impl<const N: usize> AxleSolver<'_, N> {
     /// with the gear at `beyond`, or if a knuckle cannot follow the gear there.
     ///
     /// With T(p, s) the travel at the fold, the design p and the displacement s of the gear, T = 0 at the end. The axle
-    /// reaches its held travel first. Meanwhile, the drive d is that of the axle at rest. It equals the lift l(p, s) by
+    /// reaches its held travel first. Meanwhile, the drive d keeps its value of the axle at rest. It equals the lift l(p, s) by
     /// equation (4) or (5) of `model/steered_axle.rs`. Let g be the gradient of T with respect to the hardpoints, g'
     /// the gradient of T with respect to the drag link's end p', and n the direction of the gear. T_d is the derivative
     /// of T with respect to d. l_p and l_s are the derivatives of l with respect to p and s. Then

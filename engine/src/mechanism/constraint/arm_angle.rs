@@ -73,7 +73,7 @@ impl<T: Real> ArmAngle<T> {
         (self.cosine * arm.sine() - self.sine * arm.cosine()) * arm.inverse_radius
     }
 
-    /// Adds `weight` times the derivatives (3) to (5) to the sink.
+    /// Adds `weight` times the derivatives of the residual, equations (3) to (5) of this file, to the sink.
     #[inline(always)]
     pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let arm = Turned::of(at);
@@ -95,11 +95,11 @@ impl<T: Real> ArmAngle<T> {
 
 /// The first arm, in the design position and in the present pose, relative to its axis.
 struct Turned<T> {
-    /// Vector e.
+    /// Unit vector e of the arm's axis.
     axis: Vector3<T>,
-    /// Vector a0, from the rear point of the axis.
+    /// Vector a0 from the rear point of the axis to the outer joint, in the design position.
     designed: Vector3<T>,
-    /// Vector a, from the rear point of the axis.
+    /// Vector a from the rear point of the axis to the outer joint, in the present pose.
     now: Vector3<T>,
     /// Inverse distance of the two points of the axis. Negative if the axis runs from front to rear.
     inverse_base: T,
@@ -126,13 +126,13 @@ impl<T: Real> Turned<T> {
         }
     }
 
-    /// Product r^2 sin of (1).
+    /// Product r^2 sin of equation (1).
     #[inline]
     fn sine(&self) -> T {
         self.axis.dot(self.designed.cross(self.now))
     }
 
-    /// Product r^2 cos of (1).
+    /// Product r^2 cos of equation (1).
     #[inline]
     fn cosine(&self) -> T {
         self.now.dot(self.designed) - self.now.dot(self.axis) * self.designed.dot(self.axis)

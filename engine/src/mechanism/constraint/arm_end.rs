@@ -28,9 +28,9 @@
 //! dF = g.dp - g.dP + ..,   f = g + h,   m = l x g + k x h                   (5)
 //! ```
 //!
-//! The two legs of the arm leave o only the rotation about the axis. With the rows of a joint, the knuckle can only rotate
-//! about the line from o to p in addition. For a design, (1) is the position in module `arm`, which gives the derivatives with
-//! respect to hardpoints.
+//! The two legs of the arm leave o only the rotation about the axis. With the two equations of a joint, the knuckle can
+//! only rotate about the line from o to p in addition. For a design, equation (1) gives the same position as module `arm`.
+//! That module gives the derivatives with respect to hardpoints.
 //!
 //! Rates along the motion (v, w). M is constant, since e is fixed in the body:
 //!
@@ -90,7 +90,7 @@ fn frame<T: Real>(arm: Arm, design: &[Vector3<T>]) -> [Vector3<T>; 2] {
     [axis, (design[arm.outer.0] - front).across(axis)]
 }
 
-/// Dimensions a, b and c for a design.
+/// Dimensions a, b and c of an arm in equation (1), for a point of a design.
 #[inline(always)]
 pub(super) fn designed<T: Real>(
     mechanism: &Mechanism,
@@ -109,8 +109,8 @@ pub(super) fn designed<T: Real>(
     ]
 }
 
-/// Dimensions a, b and c for a built arm (7). `point` is the position of the point in the nominal arm: the position of a
-/// built link's end, and the nominal position of a joint.
+/// Dimensions a, b and c of a built arm, as in paragraph (7) of this file. `point` is the position of the point in the
+/// nominal arm: the position of a built link's end, and the nominal position of a joint.
 #[inline(always)]
 pub(super) fn built<T: Real>(
     mechanism: &Mechanism,
@@ -138,7 +138,8 @@ pub(super) fn built<T: Real>(
     ]
 }
 
-/// Returns one of two directions normal to the line between both joints of an arm. `number` selects it.
+/// Returns one of two directions n normal to the line between both joints of an arm. `number` selects the direction: 0 or
+/// 1.
 #[inline(always)]
 fn across<T: Real>(arm: Arm, at: PointId, points: &[Vector3<T>], number: usize) -> Vector3<T> {
     let line = (points[at.0] - points[arm.outer.0]).normalised();

@@ -21,9 +21,9 @@
 //! row computes these positions from its design. Derivatives with respect to hardpoints are taken at constant travel, and
 //! travel counts from the hardpoints. So a row differentiates the height of a wheel centre above its hardpoint.
 //!
-//! F is linear in the pose. The far wheel of a twist beam is on a rocker of the near half, and both wheels of a steered axle are
-//! on rockers. Then the wrench of the height and its rate are those of a force on a rocker (see `rocker_end.rs`), and F is not
-//! linear.
+//! F is linear in the pose, with two exceptions. The far wheel of a twist beam is on a rocker of the near half, and both
+//! wheels of a steered axle are on rockers. Then F is not linear. The wrench of a wheel centre's height and the rate of
+//! this wrench are then computed as for a force on a rocker (see `rocker_end.rs`).
 
 use super::rocker_end::constant_push_rate;
 use crate::mechanism::pose::Sink;

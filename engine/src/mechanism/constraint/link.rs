@@ -9,8 +9,8 @@
 //! f  = d/|d0|,   m = l x d/|d0|,   q = -d_y/|d0| if the rack carries inner  (3)
 //! ```
 //!
-//! F has no square root, so it is quadratic in the pose and smooth everywhere. The factor 1/|d0| only scales the row to
-//! a length. The factor is treated as constant in (2), which is exact where F = 0.
+//! F has no square root, so it is quadratic in the pose and smooth everywhere. The factor 1/|d0| only scales the row to a
+//! length. Equation (2) treats the factor as constant, which is exact where F = 0.
 //!
 //! Rates along the motion (v, w), from d' = v + w x l and l' = w x l:
 //!
@@ -30,12 +30,12 @@ use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::{Body, PointId};
 use crate::number::{Real, Vector3, outlined};
 
-/// Fixed length of a rod: the constants of (1).
+/// Fixed length of a rod: the constants of equation (1) of this file.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RodLength<T> {
-    /// Number d0.d0/2.
+    /// Number d0.d0/2, half the squared length in the design position.
     half_squared: T,
-    /// Inverse length 1/|d0|.
+    /// Inverse length 1/|d0| of the rod.
     pub(super) scale: T,
 }
 
@@ -46,7 +46,8 @@ impl<T: Real> RodLength<T> {
         RodLength::of_squared((design[outer.0] - design[inner.0]).norm_squared())
     }
 
-    /// Length with a given square, which does not follow from the positions of the ends.
+    /// Makes the constants from the square of the rod's length. A built rod's length does not follow from the positions of
+    /// its ends.
     #[inline(always)]
     pub(super) fn of_squared(squared: T) -> Self {
         RodLength {
@@ -62,7 +63,8 @@ impl<T: Real> RodLength<T> {
     }
 }
 
-/// Adds `weight` times the hardpoints' part -d0.(d outer0 - d inner0) of (2).
+/// Adds `weight` times the derivatives with respect to the design positions of both ends: the term -d0.(d outer0 - d
+/// inner0) of equation (2).
 #[inline(always)]
 pub(super) fn push_hardpoints<T: Real>(
     [inner, outer]: [PointId; 2],

@@ -1,6 +1,6 @@
 //! Closure equations, one file for each kind of constraint.
 //!
-//! A constraint has a residual F (1) and a differential (2):
+//! A constraint has a residual F in equation (1) and a differential in equation (2):
 //!
 //! ```text
 //! F(pose, rack, hardpoints) = 0                                                    (1)
@@ -12,9 +12,9 @@
 //! derivatives with respect to hardpoints. Each row is scaled to a length, so forces are about one and moments about one
 //! length.
 //!
-//! Along a motion of the knuckle with velocity v of its origin and angular velocity w, a vector r that is fixed in
-//! the knuckle changes as in (3). The rates (4) of a wrench follow from (3) by the product rule, with the rack fixed.
-//! The file of each constraint derives its rates.
+//! Consider a motion of the knuckle with velocity v of its origin and angular velocity w. Equation (3) gives the rate of a
+//! vector r that is fixed in the knuckle. The rates of a wrench, equation (4), follow from equation (3) by the product
+//! rule, with the rack fixed. The file of each constraint derives its rates.
 //!
 //! ```text
 //! r' = w x r                                                                       (3)
@@ -97,7 +97,7 @@ impl<T: Real> Row<T> {
             Constraint::Revolute { first, second } => {
                 Row::Pinned(Pinned::all(first, second, design, design, origin)[number])
             }
-            // A mount has two of the three equations of a ball joint: those along x and z.
+            // A mount has two of the three equations of a ball joint: the equations along x and z.
             Constraint::Mount { at } => Row::Pinned(Pinned::point(at, design, origin)[2 * number]),
             Constraint::BallJoint { at } => Row::Pinned(Pinned::point(at, design, origin)[number]),
             Constraint::ArmJoint { arm, at } => {
@@ -178,19 +178,20 @@ impl<T: Real> Row<T> {
         }
     }
 
-    /// Residual F of (1), as a length.
+    /// Residual of the constraint, as a length: F in equation (1) of this module.
     #[inline(always)]
     pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
         row!(self, row => row.residual(at))
     }
 
-    /// Adds `weight` times the differential (2) to the sink.
+    /// Adds `weight` times the derivatives of the residual, equation (2) of this module, to the sink.
     #[inline(always)]
     pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         row!(self, row => row.differential(at, weight, sink));
     }
 
-    /// Rates (4) of force, moment and rack force along a motion of the knuckle, with the rack fixed.
+    /// Rates of force, moment and rack force along a motion of the knuckle with the rack fixed, equation (4) of this
+    /// module.
     #[inline(always)]
     pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         row!(self, row => row.wrench_rate(at, along))

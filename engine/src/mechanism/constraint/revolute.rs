@@ -9,8 +9,8 @@
 //! f  = n,   m = l x n                                              (3)
 //! ```
 //!
-//! For the first point of the axis, n is x, y and z. For the second point, n is each of two directions normal to the
-//! axis. These directions rotate with the axis. But p = c in every pose of a design, so their rotation adds no term to
+//! For the first point of the axis, n is x, y and z. For the second point, n is each of two directions normal to the axis.
+//! These directions rotate with the axis. But p = c in every pose of a design, so their rotation adds no term to equation
 //! (2).
 //!
 //! Rates along the motion (v, w), from l' = w x l and n fixed in the body:
@@ -35,7 +35,7 @@ use crate::number::{Matrix3, Vector3};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pinned<T> {
     pub point: PointId,
-    /// Direction n.
+    /// Direction n in which the point p must not move away from c.
     pub direction: Vector3<T>,
     /// Vector from the origin of the undisplaced knuckle to p.
     lever: Vector3<T>,
@@ -54,8 +54,8 @@ impl<T: Real> Pinned<T> {
     ) -> [Self; 5] {
         let axis = (body[second.0] - body[first.0]).normalised();
         let [x, y, z] = Matrix3::identity(axis.x).columns;
-        // The sign is that of the nominal axis. So two builds have nearly equal normals, even if the axis of one build
-        // rises and the axis of the other build falls.
+        // The z component of the nominal axis gives the sign. So two builds have nearly equal normals, even if the axis of
+        // one build rises and the axis of the other build falls.
         let sign = (knuckle[second.0] - knuckle[first.0]).z.sign();
         let [across, other] = normals(axis, sign);
         let at_first = knuckle[first.0] - knuckle[origin.0];

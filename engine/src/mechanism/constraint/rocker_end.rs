@@ -7,7 +7,7 @@
 //! F = (d.d - d0.d0)/(2 |d0|),   dF = g.(d outer - d inner) + ..,   g = d/|d0|                    (1)
 //! ```
 //!
-//! The derivatives of (1) with respect to x and p are G and H = -G. G = (x - p)/|d0|, whether x is the inner or the
+//! The derivatives of F in equation (1) with respect to x and p are G and H = -G. G = (x - p)/|d0|, whether x is the inner or the
 //! outer end. Let f be a point of the axis and e its direction. n is the rod's end on the rocker, o its other end,
 //! and s = n - o. The rod's tension k balances G about the axis:
 //!
@@ -25,14 +25,14 @@
 //! w' = s.(o' - b)/(s.e x (n - f)),   b the velocity of the base at n                             (3)
 //! ```
 //!
-//! which gives x', n' and s'. Then G' = (x' - p')/|d0|, and (2) by the quotient rule:
+//! which gives x', n' and s'. Then G' = (x' - p')/|d0|. The quotient rule applied to equation (2) gives
 //!
 //! ```text
 //! k' = (N' - k D')/D,   K' = k' s + k s'                                                         (4)
 //! ```
 //!
-//! The rod may be mounted on another rocker, as the tie rod of a steered axle is. Then o moves with that rocker, and K is a force
-//! on it. (2) to (4) hold for that rocker with K in place of G.
+//! The rod may be mounted on another rocker, as the tie rod of a steered axle is. Then o moves with that rocker, and K is a
+//! force on it. Equations (2) to (4) hold for that rocker with K in place of G.
 //!
 //! The mount of a twist beam is a point of the body that moves sideways opposite to a point c of the knuckle. A force on this
 //! mount acts on c along y with the opposite sign.
@@ -98,7 +98,7 @@ impl<T: Real> RockerEnd<T> {
             .residual(at.point(self.outer) - at.point(self.inner))
     }
 
-    /// Adds the derivatives of the residual (1) times `weight` to the sink.
+    /// Adds the derivatives of the residual, equation (1) of this file, times `weight` to the sink.
     #[inline(always)]
     pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let weight = weight * self.length.scale;
@@ -212,7 +212,7 @@ impl<T: Real> KnuckleMotion<'_, '_, T> {
     }
 }
 
-/// Rotation of a rocker and its rate (3), computed from the rod of the rocker.
+/// Rotation of a rocker and its rate by equation (3), computed from the rod of the rocker.
 #[derive(Clone, Copy)]
 struct TurnedRocker<'a, 'c, T> {
     knuckle: KnuckleMotion<'a, 'c, T>,
@@ -256,7 +256,7 @@ impl<'a, 'c, T: Real> TurnedRocker<'a, 'c, T> {
         }
     }
 
-    /// Point of the rocker, with its rate.
+    /// Position of a point of the rocker, with its velocity.
     #[inline(always)]
     fn point(&self, id: PointId) -> Moving<T> {
         let now = self.knuckle.at.point(id);
@@ -328,7 +328,7 @@ impl<'a, 'c, T: Real> TurnedRockers<'a, 'c, T> {
         })
     }
 
-    /// A point of the rocker.
+    /// Position of a point of the rocker, with its velocity.
     #[inline(always)]
     fn point(&self, id: PointId) -> Moving<T> {
         self.own.point(id)
@@ -351,7 +351,7 @@ impl<'a, 'c, T: Real> TurnedRockers<'a, 'c, T> {
     }
 }
 
-/// Rates of the wrench on the knuckle that a constant force at a point of a rocker causes: (4) with G' = 0. A separate
+/// Rates of the wrench on the knuckle due to a constant force at a point of a rocker, by equation (4) with G' = 0. A separate
 /// function, because it is large and rarely used.
 #[inline(always)]
 pub(super) fn constant_push_rate<T: Real>(

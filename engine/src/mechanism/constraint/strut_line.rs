@@ -35,13 +35,13 @@ pub(crate) struct StrutLine<T> {
     pub top: PointId,
     lower: PointId,
     upper: Option<PointId>,
-    /// Normal n.
+    /// Normal n of the line, in the undisplaced knuckle.
     pub normal: Vector3<T>,
-    /// Product n . g0.
+    /// Product n . g0, with g0 from the knuckle's origin to the mount in the design position.
     offset: T,
-    /// Direction u.
+    /// Direction u of the line, in the undisplaced knuckle.
     along: Vector3<T>,
-    /// Inverse of the design distance between the two points that give the direction.
+    /// Inverse of the design distance between the two points that give the direction of the line.
     inverse_base: T,
 }
 
@@ -85,7 +85,7 @@ impl<T: Real> StrutLine<T> {
         at.pose.rotation.apply(self.normal).dot(gap) - self.offset
     }
 
-    /// Adds the derivatives of the residual, equation (2) with the slide c of (3), times `weight` to the sink.
+    /// Adds the derivatives of the residual, equation (2) with the distance c of equation (3), times `weight` to the sink.
     #[inline(always)]
     pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let StrutLine { top, normal, .. } = *self;

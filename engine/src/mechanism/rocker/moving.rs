@@ -10,18 +10,18 @@ use crate::number::{Matrix3, Real, SimdReal, Vector3, outlined};
 struct Turning<T> {
     rocker: Rocker,
     turn: Turn<T>,
-    /// Angular rate about the axis.
+    /// Angular rate of the rocker about its axis.
     speed: T,
-    /// Square of the smallest leverage among this rocker and the rockers that turn it: the smallest w^2/(r.r l.l).
+    /// Square of the smallest leverage (w^2/(r.r l.l) in module `rocker`) among this rocker and the rockers that turn it.
     leverage_squared: T,
 }
 
 /// Point with its velocity.
 #[derive(Clone, Copy, Debug)]
 pub struct MovingPoint<T> {
-    /// Present position.
+    /// Present position of the point.
     pub now: Vector3<T>,
-    /// Velocity.
+    /// Velocity of the point.
     pub rate: Vector3<T>,
     /// Square of the smallest leverage among the rockers that move the point; 1 without a rocker.
     pub leverage_squared: T,
@@ -32,7 +32,7 @@ pub struct MovingPoint<T> {
 pub struct MovingAngle<T> {
     /// Angle as in [`Configuration::rocker_angle`].
     pub now: T,
-    /// Rate of change.
+    /// Rate of change of the angle.
     pub rate: T,
     /// Square of the smallest leverage among this rocker and the rockers that turn it.
     pub leverage_squared: T,
@@ -111,7 +111,8 @@ impl<B: SimdReal> Configuration<'_, B> {
             let end = turn.moved(inner);
             let rod = end - outer;
             let speed = rod.dot(rate) / rod.dot(turn.axis.cross(end - first));
-            // The selection returns NaN if the new value is NaN. After a rocker with NaN, every new value is NaN.
+            // The selection returns NaN if this rocker's leverage is NaN. A rocker whose leverage is NaN also makes the
+            // leverages of the rockers that it turns NaN.
             least = B::select(
                 least.less(turn.leverage_squared),
                 least,

@@ -1,11 +1,11 @@
 //! Gradients with respect to the hardpoints in a pose of the closed form.
 //!
 //! Let y be an output, x the pose and p the hardpoints. F are the closure equations with the Jacobian J. Indices x and p
-//! denote derivatives. As in module `sensitivity`, dy/dp = y_p - mu . F_p with J^T mu = y_x. The mu are constraint
-//! forces that balance the wrench y_x: a force f at the lower ball joint and a moment m about it. Here each mu has an
-//! explicit formula. v is the velocity of the ball joint and w the angular velocity, both per unit of travel. Levers
-//! start at the ball joint: d to the upper end, t to the tie rod's outer end, q to the wheel centre. The vector l = t - g
-//! is along the tie rod.
+//! denote derivatives. As in module `sensitivity`, dy/dp = y_p - mu . F_p with J^T mu = y_x. The mu are constraint forces
+//! that balance the wrench y_x: a force f at the lower ball joint and a moment m about it. Here each mu has an explicit
+//! formula. v is the velocity of the ball joint and w the angular velocity, both per unit of travel. Levers start at the
+//! ball joint: d to the upper end, t to the tie rod's outer end, q to the wheel centre. The vector l = t - g is along the
+//! tie rod, and z points up. The module `closed_form` defines g, n and ga.
 //!
 //! ```text
 //! travel      mu6 = f.v + m.w                                   virtual work
@@ -51,17 +51,17 @@ pub(crate) struct Adjoint<'a, T> {
     ball_joint_velocity: Vector3<T>,
     turn: Vector3<T>,
     d: Vector3<T>,
-    /// Vector l along the tie rod.
+    /// Vector l = t - g along the tie rod in the pose.
     tie_rod: Vector3<T>,
     /// Vector l, rotated back to the design position with the knuckle.
     tie_rod_in_knuckle: Vector3<T>,
-    /// Cross product t x l.
+    /// Cross product t x l: moment of a force l along the tie rod about the ball joint.
     tie_rod_moment: Vector3<T>,
     inverse_tie_rod_lever: T,
-    /// Cross product q x z.
+    /// Cross product q x z: moment of a vertical force at the wheel centre about the ball joint.
     travel_moment: Vector3<T>,
     up_in_knuckle: Vector3<T>,
-    /// Vector e/(d.e).
+    /// Vector e/(d.e), with the free direction e of the upper end.
     free: Vector3<T>,
     lower_arm: Joint<T>,
     upper: UpperJoint<T>,
@@ -71,7 +71,7 @@ pub(crate) struct Adjoint<'a, T> {
 enum UpperEnd<T> {
     Strut {
         top: PointId,
-        /// The two points that give the direction of the line.
+        /// The two points that give the direction of the strut line.
         lower: PointId,
         upper: PointId,
         /// `inverse_base`: inverse of the distance between the two points. `designed`: position of the mount along the line.
@@ -100,9 +100,9 @@ struct Legs<T> {
 
 /// Outer joint of an arm in a pose.
 struct Joint<T> {
-    /// Displacement from the design position.
+    /// Displacement of the joint from the design position.
     moved: Vector3<T>,
-    /// Vector rho/rho^2.
+    /// Vector rho/rho^2, with rho from the centre of the joint's circle to the joint.
     radius: Vector3<T>,
 }
 
@@ -143,8 +143,8 @@ impl<T: Real> Legs<T> {
         }
     }
 
-    /// Adds the contribution of legs that carry `force` to a gradient. `rest` is the further contribution of the outer
-    /// joint.
+    /// Adds the derivatives with respect to the hardpoints of an arm, whose two legs together carry `force`, to a gradient.
+    /// `rest` is the further derivative with respect to the outer joint, from other members.
     #[inline(always)]
     fn add(&self, at: &Joint<T>, force: Vector3<T>, rest: Vector3<T>, sink: &mut impl Sink<T>) {
         // `front` and `rear` are the forces in the two legs, each divided by the length of its leg. The vector sum of both forces
@@ -239,8 +239,8 @@ impl<'a, T: Real> Adjoint<'a, T> {
         }
     }
 
-    /// Subtracts mu . F_p from the gradient of an output. `wrench` is y_x, the derivative of the output with respect to
-    /// the pose.
+    /// Subtracts mu . F_p (constraint forces times derivatives of the closure equations, as in this module) from the
+    /// gradient of an output. `wrench` is y_x, the derivative of the output with respect to the pose.
     #[inline(always)]
     pub(crate) fn subtract(&self, wrench: &Wrench<T>, gradient: &mut (impl Gradient<T> + ?Sized)) {
         let sink = &mut HardpointGradient(gradient);

@@ -4,7 +4,8 @@ use crate::model::Arm;
 use crate::number::Real;
 use crate::number::Vector3;
 
-/// Centre, radius vector in the design position, and the radius vector rotated forward by a right angle.
+/// Circle of an arm's outer joint: its centre, and the radius vector to the joint in the design position. `turned` is this radius
+/// vector, rotated by a right angle in the direction that raises the joint.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Circle<T> {
     pub centre: Vector3<T>,

@@ -9,17 +9,17 @@
 //! X = 1 + 1/u + (1 + |t|/u)/w
 //! ```
 //!
-//! The other symbols are those of module `closed_form`. A unit of travel q moves the pose x by v = |x_q|. This motion must also
-//! cancel the travel that the residuals have caused. So |J^-1| is about X + v (1 + X). With the arm as the drive, |J^-1| is
-//! about X. These sums of absolute values tend to overestimate. Each row of J is a unit force and its moment, so its norm |J|
-//! is somewhat above one. The estimate uses |J| = 1. The product |J| |J^-1| is correct within a factor of ten up to 1000
-//! (`tests/it/hard_cases.rs`).
+//! The module `closed_form` defines the other symbols. J is the Jacobian of the closure equations. A unit of travel q moves
+//! the pose x by v = |x_q|. This motion must also cancel the travel that the residuals have caused. So |J^-1| is about X +
+//! v (1 + X). With the arm as the drive, |J^-1| is about X. These sums of absolute values tend to overestimate. Each row of
+//! J is a unit force and its moment, so the norm |J| is somewhat above one. The estimate uses |J| = 1. The product |J|
+//! |J^-1| is correct within a factor of ten up to 1000 (`tests/it/hard_cases.rs`).
 
 use super::{ArmState, ClosedForm};
 
 impl ClosedForm<f64> {
-    /// Estimate of the condition number in a state of a mechanism of this size. `rate` is the move of the pose per unit of
-    /// travel. `None` if the arm's angle is the drive.
+    /// Estimate of the closure equations' condition number in a state of a mechanism of this size. `rate` is the
+    /// displacement of the pose per unit of travel. `rate` is `None` if the arm's angle is the drive.
     #[inline]
     pub(crate) fn condition(&self, state: &ArmState<f64>, size: f64, rate: Option<f64>) -> f64 {
         let tie_rod_squared = self.tie_squared - 2.0 * self.tie_difference;

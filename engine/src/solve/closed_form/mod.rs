@@ -17,7 +17,7 @@
 //! *Any knuckle vector* x0. The rotation takes v to d and t0 to t, so the image of x0 is x = a d + b t + k (d x t). a and b
 //! follow from x0.v and x0.t0, and k follows from x0.(v x t0).
 //!
-//! Each of these numbers is zero in certain singular poses:
+//! Each of the following numbers is zero in certain singular poses:
 //!
 //! - G = |n|^2: the tie rod does not steer,
 //! - E = |d x t|^2: the tie rod's outer end is on the steering axis,
@@ -48,7 +48,7 @@ pub use roles::Roles;
 pub(crate) use roles::UpperRoles;
 use upper::Upper;
 
-/// The constants of one design.
+/// Constants of the closed form for one design. The symbols are explained at the head of this module and of module `upper`.
 #[derive(Clone, Copy, Debug)]
 pub struct ClosedForm<T> {
     ball_joint: Circle<T>,
@@ -57,19 +57,20 @@ pub struct ClosedForm<T> {
     tie_squared: T,
     tie_by_m: T,
     tie_by_u: T,
-    /// Number (t0.t0 - L^2)/2.
+    /// Number (t0.t0 - L^2)/2, with the tie rod's length L and the vector t0 to its outer end.
     tie_difference: T,
-    /// Sign of ga in the design, +1 or -1. It identifies the assembly.
+    /// Sign of ga in the design, +1 or -1: the side of the tie rod's outer end. It identifies the assembly.
     side: T,
     wheel_centre: Carried<T>,
-    /// Vector u.
+    /// Unit vector u along the strut line in the knuckle.
     line: Carried<T>,
     basis: [Carried<T>; 3],
     /// Design height of the wheel centre.
     wheel_height: T,
 }
 
-/// The mechanism at one arm angle.
+/// State of the mechanism at one angle of the lower arm. The heads of this module and of module `upper` explain the
+/// symbols.
 #[derive(Clone, Copy, Debug)]
 pub struct ArmState<T> {
     ball_joint: Vector3<T>,
@@ -79,19 +80,19 @@ pub struct ArmState<T> {
     dd: T,
     gg: T,
     dg: T,
-    /// Number s of v = m + s u.
+    /// Number s of the knuckle vector v = m + s u: the length of the strut above the foot. 0 for an upper arm.
     slide: T,
     tau: T,
     al: T,
     be: T,
     ga: T,
     tie_squared: T,
-    /// Number G.
+    /// Number G = |n|^2. It is zero if the tie rod does not steer.
     gram: T,
-    /// Number E.
+    /// Number E = |d x t|^2. It is zero if the tie rod's outer end is on the steering axis.
     e: T,
     inverse_e: T,
-    /// Product ga^2 G.
+    /// Product ga^2 G. It is zero if the tie rod is at its toggle.
     toggle_square: T,
     upper_margin: T,
 }
@@ -117,7 +118,7 @@ impl ClosedForm<f64> {
 }
 
 impl<T: Real> ClosedForm<T> {
-    /// Makes the constants of a design.
+    /// Makes the constants of the closed form for a design.
     #[inline(always)]
     pub fn new(roles: &Roles, design: &[Vector3<T>]) -> Self {
         ClosedForm::with_carrier(roles, design).0
@@ -389,7 +390,7 @@ impl<T: Real> ArmState<T> {
         ]
     }
 
-    /// Product ga^2 G.
+    /// Product ga^2 G. It is zero if the tie rod is at its toggle.
     pub(crate) fn toggle_square(&self) -> T {
         self.toggle_square
     }

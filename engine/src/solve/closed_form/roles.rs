@@ -30,7 +30,7 @@ pub(crate) enum UpperRoles {
 }
 
 impl Roles {
-    /// Reads the roles from the constraints. `None` for a mechanism without a closed form.
+    /// Reads the roles of the hardpoints from the constraints. `None` for a mechanism without a closed form.
     pub fn of(mechanism: &Mechanism) -> Option<Self> {
         let upper = match mechanism.closed_form? {
             model::ClosedForm::Strut => mechanism.constraints.iter().find_map(|c| match *c {
@@ -92,7 +92,8 @@ impl Roles {
 }
 
 impl ClosedForm<f64> {
-    /// Returns an error for a degenerate design. The error names the cause.
+    /// Returns an error if the design is degenerate for the closed form, for example with the tie rod at its toggle. The
+    /// error names the cause.
     pub(crate) fn check(&self, roles: &Roles, design: &[Vector3<f64>]) -> Result<(), DesignFault> {
         let ball_joint = design[roles.lower_arm.outer.0];
         let to_upper = design[roles.upper_end().0] - ball_joint;

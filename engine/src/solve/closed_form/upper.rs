@@ -23,33 +23,34 @@ use super::roles::{Roles, UpperRoles};
 use crate::number::Real;
 use crate::number::Vector3;
 
-/// Constants of the upper end.
+/// Constants of the upper end in one design.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Upper<T> {
     Strut {
         top: Vector3<T>,
-        /// Vector m.
+        /// Vector m from the ball joint to the foot on the strut line.
         foot: Vector3<T>,
-        /// Vector u.
+        /// Unit vector u along the strut line.
         line: Vector3<T>,
-        /// Product m.m.
+        /// Product m.m: squared distance of the ball joint from the strut line.
         foot_squared: T,
-        /// Inverse length 1/|d0|.
+        /// Inverse length 1/|d0|, with d0 the vector from ball joint to mount in the design position.
         scale: T,
     },
     Arm {
         circle: Circle<T>,
-        /// Number (m.m - a.a)/2.
+        /// Number (m.m - a.a)/2, with the distance |m| of the ball joints and the radius |a| of the upper joint's circle.
         half_difference: T,
-        /// Sign of w.
+        /// Sign of w, the lever by which the upper arm holds the knuckle.
         side: T,
-        /// Scale 1/(|m| |a|).
+        /// Scale 1/(|m| |a|), with the same lengths.
         scale: T,
     },
 }
 
 impl<T: Real> Upper<T> {
-    /// Constants of a design, and d in the design position.
+    /// Makes the constants of a design. Also returns the vector d from the ball joint to the upper end in the design
+    /// position.
     #[inline(always)]
     pub(crate) fn new(roles: &Roles, design: &[Vector3<T>]) -> (Self, Vector3<T>) {
         let ball_joint = design[roles.lower_arm.outer.0];

@@ -45,7 +45,7 @@ pub(crate) struct Velocity<T> {
 }
 
 impl<T: Real> Velocity<T> {
-    /// The rates times a factor.
+    /// Multiplies all rates by a factor.
     #[inline(always)]
     pub(crate) fn scaled(&self, factor: T) -> Self {
         Velocity {
@@ -94,8 +94,8 @@ impl<T: Real> ClosedForm<T> {
         }
     }
 
-    /// Angular velocity of the knuckle and vertical velocity of the wheel centre per unit of rack displacement, with
-    /// the arm fixed. The knuckle rotates by k about d, with l.(k d x t) = l.y.
+    /// Angular velocity of the knuckle and vertical velocity of the wheel centre per unit of rack displacement, with the
+    /// arm fixed. The knuckle rotates by k about d, with l.(k d x t) = l.y. Here y is the direction of the rack.
     #[inline(always)]
     pub(crate) fn steered(&self, state: &ArmState<T>) -> (Vector3<T>, T) {
         let rod = state.tie_rod_outer() - state.g;

@@ -18,9 +18,9 @@ pub(crate) const LONGEST_TURN: f64 = 0.2;
 /// sharply. The solver then follows the path in steps of arc length.
 const SHORTEST_STEP: f64 = 1.0 / 16.0;
 impl Solver<'_> {
-    /// Follows the closure equations from a station to a motion point. It makes steps of the drive, and accepts a step only if
-    /// the second-order prediction was good and the determinant has not changed much. If this needs many steps, the function
-    /// follows the path in steps of arc length instead. That method passes folds and finds them.
+    /// Follows the closure equations from a station to a motion point. It makes steps of the drive, and accepts a step only
+    /// if the second-order prediction was good and the Jacobian's determinant has not changed much. If this needs many
+    /// steps, the function follows the path in steps of arc length instead. That method passes folds and finds them.
     pub(crate) fn follow(
         &mut self,
         from: &Station,
@@ -109,8 +109,8 @@ impl Solver<'_> {
         residuals.iter().all(|r| r.abs() <= rounding)
     }
 
-    /// Largest rounding error of a residual. Each residual consists of a dozen products and sums of lengths up to the coordinate
-    /// scale.
+    /// Largest rounding error of a closure equation's residual. Each residual consists of a dozen products and sums of
+    /// lengths up to the coordinate scale.
     pub(crate) fn length_rounding(&self) -> f64 {
         16.0 * ROUNDING * self.coordinate_scale
     }
@@ -133,8 +133,8 @@ impl Solver<'_> {
         None
     }
 
-    /// Applies Newton's method to a predicted pose. `None` if the step was long, the prediction was poor, the determinant
-    /// changed much (or changed sign), or the iteration did not converge.
+    /// Applies Newton's method to a predicted pose. `None` if the step was long, the prediction was poor, the Jacobian's
+    /// determinant changed much (or changed sign), or the iteration did not converge.
     pub(crate) fn correct(
         &self,
         before: &Pose<f64>,

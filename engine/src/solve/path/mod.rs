@@ -40,7 +40,8 @@ pub struct Solver<'m> {
     tracker: Option<PoseTracker<'m>>,
     /// Poses that the tracker found in the last visit.
     tracked: TrackedPoses,
-    /// Taylor series of the design, for predictions of the continuation. Made when first needed.
+    /// The design's closure equations as Taylor series along the motion. The continuation predicts poses from them. Made
+    /// when first needed.
     design_series: Option<DesignSeries<3>>,
     series_is_current: bool,
     size: f64,
@@ -286,7 +287,7 @@ impl<'m> Solver<'m> {
         }
     }
 
-    /// Makes the Taylor series of the present design, unless they are up to date.
+    /// Makes the Taylor series for the present design, unless they are up to date.
     fn prepare_series(&mut self) {
         if !self.series_is_current {
             match &mut self.design_series {
@@ -328,7 +329,7 @@ impl<'m> Solver<'m> {
         self.factorised(pose, point).map(|(_, lu)| lu)
     }
 
-    /// Jacobian and its factors.
+    /// Jacobian of the closure equations in a pose, and its LU factors. `None` if the Jacobian is singular.
     pub(crate) fn factorised(
         &self,
         pose: &Pose<f64>,

@@ -36,8 +36,8 @@ impl Solver<'_> {
         Ok(configuration)
     }
 
-    /// Configuration in a pose as a power series along the motion. Includes the factors of its Jacobian if the series needs
-    /// them or `linearise` is true.
+    /// Configuration in a pose as a power series along the motion. Includes the LU factors of the closure equations'
+    /// Jacobian if the series needs them or `linearise` is true.
     pub(crate) fn factorised_series<'a, const N: usize>(
         &'a self,
         design_series: &'a DesignSeries<N>,

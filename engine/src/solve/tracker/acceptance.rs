@@ -24,7 +24,7 @@ pub enum Rejection {
 }
 
 impl Rejection {
-    /// All reasons.
+    /// All reasons for a rejection.
     pub const ALL: [Rejection; 7] = [
         Rejection::NoLength,
         Rejection::NotSettled,
@@ -59,7 +59,7 @@ impl Rejection {
     }
 }
 
-/// Lanes that have passed every check so far. For each other lane, the first check that failed.
+/// SIMD lanes whose design has passed every check so far. For each other lane, the first check that failed.
 #[derive(Clone, Copy)]
 pub struct Acceptance<B: SimdReal> {
     accepted: B::Mask,
@@ -84,13 +84,13 @@ impl<B: SimdReal> Acceptance<B> {
         self.accepted = self.accepted & mask;
     }
 
-    /// Accepted lanes.
+    /// SIMD lanes whose designs are accepted.
     #[inline(always)]
     pub fn lanes(&self) -> B::Mask {
         self.accepted
     }
 
-    /// Reason why a lane is rejected.
+    /// Reason why the design in a lane is rejected. `None` if it is accepted.
     #[inline(always)]
     pub fn reason(&self, lane: usize) -> Option<Rejection> {
         match self.reason.in_lane(lane) {

@@ -1,4 +1,4 @@
-//! Equations as Taylor series along the travel, for gradients of quantities that contain velocities.
+//! Closure equations as Taylor series along the travel, for gradients of quantities that contain velocities.
 
 use super::LaneRates;
 use super::linkage::{ByLinkage, SeriesAdjoint};
@@ -17,7 +17,8 @@ pub(crate) struct SeriesDesign<B> {
 }
 
 impl AlongTravel {
-    /// Prepares for designs of this mechanism near `base`, driven by the travel. `None` if they cannot be tracked.
+    /// Prepares for designs of this mechanism near the design `base`, driven by the travel. `None` if they cannot be
+    /// tracked.
     pub(crate) fn of(mechanism: &Mechanism, base: &[Vector3<f64>]) -> Option<Self> {
         ByLinkage::of(mechanism, base, Drive::Travel, mechanism.size(base)).map(AlongTravel)
     }

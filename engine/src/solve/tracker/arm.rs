@@ -23,7 +23,8 @@ pub(super) use wheel::ArmWheel;
 #[derive(Clone, Debug)]
 pub(crate) struct ByArm {
     roles: Roles,
-    /// Derivative of tan(angle/2) of the arm with respect to the drive, in the base design.
+    /// Derivative of tan(angle/2) of the arm with respect to the drive, in the base design, near which the tracked designs
+    /// lie.
     slope: f64,
     /// Largest accepted absolute value of the derivative of tan(angle/2) with respect to the drive.
     steepest: f64,
@@ -57,7 +58,7 @@ pub(crate) const STEEPEST: f64 = 3.0;
 pub(crate) const FARTHEST: f64 = 0.7;
 /// Largest rotation of the arm in one step, as a change of the tangent of half the angle.
 const LONGEST: f64 = 0.1;
-/// Largest number of rounds of corrections in which a lane must converge.
+/// Largest number of rounds of corrections in which the design of a SIMD lane must converge.
 const MOST_ROUNDS: usize = 4;
 
 impl ByArm {
@@ -154,9 +155,9 @@ impl ByArm {
         }
     }
 
-    /// Accepts lanes in which the closed form is well conditioned and the arm is on its solution branch. `inverse_step` is 1
-    /// divided by the change of the drive since the previous check. The caller passes `inverse_step` only on the legs of the route
-    /// that contain the stations.
+    /// Accepts lanes in which the closed form is well conditioned and the arm is on its solution branch. `inverse_step` is
+    /// 1 divided by the change of the drive since the previous check. The caller passes `inverse_step` only on the legs of
+    /// the route (up and down from the design position) that contain the stations. Returns the values for the next check.
     #[inline(always)]
     fn guard<B: SimdReal>(
         &self,
@@ -187,13 +188,15 @@ impl ByArm {
     }
 }
 
-/// Values at a waypoint. The checks compare them with the values at the next waypoint.
+/// Half tangent, slope and margin at a waypoint (a station or a point between stations). The checks compare them with their
+/// values at the next waypoint.
 #[derive(Clone, Copy)]
 pub(super) struct BranchGuard<B> {
     tangent: B,
     /// Slope of the half tangent, tan(angle/2) of the arm, with respect to the drive over the last step.
     rate: B,
-    /// Product of the three squares and of the margin of the upper end. It vanishes with each divisor or radicand.
+    /// Product of the three squares ([`ArmState::squares`]) and of the margin of the upper end. It vanishes with each
+    /// divisor or radicand of the closed form.
     margin: B,
 }
 
@@ -233,8 +236,8 @@ impl<B: SimdReal> BranchGuard<B> {
         accepted.require(is_flat, Rejection::FoldNear);
     }
 
-    /// Accepts lanes in which slope and margin have changed so little since the previous waypoint that neither could have
-    /// vanished in between.
+    /// Accepts lanes in which the slope of the half tangent and the margin have changed little since the previous waypoint.
+    /// Then neither could have vanished in between. Also limits the rotation of the arm in this step.
     #[inline(always)]
     fn check_step(&self, before: &Self, accepted: &mut Acceptance<B>) {
         let is_steady =

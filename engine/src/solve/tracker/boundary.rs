@@ -49,8 +49,8 @@ pub(super) fn template(topology: &str) -> Suspension {
     study.expect("a template is valid").into_wheel()
 }
 
-/// Decision of a check at a waypoint: its name, its reason for a rejection, and its slack. A check with negative
-/// slack rejects.
+/// Decision of a check at a waypoint: its name, its reason for a rejection, and its slack (distance from the threshold). A
+/// check with negative slack rejects.
 pub(super) struct Judgement {
     pub guard: &'static str,
     pub reason: Rejection,
@@ -61,10 +61,11 @@ pub(super) struct Judgement {
 /// Slack that counts as zero. It exceeds the rounding errors of a design and is far below the slack of other checks.
 const NONE: f64 = 1e-6;
 
-/// Searches for boundaries on lines from the design of the study. The rack is alternately in the middle and displaced. `judge`
-/// returns the decisions of all checks at all waypoints of an accepted design. At least one of these decisions must have zero
-/// slack, unless the neighbour did not settle. If there is only one, its reason must be the reason for which the neighbour was
-/// rejected. Boundaries of several checks are skipped. Returns the number of the other boundaries, for each check.
+/// Searches for boundaries on lines from the design of the study. The rack is alternately in the middle and displaced.
+/// `judge` returns the decisions of all checks at all waypoints of an accepted design. At least one of these decisions must
+/// have zero slack, unless Newton's method did not converge for the neighbouring rejected design. If exactly one decision
+/// has zero slack, its reason must be the reason why the neighbouring design was rejected. Boundaries at which several
+/// checks have zero slack are skipped. Returns the number of the other boundaries, for each check.
 pub(super) fn boundaries(
     suspension: &Suspension,
     drive: Drive,

@@ -17,13 +17,14 @@
 //!     | C  D |
 //! ```
 //!
-//! in an order of rows and columns that a factorisation with complete pivoting finds for the base design. Then only two
-//! determinants must not vanish. A lane is rejected if a determinant is less than a fourth of the base design's. It is also
-//! rejected if a determinant changes by more than half, or more than doubles, from one waypoint to the next. The determinants
-//! of a lane come from its last step, with which it converged.
+//! in an order of rows and columns that a factorisation with complete pivoting finds for the base design, near which the
+//! tracked designs lie. Then only the two determinants of A and S must not vanish. A lane is rejected if a determinant is
+//! less than a fourth of its value in the base design. It is also rejected if a determinant changes by more than half, or
+//! more than doubles, from one waypoint to the next. The determinants of a lane come from its last step, with which it
+//! converged.
 //!
-//! An instantaneous steering axis is the axis of the screw t with J t = -F_r (module `steering`). Along the motion,
-//! its derivative t' follows from J t' = -(F_r' + J' t).
+//! An instantaneous steering axis is the axis of the screw t with J t = -F_r (module `steering`). F_r is the derivative of
+//! F with respect to the rack. Along the motion, the derivative of t, t', follows from J t' = -(F_r' + J' t).
 
 #![allow(
     clippy::needless_range_loop,
@@ -69,7 +70,7 @@ pub(crate) const UNKNOWNS: usize = 6;
 pub(crate) struct ByLinkage {
     order: Order,
     size: f64,
-    /// Determinants of A and S in the base design.
+    /// Determinants of the Jacobian's blocks A and S in the base design.
     determinants: [f64; 2],
     /// Derivatives of the unknowns with respect to travel, in the base design.
     by_travel: [f64; UNKNOWNS],

@@ -1,11 +1,11 @@
 //! Tracks many designs at a time, one in each SIMD lane of the processor.
 //!
 //! This module computes all ordinary poses. A sweep has a design in each lane. A single design is computed with ordinary
-//! numbers ([`poses`]). A mechanism with a closed form has one unknown ([`arm`]); every other mechanism has six ([`linkage`]).
-//! For both wheels of an axle, the unknowns are those of each wheel and half the difference of the travels ([`pair`]). One loop
-//! solves the equations in all cases ([`track`](mod@track)). It visits the waypoints of a route: the stations and the points
-//! that divide long steps. The unknowns at a waypoint are predicted from earlier waypoints. Almost always one correction
-//! reaches rounding; otherwise more steps follow. A converged lane is frozen, so its neighbours do not affect it.
+//! numbers ([`poses`]). A mechanism with a closed form has one unknown ([`arm`]); every other mechanism has six
+//! ([`linkage`]). An axle has the unknowns of each wheel and half the difference of the travels ([`pair`]). One loop solves
+//! the equations in all cases ([`track`](mod@track)). It visits the waypoints of a route: the stations and the points that
+//! divide long steps. The unknowns at a waypoint are predicted from earlier waypoints. Almost always one correction reaches
+//! rounding; otherwise more steps follow. A converged lane is frozen, so its neighbours do not affect it.
 //!
 //! Checks, called guards in the code, decide at every waypoint which lanes are accepted. A rejected lane gets a reason
 //! ([`Rejection`]) and stays rejected to the end of its leg, up or down. The continuation ([`Solver`](crate::solve::Solver))
@@ -61,7 +61,7 @@ pub struct CornerTracker<'a> {
     drive: Drive,
     /// One route for each displacement of the rack.
     routes: Vec<Route>,
-    /// Pairs of points that must not coincide.
+    /// Pairs of points that must not coincide: the ends of rods and axes.
     distinct: Vec<(PointId, PointId)>,
     /// Square of the shortest permitted distance between the points of a pair.
     shortest: f64,
@@ -112,7 +112,8 @@ enum InKnuckle<B> {
 #[derive(Clone, Copy, Debug)]
 pub struct KnucklePoint<B>(KnuckleVector<B>);
 
-/// Terms shared by the gradients in all poses of a design. `None` for a mechanism without a closed form.
+/// Terms shared by the gradients in all poses of a design: the members that carry forces. `None` for a mechanism without a
+/// closed form.
 pub struct AdjointConstants<B>(Option<Members<B>>);
 
 impl<B: SimdReal> LaneDesign<'_, B> {
@@ -141,7 +142,7 @@ pub trait LanePose<B: SimdReal> {
     /// A point of the steering axis, the vector along it, and the lanes in which both are accurate. An instantaneous axis is
     /// accurate if the rack rotates the knuckle enough and the axis is not near horizontal.
     fn steering_axis(&self) -> (Vector3<B>, Vector3<B>, B::Mask);
-    /// Derivatives with respect to the drive.
+    /// Velocities of the knuckle per unit of the drive.
     fn rates(&self) -> LaneRates<B>;
     /// Velocity of the knuckle's origin and angular velocity, both per unit of rack displacement with the drive
     /// held, from the rates of this pose.
@@ -314,8 +315,8 @@ impl<'a> CornerTracker<'a> {
         vec![like.zero(); self.unknowns() * places.max().unwrap_or(0)]
     }
 
-    /// Length of the history of a single design along the route at the `rack`-th rack displacement: unknowns times
-    /// waypoints.
+    /// Length of the history (the unknowns at all waypoints) of a single design along the route at the `rack`-th rack
+    /// displacement: unknowns times waypoints.
     pub(crate) fn steps(&self, rack: usize) -> usize {
         self.unknowns() * self.routes[rack].places.len()
     }
@@ -358,7 +359,8 @@ impl<'a> CornerTracker<'a> {
         }
     }
 
-    /// Terms shared by the gradients in all poses of designs. This tracker must have made the design.
+    /// Members of a design that carry forces: terms shared by the gradients in all its poses. This tracker must have made
+    /// the design.
     #[inline(always)]
     pub fn members<B: SimdReal>(&self, design: &LaneDesign<'_, B>) -> AdjointConstants<B> {
         AdjointConstants(match (&self.method, &design.form) {
@@ -483,7 +485,8 @@ impl CornerTracker<'_> {
     }
 }
 
-/// Lanes in which `now` has the sign of `before`, and its absolute value is between half and twice that of `before`.
+/// Lanes in which `now` has the sign of `before`, and its absolute value is between half and twice the absolute value of
+/// `before`.
 #[inline(always)]
 fn within_half<B: SimdReal>(now: B, before: B) -> B::Mask {
     ((now - (before + before)) * now.minus_product(before, before.constant(0.5)))

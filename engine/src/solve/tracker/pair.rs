@@ -36,7 +36,7 @@ use crate::number::{SimdReal, Vector3};
 use crate::solve::StationOrder;
 use both_wheels::BothWheels;
 
-/// Largest number of corrections in which a lane must converge.
+/// Largest number of corrections in which the axle of a SIMD lane must converge.
 pub(super) const MOST_ROUNDS: usize = 5;
 /// Smallest rise of a contact point per travel of its wheel.
 pub(super) const LEAST_RISE: f64 = 0.5;
@@ -58,7 +58,8 @@ pub enum PairDrive {
     },
 }
 
-/// Stations that are visited together. For a rigid axle in roll, the mean travel takes the place of the rack displacement.
+/// Stations that are visited together, at one mean travel and one rack displacement. For a rigid axle in roll, the mean
+/// travel takes the place of the rack displacement.
 #[derive(Clone, Debug)]
 pub struct PairStations {
     /// Mean travel in roll. 0 in heave.
@@ -67,7 +68,7 @@ pub struct PairStations {
     pub rack: f64,
     /// Largest height by which a steering gear lifts a wheel centre of the base design, at zero travel of the axle.
     pub lift: f64,
-    /// Travels or roll angles.
+    /// Travels (in heave) or roll angles of the stations, and the order in which they are visited.
     pub order: StationOrder,
 }
 
@@ -88,7 +89,7 @@ pub struct GroundContact<B> {
     pub travels: [B; 2],
     /// The ground in the left wheel's frame.
     pub ground: Ground<B>,
-    /// Roll angle.
+    /// Roll angle of the body.
     pub roll: B,
 }
 
@@ -107,7 +108,7 @@ pub trait VisitPair<B: SimdReal> {
 
 /// A wheel, linearised about unknowns near a pose.
 pub(super) struct Linear<B: SimdReal> {
-    /// Wheel centre.
+    /// Position of the wheel centre.
     pub centre: Vector3<B>,
     /// Unit vector along the spin axis.
     pub axis: Vector3<B>,
@@ -116,8 +117,8 @@ pub(super) struct Linear<B: SimdReal> {
     pub rest: [Vector3<B>; 2],
     /// Velocity of the wheel centre and angular velocity, both per unit of travel.
     pub rate: [Vector3<B>; 2],
-    /// Lanes in which the pose at the required travel is within the permitted error of these unknowns. All lanes for one
-    /// unknown.
+    /// Lanes in which the step from these unknowns to the pose at the required travel is within its limit. All lanes if the
+    /// wheel has one unknown.
     pub is_near: B::Mask,
 }
 
@@ -127,7 +128,7 @@ pub(super) struct Corrected<B: SimdReal, const N: usize> {
     pub is_settled: B::Mask,
     /// Unknowns. Six unknowns are corrected once more for the remaining residuals.
     pub unknowns: [B; N],
-    /// Wheel centre.
+    /// Position of the wheel centre.
     pub centre: Vector3<B>,
     /// Unit vector along the spin axis.
     pub axis: Vector3<B>,
@@ -135,7 +136,7 @@ pub(super) struct Corrected<B: SimdReal, const N: usize> {
 
 /// One wheel of a pair, with `N` unknowns.
 pub(super) trait Wheel<B: SimdReal, const N: usize> {
-    /// Values at a waypoint. The checks compare them with the values at the next waypoint.
+    /// Numbers of a wheel that the checks compare from one waypoint (a station or a point between stations) to the next.
     type Guard: Copy;
 
     /// Derivatives of the unknowns with respect to travel and to the rack in the base design.

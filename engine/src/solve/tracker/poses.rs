@@ -36,7 +36,7 @@ struct PreparedBatch<'m> {
 pub(crate) struct TrackedPoses {
     /// Pose of each station, or the reason why the tracker has none.
     pub poses: Vec<Result<Pose<f64>, Rejection>>,
-    /// Number of rounds of corrections.
+    /// Number of rounds of corrections by Newton's method, over all waypoints.
     pub rounds: u64,
 }
 
@@ -143,7 +143,7 @@ impl CornerTracker<'_> {
 struct Tracking<'t, 'm> {
     tracker: &'t CornerTracker<'m>,
     design: &'t [Vector3<f64>],
-    /// Index of the rack displacement.
+    /// Index of this rack displacement in the tracker's list.
     number: usize,
     /// Rack displacement.
     rack: f64,

@@ -55,7 +55,7 @@ pub(crate) struct RouteStep {
     pub station: Option<usize>,
     pub leg: Leg,
     /// Completed fraction of the lead (the part of the route at zero drive): 0 in the design position, 1 at all stations.
-    /// Without a lead, 1 everywhere.
+    /// If the route has no lead, 1 everywhere.
     pub lead: f64,
     /// Change of the drive since the previous waypoint on this leg.
     pub step: f64,
@@ -172,7 +172,7 @@ impl Route {
 struct Legs {
     /// Value of the drive, station at this waypoint, leg, and step to this waypoint.
     stations: Vec<(f64, Option<usize>, Leg, f64)>,
-    /// Station in the design position.
+    /// Index of the station in the design position. `None` if there is no such station.
     design_station: Option<usize>,
     /// True if the legs visit every station.
     is_complete: bool,
@@ -247,7 +247,7 @@ fn straight_on(number: usize) -> Stencil<NEIGHBOURS> {
 /// Values of the drive in the order of the visit, outward from zero on both sides.
 struct Visited {
     values: Vec<f64>,
-    /// Indices of the values above zero, and of those below.
+    /// Indices of the values above zero, and indices of the values below zero.
     sides: [Vec<usize>; 2],
 }
 
@@ -276,8 +276,9 @@ impl Visited {
         numbers
     }
 
-    /// Calls `part` for each neighbour j with the Lagrange weight prod (x - x_m)/(x_j - x_m) and its derivative with
-    /// respect to x. `first` is the index of the waypoint at zero.
+    /// Returns the waypoints nearest to the drive value x = `value`, with their weights. The Lagrange weight of neighbour j
+    /// is the product of (x - x_m)/(x_j - x_m) over all other neighbours m. `part` receives this weight and its derivative
+    /// with respect to x, and selects one. `first` is the index of the waypoint at zero.
     fn stencil<const PLACES: usize>(
         &self,
         value: f64,
@@ -304,7 +305,7 @@ mod tests {
     use super::*;
     use std::array::from_fn;
 
-    /// Stencils of n waypoints are exact for polynomials of degree n - 1.
+    /// Stencils (weights) of n waypoints are exact for polynomials of degree n - 1.
     #[test]
     fn stencils_reproduce_polynomials() {
         let station_order = StationOrder::through(&from_fn::<f64, 9, _>(|k| 0.5 * k as f64 - 2.0));

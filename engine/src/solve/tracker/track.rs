@@ -8,7 +8,7 @@ use crate::number::SimdReal;
 /// Result of tracking a route.
 #[derive(Clone, Copy)]
 pub struct Tracked<B: SimdReal> {
-    /// Lanes that are accepted to the end of each leg: [above the design position, below it].
+    /// Lanes that are accepted to the end of each leg of the route: [above the design position, below it].
     pub legs: [Acceptance<B>; 2],
     /// Number of rounds of corrections, for all lanes together.
     pub rounds: u64,
@@ -24,12 +24,12 @@ impl<B: SimdReal> Tracked<B> {
 
 /// Equations for the `N` unknowns of a waypoint, and the visitor of the solved poses.
 pub(super) trait PlaceEquations<B: SimdReal, const N: usize> {
-    /// Largest number of corrections in which a lane must converge.
+    /// Largest number of corrections in which the design of a SIMD lane must converge.
     const MOST_ROUNDS: usize;
     /// True if rejected lanes count as converged. This setting is useful if a round makes corrections until all lanes
     /// have converged. If a round makes one correction, the loop is faster without it.
     const LEAVES_REJECTED: bool = false;
-    /// Values at a waypoint. The checks compare them with the values at the next waypoint.
+    /// Numbers of a waypoint that the checks compare with the numbers of the next waypoint.
     type Guard: Copy;
 
     /// Predicts the unknowns from the previous waypoints.
@@ -62,7 +62,7 @@ pub(super) trait PlaceEquations<B: SimdReal, const N: usize> {
     );
 }
 
-/// Visits every waypoint. `history` receives the unknowns and must have space for the unknowns of all waypoints.
+/// Visits every waypoint of a route. `history` receives the unknowns and must have space for the unknowns of all waypoints.
 #[inline(always)]
 pub(super) fn track<B: SimdReal, const N: usize, E: PlaceEquations<B, N>>(
     equations: &mut E,

@@ -9,7 +9,7 @@ use crate::model::Drive;
 use crate::number::SimdReal;
 use crate::solve::closed_form::ArmState;
 
-/// Equations of a single wheel.
+/// Equations of a single wheel, with the tangent of half the arm's angle as the unknown.
 pub(in crate::solve::tracker) struct ArmCorner<'w, 'd, B, V> {
     pub(super) method: &'w ByArm,
     pub(super) design: &'w ArmDesign<'d, B>,
@@ -18,11 +18,11 @@ pub(in crate::solve::tracker) struct ArmCorner<'w, 'd, B, V> {
     pub(super) visitor: &'w mut V,
     /// Derivative of the half-angle tangent with respect to the drive, for the corrections.
     pub(super) slope: B,
-    /// State after the last correction.
+    /// State of the closed form after the last correction.
     pub(super) state: ArmState<B>,
-    /// Step of the last correction.
+    /// Change of the half-angle tangent in the last correction.
     pub(super) step: B,
-    /// Travel error before and after the last correction.
+    /// Travel minus the required travel, before and after the last correction.
     pub(super) missed: [B; 2],
 }
 

@@ -14,9 +14,9 @@ pub(in crate::solve::tracker) struct ArmWheel<'w, 'd, B> {
     pub(super) design: &'w ArmDesign<'d, B>,
     pub(super) on_knuckle: WheelOnKnuckle<B>,
     pub(super) tolerance: f64,
-    /// State of the last linearisation or correction.
+    /// State of the closed form at the last linearisation or after the last correction.
     pub(super) state: ArmState<B>,
-    /// Travel error that remained at the last linearisation.
+    /// Travel minus the required travel at the last linearisation.
     pub(super) missed: B,
     /// Derivative of the unknown (the half-angle tangent) with respect to travel, from the last linearisation.
     pub(super) by_travel: B,

@@ -1,9 +1,10 @@
-//! Jacobian of the closure equations in blocks of three by three, and their elimination.
+//! Jacobian of the closure equations in the blocks A, B, C and D of three by three (module `linkage`), and their
+//! elimination.
 
 use crate::mechanism::{Twist, Wrench};
 use crate::number::{Each, Matrix3, Real, Vector3, array_of, outlined};
 
-/// Smallest pivot that the base design may have.
+/// Smallest pivot that the Jacobian of the base design (near which the tracked designs lie) may have.
 const LEAST_PIVOT: f64 = 1e-3;
 
 /// Order of the rows and columns of the Jacobian.
@@ -11,13 +12,13 @@ const LEAST_PIVOT: f64 = 1e-3;
 pub(super) struct Order {
     rows: [usize; 6],
     columns: [usize; 6],
-    /// Position of each row in this order.
+    /// Position of each row of the Jacobian in this order.
     places: [usize; 6],
 }
 
 impl Order {
-    /// Order from complete pivoting, with moments divided by the size. `None` if a pivot is not above
-    /// [`LEAST_PIVOT`].
+    /// Returns the order that complete pivoting chooses for the Jacobian `wrenches`, with moments divided by the size.
+    /// `None` if a pivot is not above [`LEAST_PIVOT`].
     pub(super) fn of(wrenches: &[Wrench<f64>; 6], size: f64) -> Option<Order> {
         let mut a = wrenches.each(|row| {
             let mut row = row.to_row();

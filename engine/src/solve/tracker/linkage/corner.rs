@@ -7,14 +7,14 @@ use super::newton::{BranchGuard, NewtonSteps};
 use super::{ByLinkage, UNKNOWNS, moved};
 use crate::number::{Real, SimdReal};
 
-/// Largest number of corrections in which a lane must converge.
+/// Largest number of corrections in which the design of a SIMD lane must converge.
 const MOST_ROUNDS: usize = 5;
 
 /// Equations of a single wheel.
 pub(in crate::solve::tracker) struct LinkageCorner<'w, 'd, B: SimdReal, V> {
     pub(super) steps: NewtonSteps<'w, 'd, B>,
     pub(super) visitor: &'w mut V,
-    /// Lanes in which the prediction of this waypoint was within its permitted error.
+    /// Lanes in which Newton's first correction of this waypoint's prediction was within its limit.
     pub(super) is_near: B::Mask,
 }
 

@@ -34,7 +34,7 @@ impl Visit<f64> for Nothing {
 }
 
 /// Returns the decisions of the checks at all waypoints of an accepted design, computed from their formulas and published
-/// thresholds. Each waypoint is corrected again from its prediction, since the determinants are those of the last step of
+/// thresholds. Each waypoint is corrected again from its prediction, since the determinants belong to the last step of
 /// Newton's method.
 fn judge(
     tracker: &CornerTracker<'_>,

@@ -8,7 +8,7 @@ use crate::number::{Outlined, SimdReal};
 /// Closure equations linearised about a configuration.
 pub(super) struct Linear<B> {
     pub(super) residuals: [B; 6],
-    /// Derivatives with respect to the displacement of the rack.
+    /// Derivatives of the closure equations with respect to the displacement of the rack.
     by_rack: [B; 6],
     pub(super) blocks: Blocks<B>,
 }

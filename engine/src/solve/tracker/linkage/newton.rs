@@ -8,7 +8,7 @@ use crate::mechanism::{Configuration, Driver, Twist};
 use crate::number::{SimdReal, Vector3};
 use std::cell::{Cell, RefCell};
 
-/// Smallest accepted determinant of a block, divided by the determinant in the base design.
+/// Smallest accepted determinant of the blocks A and S (module `linkage`), divided by its value in the base design.
 const LEAST: f64 = 0.25;
 
 /// Largest accepted correction of a prediction in each direction, relative to the mechanism's size or in rad.
@@ -23,9 +23,9 @@ pub(in crate::solve::tracker) struct NewtonSteps<'w, 'd, B> {
     pub(super) method: &'w ByLinkage,
     linkage: &'w LinkageDesign<'d, B>,
     tolerance: f64,
-    /// Equations linearised about the latest unknowns.
+    /// Closure equations linearised about the latest unknowns.
     pub(super) linear: RefCell<Linear<B>>,
-    /// Determinants of A and S in the linearisation with which each lane converged.
+    /// Determinants of the blocks A and S (module `linkage`) in the linearisation with which each lane converged.
     pub(super) determinants: [B; 2],
 }
 
@@ -90,13 +90,13 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
         }
     }
 
-    /// Design of the lanes.
+    /// Constants of the designs in the SIMD lanes.
     #[inline(always)]
     pub(super) fn linkage(&self) -> &'w LinkageDesign<'d, B> {
         self.linkage
     }
 
-    /// Lanes in which a Newton step is within the permitted error of a prediction.
+    /// Lanes in which a Newton step is within [`LARGEST_CORRECTION`], the largest accepted correction of a prediction.
     #[inline(always)]
     pub(super) fn is_near(&self, step: &Twist<B>) -> B::Mask {
         let like = step.shift.x;
@@ -170,7 +170,7 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
     }
 }
 
-/// Values at a waypoint. The checks compare them with the values at the next waypoint.
+/// Rotation of the knuckle and determinants at a waypoint. The checks compare them with their values at the next waypoint.
 #[derive(Clone, Copy)]
 pub(in crate::solve::tracker) struct BranchGuard<B> {
     /// Rotation of the knuckle, as tan(angle/2) times the axis.

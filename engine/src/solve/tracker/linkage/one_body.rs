@@ -1,8 +1,8 @@
 //! Equations of an axle whose wheels share one mechanism: a solid axle or a twist beam.
 //!
 //! The unknowns are the pose of the mechanism as seen from the left wheel, and half the difference of the travels, s. Both
-//! wheels are on bodies of this mechanism, so their contact points follow from the same pose. With a fixed mean travel z, the
-//! drive of the closure equations is s, and (1) and (2) of [`pair`](super::super::pair) are
+//! wheels are on bodies of this mechanism, so their contact points follow from the same pose. With a fixed mean travel z,
+//! the drive of the closure equations is s. Equations (1) and (2) of [`pair`](super::super::pair) become
 //!
 //! ```text
 //! f(s) = h_l(z, s) - h_r(z, s) = 0,    f_s = h_l,s - h_r,s
@@ -11,8 +11,9 @@
 //! As seen from the right wheel, the pose is its mirror image (see `mirrored.rs`). So no further equations have to be solved for
 //! that wheel.
 //!
-//! A steering gear shifts the zero positions of both travels in the equations: (4) and (5) of `model/steered_axle.rs`. In the
-//! lead of a route, which begins in the design pose, this shift grows in proportion to the completed fraction of the lead.
+//! A steering gear shifts the zero positions of both travels in the equations, by equations (4) and (5) of
+//! `model/steered_axle.rs`. In the lead of a route, which begins in the design pose, this shift grows in proportion to the
+//! completed fraction of the lead.
 
 use super::super::pair::{AxleTracker, LEAST_RISE, MOST_ROUNDS, PairDrive, VisitPair};
 use super::super::route::RouteStep;
@@ -46,7 +47,7 @@ pub(in crate::solve::tracker) struct OneBody<'w, 'd, B: SimdReal, V> {
     visitor: &'w mut V,
     /// Ground at this waypoint, in the left wheel's frame.
     ground: Ground<B>,
-    /// Lanes in which the prediction of this waypoint was within its permitted error.
+    /// Lanes in which Newton's first correction of this waypoint's prediction was within its limit.
     is_near: B::Mask,
     /// Lanes in which both contact points rise fast enough with their wheels.
     rises: B::Mask,
@@ -204,7 +205,8 @@ struct OnGround<'d, B> {
     contacts: [Contact<B>; 2],
     /// Derivative of the pose with respect to half the difference of the travels.
     by_travel: Twist<B>,
-    /// Inverse of the derivative of the height of the left contact point above the right one.
+    /// Inverse of the derivative of the left contact point's height above the right one. The derivative is with respect to
+    /// half the difference of the travels.
     inverse: B,
 }
 

@@ -15,8 +15,8 @@ use std::cell::{Cell, Ref, RefCell};
 /// Smallest squared rotation of the knuckle for a rack displacement equal to the mechanism's size. Below it, the axis
 /// of this rotation is not accurate enough to be the steering axis.
 const LEAST_STEERING: f64 = 0.25;
-/// Smallest squared sine of the angle between the steering axis and the horizontal. The inclinations of a nearly horizontal
-/// axis are not accurate.
+/// Smallest squared sine of the angle between the steering axis and the horizontal. For a nearly horizontal axis, caster
+/// and kingpin inclination are not accurate.
 const LEAST_UPRIGHT: f64 = 0.04;
 /// Upper bound on the square of the knuckle's rotation for a travel equal to the mechanism's size.
 const FASTEST_TURN: f64 = 100.0;

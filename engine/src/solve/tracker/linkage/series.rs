@@ -1,4 +1,4 @@
-//! Gradients as Taylor series along the travel, from the closure equations as Taylor series.
+//! Gradients as Taylor series along the travel. They are computed from the closure equations as Taylor series.
 
 use super::ByLinkage;
 use super::blocks::Blocks;
@@ -39,7 +39,7 @@ impl<B: SimdReal> Outlined for FormingSeries<'_, B> {
 
     #[inline(always)]
     fn work(self) {
-        // The rows do not depend on the value of the travel.
+        // The rows of the Jacobian do not depend on the value of the travel.
         let driver = Driver::Travel(self.at.rack.zero());
         for number in 0..6 {
             let (_, wrench) = self.closure.row(number, self.at, driver);
@@ -49,7 +49,7 @@ impl<B: SimdReal> Outlined for FormingSeries<'_, B> {
     }
 }
 
-/// Subtracts from a gradient the effect of the closure equations. A separate function (see `Outlined`).
+/// Subtracts from a gradient the effect of the closure equations. The work is in a separate function (see `Outlined`).
 struct SubtractingSeries<'p, B> {
     adjoint: &'p SeriesAdjoint<'p, B>,
     wrench: &'p Wrench<Jet<B, 2>>,
@@ -77,7 +77,7 @@ impl<B: SimdReal> Outlined for SubtractingSeries<'_, B> {
 }
 
 impl ByLinkage {
-    /// Adjoint at a configuration along the travel.
+    /// Makes the [`SeriesAdjoint`] for a configuration that is a series along the travel.
     #[inline(always)]
     pub(crate) fn series_adjoint<'p, B: SimdReal>(
         &self,

@@ -11,7 +11,7 @@ use crate::number::{Matrix3, SimdReal, Vector3};
 pub(in crate::solve::tracker) struct LinkageWheel<'w, 'd, B> {
     pub(super) steps: NewtonSteps<'w, 'd, B>,
     pub(super) on_knuckle: WheelOnKnuckle<B>,
-    /// Step to the required travel that remained at the last linearisation.
+    /// Displacement and rotation of the knuckle that were still missing to the required travel at the last linearisation.
     pub(super) rest: Twist<B>,
     /// Derivative of the pose with respect to travel, from the last linearisation.
     pub(super) by_travel: Twist<B>,

@@ -9,8 +9,8 @@ use super::{
 use crate::mechanism::Ground;
 use crate::number::{SimdReal, outlined};
 
-/// Equations of both wheels of an axle, each with `N` unknowns. The unknowns are those of the left wheel, those of the right
-/// one, and half the difference of their travels.
+/// Equations of both wheels of an axle, each with `N` unknowns. The unknowns are the unknowns of the left wheel, then of
+/// the right wheel, and half the difference of their travels.
 pub(super) struct BothWheels<'w, B: SimdReal, W, V, const N: usize> {
     pub(super) tracker: &'w AxleTracker<'w>,
     pub(super) wheels: [W; 2],
@@ -19,7 +19,7 @@ pub(super) struct BothWheels<'w, B: SimdReal, W, V, const N: usize> {
     pub(super) visitor: &'w mut V,
     /// Ground at this waypoint, in the left wheel's frame.
     pub(super) ground: Ground<B>,
-    /// Lanes in which the prediction of this waypoint was within its permitted error.
+    /// Lanes in which the first correction of this waypoint's prediction was within its limit.
     pub(super) is_near: B::Mask,
     /// Lanes in which both contact points rise fast enough with their wheels.
     pub(super) rises: B::Mask,
@@ -36,7 +36,7 @@ impl<B: SimdReal, W, V, const N: usize> BothWheels<'_, B, W, V, N> {
     }
 }
 
-/// Splits the unknowns into those of each wheel and half the difference of their travels.
+/// Splits the unknowns of the axle into the unknowns of each wheel and half the difference of their travels.
 #[inline(always)]
 fn parted<B: Copy, const N: usize, const ALL: usize>(unknowns: &[B; ALL]) -> ([[B; N]; 2], B) {
     const { assert!(ALL == 2 * N + 1) };

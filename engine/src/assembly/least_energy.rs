@@ -42,7 +42,7 @@ use crate::number::{Each, Real, Vector3, array_of};
 
 /// Number of links.
 const LINKS: usize = 5;
-/// Index of the link without constraint.
+/// Index of the fifth link, which has no constraint in the mechanism.
 const EXTRA: usize = LINKS - 1;
 /// Largest number of corrections of the pose by equation (5).
 const MOST_ROUNDS: usize = 40;
@@ -86,7 +86,7 @@ impl<T: Real> Rows<T> {
         shares.each(|share| share * tension)
     }
 
-    /// Correction of the axle's pose by equation (5) of this file.
+    /// Returns the correction of the axle's pose by equation (5) of this file.
     fn correction(
         &self,
         tensions: &[T; LINKS],
@@ -183,7 +183,7 @@ impl Assembler {
         rows
     }
 
-    /// Finds the pose of least energy by corrections (5) from a known pose.
+    /// Finds the pose of least energy by corrections from a known pose, with equation (5) of this file.
     pub(super) fn relax(
         &self,
         parts: &Parts<f64>,
@@ -220,8 +220,8 @@ impl Assembler {
         None
     }
 
-    /// Returns the assembled pose in another number type, with the tensions of the links. The pose has the values of
-    /// `at`.
+    /// Returns the pose of assembled parts in another number type, with the tensions of the links. `at` holds the values of the
+    /// pose.
     pub(super) fn relaxed_series<T: Real>(
         &self,
         parts: &Parts<T>,

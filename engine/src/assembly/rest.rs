@@ -37,17 +37,17 @@ pub struct Built {
 /// Direction of a change of parts: dimensions that change together, each with its factor.
 pub type Direction = [(BuildParameter, f64)];
 
-/// A value and its derivative.
+/// A value and its derivative with respect to one variable.
 type Slope = Dual<f64, 1>;
 
 /// Largest number of steps in the search for the height at which the spring has its length.
 const MOST_STEPS: usize = 30;
-/// Smallest fraction of a step in this search.
+/// Smallest fraction of a step in the search for the height at which the spring has its length.
 const SHORTEST: f64 = 1e-3;
 
 /// Finds the height at which the spring has its length, by Newton's method. It begins with the state `at` at `height`. `size` is
-/// the size of the suspension. `step` returns the Newton step from a state, and `place` moves a state to a height. A step is
-/// halved if this fails, because the parts cannot be assembled at the height, or have no equilibrium there.
+/// the size of the suspension. `step` returns the Newton step of the height from a state, and `place` moves a state to a height. If
+/// `place` fails, the step is halved. It fails if the parts cannot be assembled at the height, or have no equilibrium there.
 pub(super) fn settle_height<S, E: From<AssemblyError>>(
     at: &mut S,
     mut height: f64,

@@ -13,8 +13,8 @@ use crate::number::{Jet, Matrix3, Outlined, SimdReal, Vector3, larger};
 
 /// Maximum number of corrections.
 const MOST_ROUNDS: usize = 40;
-/// Limit on the estimated next correction of a derivative. Below this limit, the derivative has converged. The limit is
-/// relative to the largest derivative of a nominal point, or to the largest correction if that is larger.
+/// Limit on the estimated next correction of a built design's derivative. Below this limit, the derivative has converged. The limit
+/// is relative to the largest derivative of a nominal point, or to the largest correction if that is larger.
 const FINE: f64 = 1e-15;
 /// Limit on the last correction of a derivative, relative like [`FINE`]. If corrections no longer halve and are below
 /// this limit, the derivative has converged.

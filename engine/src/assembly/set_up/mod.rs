@@ -200,7 +200,7 @@ pub struct SetUp {
 /// A target value that the set-up misses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MissedTarget {
-    /// Static value.
+    /// Static value that misses its target.
     pub of: Static,
     /// Value that is reached, in printed units.
     pub value: f64,
@@ -226,7 +226,7 @@ pub enum SetUpError {
     Absurd {
         /// Index of the adjustment.
         adjustment: usize,
-        /// Amount.
+        /// Required amount of this adjustment.
         amount: f64,
     },
 }

@@ -20,7 +20,7 @@ use crate::study::{CarContributor, CarStudy, CarTolerance, Source};
 use crate::sweep::{in_order, uniform};
 use std::ops::ControlFlow;
 
-/// For each tolerance source of a contributor: its variance, and the rates at which it moves the points of both wheels.
+/// For each tolerance source of a contributor: its variance, and the derivatives of the points of both wheels with respect to it.
 type Ways = Vec<(f64, [PointMoves; 2])>;
 
 /// Number of builds in a block.
@@ -30,11 +30,11 @@ const BLOCK: u64 = 16;
 pub struct CarProblem<'a> {
     /// The study.
     pub study: &'a CarStudy,
-    /// Tolerances.
+    /// Tolerances of the parts and values of the car, and the limits for its results.
     pub tolerance: &'a CarTolerance,
     /// Results of the load cases, case by case: first the study's results, then other results that bands limit.
     pub request: CarRequest<'a>,
-    /// Index of the result of each band.
+    /// For each band (lower and upper limit of a result), the index of this result among all results.
     places: Vec<usize>,
     pub(super) axles: [Problem<'a>; 2],
 }
@@ -42,17 +42,17 @@ pub struct CarProblem<'a> {
 /// Results of many builds of a car.
 #[derive(Clone, Debug)]
 pub struct CarBuilds {
-    /// Number of builds.
+    /// Number of finished builds, including the builds that failed.
     pub builds: u64,
     /// Spread of each result, in printed units.
     pub spreads: Vec<Spread>,
     /// Number of builds that cannot be assembled, or cannot be solved in every case.
     pub failed: u64,
-    /// Number of the first of these builds, and the reason.
+    /// Number of the first build that failed, and the reason.
     pub first_failed: Option<(u64, String)>,
-    /// Number of builds within each band.
+    /// For each band (lower and upper limit of a result), the number of builds within these limits.
     pub in_bands: Vec<u64>,
-    /// Number of builds within every band.
+    /// Number of builds within the limits of every band.
     pub in_all_bands: u64,
 }
 

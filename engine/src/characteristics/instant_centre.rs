@@ -22,8 +22,8 @@ pub(super) const CONTACT_VELOCITY: &[Slot] = &[Slot::SpinAxis, Slot::CentreRate,
 /// conditioned poses, the angular velocity is up to a million times larger.
 const FARTHEST_CENTRE: f64 = 1e10;
 
-/// Angular velocity in one view, or zero if the instantaneous centre is farther than [`FARTHEST_CENTRE`]. `velocity` has the
-/// contact point's velocities in this view.
+/// Angular velocity in front view or side view, or zero if the instantaneous centre is farther than [`FARTHEST_CENTRE`]. `velocity`
+/// has the contact point's two velocity components in this view.
 #[inline(always)]
 fn turning<T: Real>(turn: T, velocity: [T; 2], size: f64) -> T {
     let [first, second] = velocity;
@@ -146,8 +146,8 @@ formulas! {
     };
 }
 
-/// Instantaneous centres as points in the kernel's frame, for drawings. A centre is `None` if it is at infinity, or if the
-/// wheel's radius is unknown.
+/// Instantaneous centres as points in the kernel's frame (x forward, y left, z up, for a left wheel), for drawings. A centre is
+/// `None` if it is at infinity, or if the wheel's radius is unknown.
 ///
 /// The velocity of a point P of the knuckle is C' + w x (P - C). In front view, with P in the transverse plane of C, its y
 /// and z components vanish for P - C = (0, -C_z'/w_x, C_y'/w_x). In side view, with P in the longitudinal plane of C, its x

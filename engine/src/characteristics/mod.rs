@@ -89,7 +89,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// Value for a wheel's position and rates.
+            /// Value of the characteristic for these inputs, in radians and length units.
             #[inline(always)]
             pub fn evaluate<T: Real>(self, inputs: &Inputs<T>) -> T {
                 match self {

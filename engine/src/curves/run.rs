@@ -49,7 +49,7 @@ pub(super) struct Run<'a, const N: usize> {
     pub(super) toggles: Toggles,
     stations: Vec<Station>,
     sensitivities: Vec<Sensitivity>,
-    /// Numbers of stations that the continuation solved instead of the tracker, for each reason.
+    /// Numbers of stations that the slower continuation method solved instead of the tracker, for each reason.
     left_to_continuation: BTreeMap<Rejection, usize>,
     /// Work that the solver counted.
     pub(super) work: Work,

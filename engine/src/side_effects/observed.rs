@@ -32,7 +32,7 @@ pub(super) struct Station {
     pub place: Vec<PlaceCoordinate>,
     /// Name of the load case, for a car.
     pub case: Option<String>,
-    /// True if the rack is at 0.
+    /// True if the rack is at 0. For a car, true if both racks are at 0.
     pub is_straight: bool,
 }
 
@@ -49,7 +49,7 @@ pub(super) struct Series {
     pub output: String,
     /// Unit, as in column names.
     pub unit: String,
-    /// Customary tolerance.
+    /// Customary tolerance for a change of the output. `None` if the output has none.
     pub tolerance: Option<Tolerance>,
     /// True if stations with a steered rack are omitted.
     pub straight_only: bool,
@@ -112,7 +112,7 @@ pub(super) fn observe(study: &Study, name: Option<&str>) -> Result<Observed, Des
 pub(super) struct Grid {
     /// Range of each coordinate. 1 for a coordinate that does not move.
     ranges: Vec<f64>,
-    /// Values of each coordinate, in rising order.
+    /// Different values of each coordinate, in rising order.
     axes: Vec<Vec<f64>>,
     /// Index of each station, by the indices of the station's coordinates in `axes`.
     numbers: HashMap<Vec<usize>, usize>,

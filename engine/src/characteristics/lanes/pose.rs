@@ -7,8 +7,9 @@ use crate::model::{PointId, RockerId};
 use crate::number::{Outlined, SimdReal, Vector3};
 use crate::solve::{LanePose, LaneRates};
 
-/// Smallest squared leverage of a rocker in an accepted lane. With a larger leverage, the rocker is far from its toggle and
-/// rotates at most four times as fast as with full leverage.
+/// Smallest squared leverage of a rocker's rod in an accepted lane. The leverage is 1 if the rod is square to its lever and to the
+/// rocker's axis, and 0 at a toggle. With a larger leverage than this limit, the rocker is far from its toggle. It rotates at most
+/// four times as fast as with full leverage.
 const LEAST_LEVERAGE: f64 = 0.0625;
 
 /// Largest accepted inclination of a spin axis, as its sine. Beyond it the wheel nearly lies on its side, and neither camber

@@ -36,7 +36,7 @@ fn loads() -> Vec<WheelLoads> {
     (0..LOADS).map(load).collect()
 }
 
-/// Side forces that rise to the largest one.
+/// Side forces that rise to [`LARGEST`].
 fn side_forces() -> impl Iterator<Item = WheelLoads> {
     (1..=LOADS).map(|k| {
         let mut load = WheelLoads::none(0.0);

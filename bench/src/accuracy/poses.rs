@@ -75,7 +75,8 @@ impl Walk {
                     earlier,
                     weights,
                 });
-                // The pose of the design position is already in the list. The polynomial must not have the same node twice.
+                // The list of earlier poses already contains the pose of the design position. The interpolation polynomial must not
+                // use the same travel twice.
                 if travels[station] != 0.0 {
                     known.push(travels[station]);
                 }

@@ -55,7 +55,7 @@ pub struct Subject<'s> {
     pub suspension: &'s Suspension,
     /// Wheel travels in rising order.
     pub travels: Vec<f64>,
-    /// Rack displacement, positive towards the kernel's +y.
+    /// Rack displacement, positive towards the kernel's +y (to the left, for a left wheel).
     pub rack: f64,
     /// Exact poses at the travels.
     pub poses: Vec<Pose<DoubleDouble>>,

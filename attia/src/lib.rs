@@ -1,6 +1,6 @@
 //! The MacPherson strut in point coordinates: the formulation of H. A. Attia, *Numerical Kinematic Analysis of the Standard
-//! Macpherson Motor-Vehicle Suspension System*, KSME International Journal 17 (2003), corrected. Equation numbers here are those
-//! of the paper.
+//! Macpherson Motor-Vehicle Suspension System*, KSME International Journal 17 (2003), corrected. This crate uses the paper's
+//! equation numbers.
 //!
 //! The unknowns are the coordinates of five points. All other positions follow from them. The points have the numbers of the
 //! paper:

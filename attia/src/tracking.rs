@@ -282,7 +282,7 @@ impl PointCoordinates {
 
 type Factors = Lu<f64, 15>;
 
-/// Smallest pivot divided by the largest.
+/// Smallest pivot of the LU factors, divided by the largest.
 fn spread(lu: &Factors) -> f64 {
     let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
     for pivot in lu.pivots() {

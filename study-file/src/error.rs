@@ -180,7 +180,7 @@ fn within_line(text: &str, span: Range<usize>) -> Range<usize> {
 pub struct StudyErrors(Vec<StudyError>);
 
 impl StudyErrors {
-    /// All errors.
+    /// All errors of the study.
     pub fn all(&self) -> &[StudyError] {
         &self.0
     }

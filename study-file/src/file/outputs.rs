@@ -9,10 +9,10 @@ use toml::Spanned;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Outputs {
-    /// Names of characteristics.
+    /// Names of the characteristics that are reported.
     #[serde(default)]
     pub characteristics: Vec<Text>,
-    /// Names of points.
+    /// Names of the points whose coordinates are reported.
     #[serde(default)]
     pub points: Vec<Text>,
     /// Members, or pairs of points, whose lengths are reported.

@@ -78,9 +78,9 @@ pub struct OwnBushing {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OwnAngles {
-    /// Camber in the design position, degrees.
+    /// Camber of the right wheel in the design position, degrees.
     pub static_camber: Option<Number>,
-    /// Toe in the design position, degrees; positive for toe-in.
+    /// Toe of the right wheel in the design position, degrees; positive for toe-in.
     pub static_toe: Option<Number>,
 }
 

@@ -64,8 +64,8 @@ pub(crate) fn interruptible<T: Send>(
 ) -> PyResult<T> {
     let pool = pool(threads)?;
     let flag = AtomicBool::new(false);
-    // Only an exception raises this second flag. A callback that ends a tuning raises the first flag alone, so that the tuning
-    // keeps its present result.
+    // Only an exception raises the second flag, `stop`. A callback that ends a tuning raises only the first flag, `flag`, so that
+    // the tuning keeps its present result.
     let stop = Arc::new(AtomicBool::new(false));
     let (sender, mut ended) = channel();
     let mut found = None;

@@ -31,7 +31,7 @@ pub struct Measurement {
     pub poses: usize,
 }
 
-/// Measurements of all effects; positions alone come first.
+/// Measurements of all effects. The first one is the cost of positions without further effects.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Effects {
     /// Measurements in the order in which the effects (additional results, such as rates or sensitivities) are added.

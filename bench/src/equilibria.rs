@@ -12,9 +12,9 @@ use hardpoint_engine::number::{Vector3, Width};
 use hardpoint_engine::study::{AxleStudy, Study, WheelStudy};
 use std::hint::black_box;
 
-/// Number of loads in a sample.
+/// Number of loads whose equilibria one timing sample computes.
 const LOADS: usize = 64;
-/// Largest component of a force, N.
+/// Largest component of a load's force, N.
 const LARGEST: f64 = 2000.0;
 
 /// Computing times of the equilibria of a study.

@@ -16,7 +16,7 @@ use std::time::Duration;
 /// Longest time between two checks for Ctrl-C.
 pub(crate) const LISTEN: Duration = Duration::from_millis(50);
 
-/// The last pool, with its process id and its number of threads.
+/// The latest pool of CPU threads, with the id of its process and its number of threads.
 static LAST: Mutex<Option<(u32, usize, Arc<ThreadPool>)>> = Mutex::new(None);
 
 /// Refuses a number of CPU threads below 1.

@@ -219,9 +219,9 @@ macro_rules! variable {
             pub axis: Option<Text>,
             /// Direction of the move as a vector. An alternative to `axis`.
             pub direction: Option<Coordinates>,
-            /// Name of a rate of the axle.
+            /// Name of the rate (stiffness) of the axle that varies.
             pub rate: Option<Text>,
-            /// Name of a value of the car.
+            /// Name of the value of the car that varies, such as its mass.
             pub car: Option<Text>,
             /// Lowest and highest offset of a hardpoint. For a rate or a value of the car: lowest and highest value.
             pub range: Option<Spanned<Vec<Number>>>,
@@ -276,9 +276,9 @@ pub struct Scatter {
     pub length: Option<Spanned<MemberName>>,
     /// Names of hardpoints on one jig. They scatter together as a rigid body.
     pub jig: Option<Spanned<Vec<Text>>>,
-    /// Name of a rate of the axle.
+    /// Name of the rate (stiffness) of the axle that scatters.
     pub rate: Option<Text>,
-    /// Name of a value of the car.
+    /// Name of the value of the car that scatters, such as its mass.
     pub car: Option<Text>,
     /// Side of the wheel whose parts scatter. If omitted, the parts of both wheels scatter.
     pub side: Option<Text>,

@@ -16,7 +16,7 @@ use std::hint::black_box;
 /// Starting point of Newton's method at a station.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Start {
-    /// The design position.
+    /// Every station starts from the design position.
     Cold,
     /// Extrapolation with a polynomial of this order through the poses of previous stations. Order 0 starts from the last pose.
     Predicted(usize),

@@ -28,7 +28,7 @@ const BLOCKS: usize = 32;
 /// Number of blocks of designs per CPU thread if several threads run. Solving these blocks takes much longer than waking the
 /// threads.
 const BLOCKS_OF_THREAD: usize = 512;
-/// Number of designs for slow methods.
+/// Number of designs that slow methods solve.
 const FEW: usize = 16;
 
 /// The measured time of one method for solving poses.

@@ -63,7 +63,7 @@ pub enum Measure {
         /// Unit vector along the line.
         along: Vector3<f64>,
     },
-    /// Distance of a point from a box along the axes. Negative inside the box.
+    /// Distance of a point from a box with edges along the coordinate axes. Negative inside the box.
     FromBox {
         /// Point whose distance is measured.
         point: PointId,

@@ -33,8 +33,8 @@ use crate::plan::Plan;
 use crate::solve::Rejection;
 use crate::study::WheelStudy;
 
-/// Computes the curves of one wheel under a plan: from equilibria if there are elastic parts, otherwise from poses. An error
-/// says why the design position cannot be solved.
+/// Computes the curves of one wheel that a plan requests: from equilibria if there are elastic parts, otherwise from poses. An
+/// error says why the design position cannot be solved.
 pub fn wheel_curves(own: &WheelStudy, plan: &Plan) -> Result<Curves, DesignFault> {
     match &own.compliance {
         Some(elastic) => elastic::elastic_curves(&own.suspension, elastic, plan),

@@ -18,7 +18,7 @@ use crate::threads::on_large_stacks;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
-/// Computes the curves of a suspension under a plan. An error says why its design position cannot be solved.
+/// Computes the curves of a suspension that a plan requests. An error says why its design position cannot be solved.
 pub fn curves(suspension: &Suspension, plan: &Plan) -> Result<Curves, DesignFault> {
     if plan.certify {
         on_large_stacks(1, || curves_here(suspension, plan))

@@ -59,7 +59,7 @@ pub struct CarBuilds {
 /// Scatter of one result, to first and second order in the deviations of the tolerances, in printed units.
 #[derive(Clone, Debug)]
 pub struct CarExpansion {
-    /// First-order variance from each contributor. NaN if the result has no derivatives.
+    /// First-order variance of the result from each contributor (scattering part). NaN if the result has no derivatives.
     pub variances: Vec<f64>,
     /// Estimate from all contributors together.
     pub estimate: Estimate,
@@ -68,12 +68,12 @@ pub struct CarExpansion {
 }
 
 impl CarExpansion {
-    /// First-order standard deviation.
+    /// First-order standard deviation of the result.
     pub fn sigma(&self) -> f64 {
         self.estimate.sigma()
     }
 
-    /// Share of a contributor in the variance.
+    /// Share of a contributor in the variance of the result.
     pub fn share(&self, contributor: usize) -> f64 {
         self.variances[contributor] / self.estimate.variance
     }

@@ -28,9 +28,9 @@ use crate::sorting::sort_by_key;
 const V: usize = N + 3;
 const RACK: usize = N;
 const DRIVE: [usize; 2] = [N + 1, N + 2];
-/// A number with its gradient.
+/// A number with its gradient with respect to all variables.
 type Once = Dual<Interval, V>;
-/// A number with its first and second derivatives.
+/// A number with its first and second derivatives with respect to all variables.
 type Twice = Dual<Once, V>;
 
 /// Displacement from the design position: changes of the pose's numbers, of the rack and of the drive.

@@ -13,7 +13,7 @@ use hardpoint_engine::number::{Matrix3 as Axes, Vector3};
 pub struct KnucklePoint([f64; 4]);
 
 impl KnucklePoint {
-    /// Point 5.
+    /// Point 5, the ball joint.
     pub(crate) const BALL_JOINT: KnucklePoint = KnucklePoint([1.0, 0.0, 0.0, 0.0]);
 
     /// Returns the knuckle point that is at `point` when the points of the knuckle are at `moving`. `None` if points 5 to 8 lie

@@ -77,7 +77,7 @@ pub enum Refusal {
     Unreachable {
         /// Value of the drive up to which the branch was followed.
         value: f64,
-        /// Singularity that ends the range.
+        /// Singularity that ends the branch.
         limit: Singular,
     },
     /// The solution branch of the design position ends before the rack reaches the requested displacement.

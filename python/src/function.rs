@@ -110,7 +110,7 @@ impl Function {
         self.function.outputs()
     }
 
-    /// Number of stations.
+    /// Number of stations at which the curves have values.
     #[getter]
     fn stations(&self) -> usize {
         self.function.stations()

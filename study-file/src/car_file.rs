@@ -102,7 +102,7 @@ pub struct Drag {
     pub drag_area: Number,
 }
 
-/// An element of `cases`.
+/// An element of `cases`: a load case of the car.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
@@ -262,13 +262,13 @@ pub struct Tolerance {
     pub bands: Option<Vec<Spanned<Band>>>,
 }
 
-/// An element of `scatter`.
+/// An element of `scatter` of `[tolerance]`.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scatter {
     /// Axle whose parts scatter: `front` or `rear`.
     pub axle: Option<Text>,
-    /// Name of a hardpoint of the axle.
+    /// Name of a hardpoint of the axle that scatters.
     pub hardpoint: Option<Text>,
     /// Names of several hardpoints that scatter independently.
     pub hardpoints: Option<Spanned<Vec<Text>>>,
@@ -320,7 +320,7 @@ impl Scatter {
     }
 }
 
-/// An element of `bands`.
+/// An element of `bands` of `[tolerance]`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Band {

@@ -19,7 +19,7 @@ pub type Whole = Spanned<i64>;
 pub struct Number {
     /// Value of the number. Its magnitude is at most [`Number::MOST`].
     pub value: f64,
-    /// Byte range in the file.
+    /// Byte range of the number in the file.
     pub span: Span<usize>,
 }
 

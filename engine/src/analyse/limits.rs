@@ -128,7 +128,7 @@ pub struct Limits {
 /// Wheel travel until a rocker reaches a toggle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RockerRange {
-    /// The rocker.
+    /// Rocker that reaches the toggles.
     pub rocker: RockerId,
     /// Toggle in droop. `None` if the wheel's own travel ends first, or if no toggle was found.
     pub lower: Option<Toggle>,

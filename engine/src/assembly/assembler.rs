@@ -51,7 +51,7 @@ pub struct Assembler {
     rounding: f64,
 }
 
-/// A pose and the inverse of its Jacobian.
+/// A pose of the carrier and the inverse of the closure equations' Jacobian in this pose.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Linearised {
     pub(crate) pose: Pose<f64>,

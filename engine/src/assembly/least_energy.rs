@@ -40,7 +40,7 @@ use crate::mechanism::{DesignFault, Pose, Twist};
 use crate::model::{Mechanism, PointId, Side, Suspension};
 use crate::number::{Each, Real, Vector3, array_of};
 
-/// Number of links.
+/// Number of links of the axle.
 const LINKS: usize = 5;
 /// Index of the fifth link, which has no constraint in the mechanism.
 const EXTRA: usize = LINKS - 1;

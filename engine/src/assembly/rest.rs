@@ -84,7 +84,7 @@ impl Assembler {
         self.build(self.drawn(), Rest::Height(0.0))
     }
 
-    /// Assembles parts.
+    /// Assembles parts in their static position, at the height that `rest` defines.
     pub fn build(&self, parts: &Parts<f64>, rest: Rest) -> Result<Built, AssemblyError> {
         let suspension = self.suspension();
         let mut built = Built {

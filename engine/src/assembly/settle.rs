@@ -28,7 +28,7 @@ use crate::mechanism::constraint::PartDimensions;
 use crate::mechanism::{Closure, Pose, Turn};
 use crate::number::{Each, Jet, Matrix3, Outlined, Real, SimdReal, Vector3, larger};
 
-/// Maximum number of corrections. Builds near the nominal parts converge much earlier.
+/// Maximum number of corrections of a pose. Builds near the nominal parts converge much earlier.
 const MOST_ROUNDS: usize = 40;
 /// Twice the largest move of the carrier in the first correction, relative to the mechanism's size. Also twice the
 /// largest rotation, in rad.

@@ -11,7 +11,7 @@ use super::parts::Parts;
 use crate::mechanism::Pose;
 use crate::number::{Jet, Matrix3, Outlined, SimdReal, Vector3, larger};
 
-/// Maximum number of corrections.
+/// Maximum number of corrections of a pose's derivative.
 const MOST_ROUNDS: usize = 40;
 /// Limit on the estimated next correction of a built design's derivative. Below this limit, the derivative has converged. The limit
 /// is relative to the largest derivative of a nominal point, or to the largest correction if that is larger.

@@ -154,7 +154,7 @@ formulas! {
 /// and z components vanish for P - C = (C_z'/w_y, 0, -C_x'/w_y).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InstantCentres {
-    /// Contact point.
+    /// Contact point of wheel and ground.
     pub contact: Option<Vector3<f64>>,
     /// Roll centre, in the centre plane y = 0.
     pub roll_centre: Option<Vector3<f64>>,

@@ -30,7 +30,7 @@ pub struct Frame {
 /// Positions to draw in one pose, in the study's axes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Placement {
-    /// Position of each point.
+    /// Position of each point of the mechanism.
     pub points: Vec<[f64; 3]>,
     /// Unit vector along the spin axis, positive outboard.
     pub spin_axis: [f64; 3],
@@ -77,7 +77,7 @@ pub struct Turn {
     pub meets: Option<[[f64; 2]; 2]>,
     /// The vehicle's turning centre: the midpoint of the points in which the spin axes meet the line of the other axle.
     pub centre: Option<[f64; 2]>,
-    /// Position of the other axle along x.
+    /// Position of the vehicle's other axle along x.
     pub other_axle: f64,
 }
 

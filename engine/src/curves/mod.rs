@@ -178,9 +178,9 @@ pub struct Sensitivity {
     pub column: usize,
     /// Wheel whose hardpoint moves. `None` if there is only one wheel, or if both wheels move as mirror images.
     pub side: Option<Side>,
-    /// The hardpoint.
+    /// Hardpoint with respect to which the column is differentiated.
     pub point: PointId,
-    /// The coordinate, in the study's axes.
+    /// Coordinate of this hardpoint, in the study's axes.
     pub axis: Axis,
     /// Derivative, in the column's unit per length unit.
     pub value: f64,

@@ -1,4 +1,4 @@
-//! Values of both wheels of an axle.
+//! Values of both wheels of an axle, for the comparison of a design before and after a tuning.
 
 use super::observed::{Gain, Grid, Observed, Series, Station};
 use super::{PlaceCoordinate, customary};

@@ -1,4 +1,4 @@
-//! Values of one wheel.
+//! Values of one wheel, for the comparison of a design before and after a tuning.
 
 use super::observed::{Gain, Grid, Observed, Series, Station};
 use super::{PlaceCoordinate, customary};

@@ -24,7 +24,7 @@ const MOST_SERIES: usize = 100_000;
 /// A tolerance source of a car.
 #[derive(Clone, Copy)]
 enum Moved<'p> {
-    /// Parts of an axle.
+    /// Parts of an axle: index of the axle (0 front, 1 rear), and tolerance source of the parts.
     Parts(usize, &'p Source),
     /// Parameter of the car, with its change per standard deviation.
     Parameter(Parameter, f64),

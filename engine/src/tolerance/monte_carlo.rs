@@ -29,9 +29,9 @@ pub struct MonteCarlo {
     pub incomplete: u64,
     /// Number of the first assembled build without a pose, or without values because of a toggle, at some station.
     pub first_incomplete: Option<u64>,
-    /// Number of builds within every band.
+    /// Number of builds within the limits of every band.
     pub in_all_bands: u64,
-    /// Number of builds within each band.
+    /// For each band (lower and upper limit of a quantity), the number of builds within these limits.
     pub in_bands: Vec<u64>,
 }
 

@@ -16,7 +16,7 @@ const LITTLE: f64 = 0.001;
 /// larger tolerance hardly changes the yield.
 const LEAST: f64 = 0.05;
 
-/// Yield of a band.
+/// Yield of a band: share of builds within the band's lower and upper limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BandYield {
     /// Share of the builds of the Monte Carlo analysis that are within the band.

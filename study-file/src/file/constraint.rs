@@ -5,7 +5,7 @@ use crate::value::{MemberName, Number, Numbers, Text};
 use serde::Deserialize;
 use toml::Spanned;
 
-/// An element of `constraints`.
+/// An element of `constraints` of `[optimise]`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Constraint {

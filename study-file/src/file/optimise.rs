@@ -75,7 +75,7 @@ pub struct Optimise {
     /// Largest misfit that is good enough. Among the designs with at most this misfit, the tuning chooses the design with the
     /// smallest change.
     pub good_enough: Option<Number>,
-    /// True if the targets are measurements.
+    /// True if the targets are measured points, with which the tuning compares the design.
     pub fit: Option<Spanned<bool>>,
     /// Number of builds of `[tolerance]` over which the misfit is averaged.
     pub scatter: Option<Whole>,
@@ -85,16 +85,16 @@ pub struct Optimise {
     pub front: Option<Spanned<Vec<Text>>>,
     /// False if the results leave out the changes that no target requests.
     pub side_effects: Option<Spanned<bool>>,
-    /// Design variables.
+    /// Design variables that the tuning changes.
     pub variables: Spanned<Vec<Spanned<Variable>>>,
-    /// Targets.
+    /// Targets of the tuning.
     pub targets: Spanned<Vec<Spanned<Target>>>,
-    /// Constraints.
+    /// Constraints of the tuning.
     #[serde(default)]
     pub constraints: Vec<Spanned<Constraint>>,
 }
 
-/// An element of `variables`.
+/// An element of `variables` of `[optimise]`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Variable {
@@ -130,7 +130,7 @@ pub struct Variable {
     pub cost: Option<Number>,
 }
 
-/// An element of `targets`.
+/// An element of `targets` of `[optimise]`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Target {

@@ -19,7 +19,7 @@ pub struct Setup {
     pub travel: Option<Number>,
 }
 
-/// An element of `adjust`.
+/// An element of `adjust` of `[setup]`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Adjustment {
@@ -54,11 +54,11 @@ pub struct Tolerance {
     pub bands: Option<Vec<Spanned<Band>>>,
 }
 
-/// An element of `scatter`.
+/// An element of `scatter` of `[tolerance]`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scatter {
-    /// Name of a hardpoint.
+    /// Name of a hardpoint that scatters.
     pub hardpoint: Option<Text>,
     /// Names of several hardpoints that scatter independently.
     pub hardpoints: Option<Spanned<Vec<Text>>>,
@@ -90,7 +90,7 @@ pub struct Scatter {
     pub turn: Option<Number>,
 }
 
-/// An element of `bands`.
+/// An element of `bands` of `[tolerance]`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Band {

@@ -26,9 +26,9 @@ pub(super) struct Levels {
     pub(super) exact: Vec<usize>,
     /// Indices of the target values whose errors the shims minimise: the set R in the equations of module `set_up`.
     pub(super) rest: Vec<usize>,
-    /// Indices of the continuous adjustments, such as threaded adjusters.
+    /// Indices of the continuous adjustments, such as threaded adjusters, among all adjustments.
     pub(super) threads: Vec<usize>,
-    /// Indices of the shims.
+    /// Indices of the shims among all adjustments.
     pub(super) shims: Vec<usize>,
 }
 

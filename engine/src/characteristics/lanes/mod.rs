@@ -63,7 +63,7 @@ enum EvaluationRule {
     Slope(Characteristic),
     /// A coordinate of the point with this index among the points whose coordinates are read.
     Coordinate(usize, Axis),
-    /// A component of the angular velocity.
+    /// A component of the knuckle's angular velocity.
     AngularVelocity(Axis),
 }
 

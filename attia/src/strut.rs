@@ -38,9 +38,9 @@ pub enum StrutPoints {
     /// itself.
     #[default]
     Spread,
-    /// Points of the study: the feet of `strut_lower`, `strut_upper` and `rod_point` on the axis. If 6 and 7 are close together,
-    /// the equations are badly conditioned. A missing `strut_upper` is replaced by the point half-way from 6 to 4, a missing
-    /// `rod_point` by the point half-way from 7 to 4.
+    /// Points of the study: the feet of `strut_lower`, `strut_upper` and `rod_point` on the axis. If points 6 and 7 are close
+    /// together, the equations are badly conditioned. A missing `strut_upper` is replaced by the point half-way from point 6 to
+    /// point 4. A missing `rod_point` is replaced by the point half-way from point 7 to point 4.
     Study,
 }
 

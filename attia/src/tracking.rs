@@ -255,7 +255,7 @@ impl PointCoordinates {
         curvature.abs() * self.rounding * w.lp_norm(1) <= 0.25
     }
 
-    /// Factorises a Jacobian. `None` if too few digits would be correct.
+    /// Factorises a Jacobian. `None` if fewer than half of the digits of a solution would be correct.
     pub(crate) fn factorised(&self, jacobian: Jacobian) -> Option<Factors> {
         Lu::of(jacobian, 1.0).filter(|lu| spread(lu) > self.smallest_spread)
     }

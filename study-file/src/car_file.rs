@@ -77,7 +77,7 @@ pub struct Aero {
     pub front: Option<Spanned<Downforce>>,
     /// Downforce near the rear axle.
     pub rear: Option<Spanned<Downforce>>,
-    /// Drag.
+    /// Aerodynamic drag on the car.
     pub drag: Option<Spanned<Drag>>,
 }
 
@@ -188,7 +188,7 @@ pub struct Outputs {
 pub struct Sweep {
     /// Method by which the ranges of the variables are sampled.
     pub method: Option<Text>,
-    /// Number of samples.
+    /// Number of sampled designs.
     pub samples: Option<Whole>,
     /// Seed of the random samples.
     pub seed: Option<Whole>,
@@ -196,7 +196,7 @@ pub struct Sweep {
     pub variables: Spanned<Vec<Spanned<SweepVariable>>>,
     /// File format of the results: `csv` or `parquet`.
     pub format: Option<Text>,
-    /// False if the margins of the constraints are omitted.
+    /// False if the results leave out the margins of the constraints.
     pub constraints: Option<bool>,
 }
 

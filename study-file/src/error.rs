@@ -246,7 +246,7 @@ impl Problems {
         self.errors.extend(errors.0);
     }
 
-    /// Returns the result if there is no error. Sorts the errors by their positions, those without a position first.
+    /// Returns the result if there is no error. Sorts the errors by their positions. Errors without a position come first.
     pub fn finish<T>(mut self, result: Option<T>) -> Result<T, StudyErrors> {
         match result {
             Some(result) if self.errors.is_empty() => Ok(result),

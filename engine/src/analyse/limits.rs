@@ -143,7 +143,7 @@ impl Solver<'_> {
     /// Ranges of travel, rack and arm angle.
     ///
     /// # Errors
-    /// If the design position itself is singular.
+    /// Returns the fault of the design if the design position itself is singular.
     pub fn limits(&mut self) -> Result<Limits, DesignFault> {
         let mechanism = self.mechanism();
         let has_rack = mechanism.has_rack();
@@ -248,8 +248,8 @@ impl Solver<'_> {
     /// Range of a drive with the rack displaced by `rack` (towards the kernel's +y).
     ///
     /// # Errors
-    /// If the design position itself is singular. If the rack cannot reach the displacement, there is no error: the range is
-    /// empty, with both ends at zero and unresolved.
+    /// Returns the fault of the design if the design position itself is singular. If the rack cannot reach the displacement, there
+    /// is no error: the range is empty, with both ends at zero and unresolved.
     pub fn drive_range(&mut self, drive: Drive, rack: f64) -> Result<Range, DesignFault> {
         self.range(drive, Moving::Drive, rack)
     }
@@ -257,7 +257,7 @@ impl Solver<'_> {
     /// Range of the rack, with the drive at zero travel. For a rigid axle, range of the travel that is not the drive.
     ///
     /// # Errors
-    /// If the design position itself is singular.
+    /// Returns the fault of the design if the design position itself is singular.
     pub(crate) fn rack_range(&mut self) -> Result<Range, DesignFault> {
         self.range(Drive::Travel, Moving::Rack, 0.0)
     }
@@ -301,7 +301,7 @@ impl Solver<'_> {
                     gradient: curve.fold_gradient(&fold),
                     by_drive: match moving {
                         Moving::Drive => 0.0,
-                        // The last equation is the drive's equation: wheel-centre height minus drive.
+                        // The last closure equation is the drive's equation: wheel-centre height minus drive.
                         Moving::Rack => curve.fold_multipliers(&fold)[5],
                     },
                 })

@@ -46,8 +46,7 @@ impl Member {
         held.chain(extra.map(|(number, ends)| (Member::Extra(number), *ends)))
     }
 
-    /// Returns the two ends of the member. The end nearer to the body comes first. `None` if the index is not that of a
-    /// link.
+    /// Returns the two ends of the member. The end nearer to the body comes first. `None` if the index does not belong to a link.
     pub fn ends(self, mechanism: &Mechanism) -> Option<(PointId, PointId)> {
         match self {
             Member::Link(number) => match mechanism.constraints[number] {

@@ -170,8 +170,8 @@ impl Assembler {
         (pose, design)
     }
 
-    /// Returns the built design of parts that are derivative numbers with `orders` orders. The values of the parts must
-    /// equal those of the build. The height does not change.
+    /// Returns the built design of parts that are derivative numbers with `orders` orders. The parts must have the same values as
+    /// in the build. The height does not change.
     pub fn design_of<T: Real>(
         &self,
         built: &Built,
@@ -229,9 +229,9 @@ impl Assembler {
         self.design_along(built, number, 2, direction, 0.0).1
     }
 
-    /// Returns the rotation of a solid axle from the nominal design, and the displacement of the midpoint between both
-    /// wheel centres. For a twist beam, the rotation is that of the near half. Both results contain their derivatives
-    /// along a direction of the parts, at constant height. `None` for another suspension.
+    /// Returns the rotation of a solid axle from the nominal design, and the displacement of the midpoint between both wheel
+    /// centres. For a twist beam, returns the rotation of the near half (the half of the wheel whose mechanism is used). Both
+    /// results contain their derivatives along a direction of the parts, at constant height. `None` for another suspension.
     pub(super) fn axle_by(
         &self,
         built: &Built,

@@ -33,8 +33,8 @@ fn turning<T: Real>(turn: T, velocity: [T; 2], size: f64) -> T {
 }
 
 impl<T: Real> Inputs<T> {
-    /// Velocity of the contact point, and the angular velocity about x. The latter is zero if the front-view centre counts
-    /// as infinite.
+    /// Velocity of the contact point, and the knuckle's angular velocity about x. The angular velocity is zero if the front-view
+    /// centre counts as infinite.
     #[inline(always)]
     fn in_front_view(&self) -> (Vector3<T>, T) {
         let velocity = self.contact_velocity();
@@ -42,8 +42,8 @@ impl<T: Real> Inputs<T> {
         (velocity, turn)
     }
 
-    /// Velocity of the contact point, and the angular velocity about y. The latter is zero if the side-view centre counts as
-    /// infinite.
+    /// Velocity of the contact point, and the knuckle's angular velocity about y. The angular velocity is zero if the side-view
+    /// centre counts as infinite.
     #[inline(always)]
     fn in_side_view(&self) -> (Vector3<T>, T) {
         let velocity = self.contact_velocity();

@@ -52,9 +52,9 @@ pub enum Status {
     /// Solved, but no member supports the loads: the leverage of the spring is too small for six correct digits of the
     /// forces. With elastic parts: no equilibrium exists under a load. The forces of this load have no values.
     Unsupported,
-    /// Solved, but a rod has reached its toggle at this station, or earlier on the way from the design position. The first
-    /// element is the rod of the left (or only) wheel, the second is that of the right wheel. Quantities that depend on the
-    /// rocker of such a rod have no values.
+    /// Solved, but a rod has reached its toggle at this station, or earlier on the way from the design position. The first element
+    /// is the rod of the left (or only) wheel, the second the rod of the right wheel. Quantities that depend on the rocker of such
+    /// a rod have no values.
     Toggle([Option<Rod>; 2]),
     /// Not solved, for this reason.
     Failed(NoPose),

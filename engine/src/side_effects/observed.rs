@@ -51,7 +51,7 @@ pub(super) struct Series {
     pub unit: String,
     /// Customary tolerance for a change of the output. `None` if the output has none.
     pub tolerance: Option<Tolerance>,
-    /// True if stations with a steered rack are omitted.
+    /// True if stations with the rack away from 0 are omitted.
     pub straight_only: bool,
     /// Name of the wheel, for an axle or a car.
     pub wheel: Option<&'static str>,
@@ -165,8 +165,8 @@ impl Grid {
         }
     }
 
-    /// Station whose coordinate `along` is nearest to that of a position. `None` if another coordinate of the position, or the
-    /// combination of the coordinates, is not in the grid.
+    /// Station whose coordinate `along` is nearest to the same coordinate of a position. `None` if another coordinate of the
+    /// position, or the combination of the coordinates, is not in the grid.
     pub(super) fn station(&self, place: &[f64], along: usize) -> Option<usize> {
         let mut key = Vec::with_capacity(place.len());
         for (k, value) in place.iter().enumerate() {

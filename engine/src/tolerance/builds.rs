@@ -143,7 +143,7 @@ pub(super) struct Builder<'a> {
     draws_of_block: Vec<f64>,
     /// For each assembled design, its index among the builds of the block.
     places: Vec<usize>,
-    /// Rates of elastic parts that scatter, design after design.
+    /// Rates (stiffnesses) of elastic parts that scatter, design after design.
     rates: Vec<f64>,
 }
 

@@ -1,5 +1,5 @@
-//! Scatter of a car's results in every load case. The deviations of three kinds of inputs scatter: parts of both axles,
-//! rates, and values of the car such as its mass.
+//! Scatter of a car's results in every load case. The deviations of three kinds of inputs scatter: parts of both axles, rates
+//! (stiffnesses), and values of the car such as its mass.
 //!
 //! The parts of each axle are assembled as in a study of the axle ([`crate::assembly`]). The car with these parts is in
 //! equilibrium on its springs. First-order results are exact and follow from the chain rule. One factor is the derivatives

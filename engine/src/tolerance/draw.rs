@@ -292,8 +292,8 @@ mod tests {
         assert!(block[100..BLOCK].iter().all(|z| *z == 0.0));
     }
 
-    /// The parts that both wheels share have other random numbers than each wheel, in every build. Without parts of a wheel,
-    /// the numbers of a study are those of one wheel.
+    /// The parts that both wheels share have other random numbers than each wheel, in every build. If no part belongs to one wheel,
+    /// a study has the same random numbers as a study of one wheel.
     #[test]
     fn shared_parts_have_a_separate_stream() {
         let source = |side: Option<Side>| Source {

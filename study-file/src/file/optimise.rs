@@ -24,7 +24,7 @@ pub struct Sweep {
     pub curves: Option<bool>,
     /// File format of the results: `csv` or `parquet`.
     pub format: Option<Text>,
-    /// False if the margins of the constraints are omitted.
+    /// False if the results leave out the margins of the constraints.
     pub constraints: Option<bool>,
 }
 
@@ -46,7 +46,7 @@ pub struct SweepVariable {
     pub link: Option<Text>,
     /// Name of a part with one rate: `spring`, `anti_roll_bar`, `rack` or `column`.
     pub rate: Option<Text>,
-    /// True if the values of a rate are factors.
+    /// True if the values of a rate are factors of the study's rate.
     pub relative: Option<Spanned<bool>>,
     /// Axis of the move: `x`, `y` or `z`.
     pub axis: Option<Text>,
@@ -112,7 +112,7 @@ pub struct Variable {
     pub link: Option<Text>,
     /// Name of a part with one rate: `spring`, `anti_roll_bar`, `rack` or `column`.
     pub rate: Option<Text>,
-    /// True if the range of a rate is in factors.
+    /// True if the range of a rate is in factors of the study's rate.
     pub relative: Option<Spanned<bool>>,
     /// Displacement of each hardpoint per unit of the variable.
     pub factors: Option<Spanned<Vec<Number>>>,

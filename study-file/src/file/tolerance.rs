@@ -74,7 +74,7 @@ pub struct Scatter {
     pub link: Option<Text>,
     /// Name of a part with one rate: `spring`, `anti_roll_bar`, `rack` or `column`.
     pub rate: Option<Text>,
-    /// True if the scatter of a rate is relative to the rate.
+    /// True if the scatter of a rate is given in fractions of the rate.
     pub relative: Option<Spanned<bool>>,
     /// For an axle, the wheel whose parts scatter. If omitted, the parts of both wheels scatter.
     pub side: Option<Text>,

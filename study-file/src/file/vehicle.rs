@@ -49,7 +49,7 @@ pub struct OwnRight {
     /// Hardpoints that are not the mirror images of the left ones, with their actual coordinates in the study's axes.
     #[serde(default)]
     pub hardpoints: BTreeMap<Text, Coordinates>,
-    /// Bodies on which ends of springs and rods are mounted, if they differ from those of the left wheel.
+    /// Bodies on which ends of springs and rods are mounted, if they differ from the bodies at the left wheel.
     #[serde(default)]
     pub bodies: BTreeMap<Text, Text>,
     /// Camber and toe of the right wheel.

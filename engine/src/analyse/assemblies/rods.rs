@@ -15,7 +15,7 @@
 //!
 //! The search applies these steps to a box of (p, v):
 //!
-//! 1. The equation of the height is solved for p_z, and that of each length for each coordinate of p in turn. This
+//! 1. The equation of the height is solved for p_z. The equation of each length is solved for each coordinate of p in turn. This
 //!    makes the box smaller or empty.
 //! 2. The mean-value form of each equation must contain 0. Otherwise the box is dropped.
 //! 3. Krawczyk's operator is K = x - A F(x) + (1 - A J(X)) (X - x), with A an inverse of J in the middle x. All
@@ -38,8 +38,8 @@ use crate::threads::checkpoint;
 /// Box of values of p and v of this module: the position of the knuckle's origin and the parameters of the knuckle's rotation.
 type Cell = [Interval; 6];
 
-/// Largest number of boxes. A search of this many boxes takes six or seven seconds. An ordinary design needs 50,000 to
-/// 200,000 boxes.
+/// Largest number of boxes that a search examines. A search of this many boxes takes six or seven seconds. An ordinary design needs
+/// 50,000 to 200,000 boxes.
 const MOST_CELLS: usize = 500_000;
 /// Smallest change of the equations within a box, relative to the mechanism's size, for which the search still halves this box.
 const NARROWEST: f64 = 1e-9;

@@ -22,8 +22,8 @@ fn suspensions() -> Vec<Suspension> {
     proved.map(read).collect()
 }
 
-/// Returns the values of the twelve closure equations. `z` is the difference between the numbers of the pose and those
-/// of the design position. Lengths are divided by the scale.
+/// Returns the values of the twelve closure equations. `z` is the displacement from the design position: the change of the pose's
+/// twelve numbers. Lengths are divided by the scale.
 fn equations(suspension: &Suspension, drive: Drive, scale: f64, z: [f64; N]) -> [Interval; N] {
     let mechanism: &Mechanism = &suspension.mechanism;
     let design: Vec<_> = suspension
@@ -229,8 +229,8 @@ fn constants_of_all_pairs_add_up() {
     );
 }
 
-/// If A = 1 deviates from the exact inverse by z, the radii of x (1 + z) + k x^2 = 0 are those of the equation x (1 -
-/// z) + k x^2 = 0. For z = 1 or more, the certificate fails.
+/// If A = 1 deviates from the exact inverse by z, the radii of x (1 + z) + k x^2 = 0 equal the radii of x (1 - z) + k x^2 = 0. For
+/// z = 1 or more, the certificate fails.
 #[test]
 fn an_inverse_that_is_off_narrows_the_radii() {
     let bends = [planted(4, 1, 6, 0.5)];

@@ -79,8 +79,8 @@ impl LaneReader<'_> {
         true
     }
 
-    /// Adds seeds for a quantity other than the four angles: `weight` times its derivatives with respect to the configuration
-    /// from which the quantity was read.
+    /// Adds seeds for a quantity: `weight` times its derivatives with respect to the configuration from which the quantity was
+    /// read. Not for camber, toe, caster and kingpin inclination.
     #[inline(always)]
     pub fn differentiate<B: SimdReal, G: Gradient<B> + ?Sized>(
         &self,
@@ -128,7 +128,7 @@ impl<B> Default for ByDirections<B> {
 }
 
 impl<B: SimdReal> ByDirections<B> {
-    /// Adds the derivatives as seeds, at the configuration from which the inputs were read.
+    /// Adds the derivatives as seeds of the adjoint, at the configuration from which the inputs were read.
     #[inline(always)]
     pub fn seed<G: Gradient<B> + ?Sized>(
         &self,

@@ -87,7 +87,7 @@ pub struct LaneInputs<B> {
     inputs: Inputs<B>,
     /// Positions and velocities of the points whose coordinates are read.
     points: Vec<[Vector3<B>; 2]>,
-    /// Velocity of the wheel centre and angular velocity with respect to the rack, at constant travel. For a rigid
+    /// Velocity of the wheel centre and angular velocity of the knuckle with respect to the rack, at constant travel. For a rigid
     /// axle, with respect to the travel that the drive does not change.
     by_rack: [Vector3<B>; 2],
     axle: LaneAxle<B>,
@@ -107,7 +107,8 @@ impl<B> LaneInputs<B> {
         &self.inputs
     }
 
-    /// Velocity of the wheel centre and angular velocity with respect to the rack, at constant travel. NaN if not requested.
+    /// Velocity of the wheel centre and angular velocity of the knuckle with respect to the rack, at constant travel. NaN if not
+    /// requested.
     #[inline(always)]
     pub fn by_rack(&self) -> &[Vector3<B>; 2] {
         &self.by_rack

@@ -134,7 +134,7 @@ struct PoseInLanes<'r, 'm, 'c, B: SimdReal, P> {
     at: &'r P,
     /// Velocities, if requested.
     rates: Option<&'r LaneRates<B>>,
-    /// Configuration. It is needed to read a part that is not on the knuckle.
+    /// Configuration of the mechanism in these poses, for parts that are not on the knuckle.
     configuration: Option<&'r Configuration<'c, B>>,
     /// Knuckle that carries the wheel of a steered axle.
     carrier: Option<&'r MovingBody<B>>,

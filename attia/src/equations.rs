@@ -11,7 +11,7 @@ use hardpoint_engine::number::Vector3;
 /// One number for each equation, or one for each unknown. The order of the unknowns is x, y and z of point 5, then of points 6,
 /// 7, 8 and 9.
 pub(crate) type Column = SVector<f64, 15>;
-/// A row for each equation, a column for each unknown.
+/// Jacobian of the fifteen equations: a row for each equation, a column for each unknown.
 pub(crate) type Jacobian = [[f64; 15]; 15];
 
 /// Pairs of points whose distances equations (1) to (10) fix.

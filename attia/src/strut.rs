@@ -19,7 +19,8 @@ pub struct Strut {
     pub lower_ball_joint: Vector3<f64>,
     /// Point 6, on the knuckle.
     pub strut_lower: Vector3<f64>,
-    /// Point 7, on the knuckle. The strut's axis passes through 4, parallel to 6-7. Without point 7 the axis is the line 6-4.
+    /// Point 7, on the knuckle. The strut's axis passes through point 4, parallel to the line 6-7. Without point 7 the axis is the
+    /// line 6-4.
     pub strut_upper: Option<Vector3<f64>>,
     /// Point 8, joint of tie rod and knuckle.
     pub tie_rod_outer: Vector3<f64>,

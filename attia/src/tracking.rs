@@ -85,8 +85,8 @@ impl PointCoordinates {
         ]);
         let all = fixed.all(&moving);
         let lengths_squared = distances_squared(&all);
-        // If the knuckle is coplanar, the choice of this point does not matter. The condition number is then infinite, and the
-        // strut is refused.
+        // If points 5 to 8 lie in one plane, the choice of this knuckle point for the wheel centre does not matter. The condition
+        // number is then infinite, and the strut is refused.
         let wheel_centre =
             KnucklePoint::new(strut.wheel_centre, &moving).unwrap_or(KnucklePoint::BALL_JOINT);
         let driving = Driving::new(drive, strut, wheel_centre);

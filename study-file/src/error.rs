@@ -210,7 +210,7 @@ impl std::error::Error for StudyError {}
 pub struct Problems {
     source: Arc<Source>,
     errors: Vec<StudyError>,
-    /// Keys of the source. They are read at the first error.
+    /// Keys and values of the source, with their positions. They are read at the first error.
     keys: Option<KeyPlaces>,
 }
 

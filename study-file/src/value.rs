@@ -24,7 +24,7 @@ pub struct Number {
 }
 
 impl Number {
-    /// Largest magnitude. It is far above any dimension, and far below the limit at which products overflow.
+    /// Largest permitted magnitude of a number. It is far above any dimension, and far below the limit at which products overflow.
     pub const MOST: f64 = 1e12;
 
     /// Checks a value. Returns it, or a description of the expected value.

@@ -228,7 +228,7 @@ const QUOTIENTS: [Quotient; 4] = [
     },
 ];
 
-/// Name of the most common quotient.
+/// Name of the most common difference quotient.
 const CENTRAL: &str = "central difference";
 
 /// Step size of a coordinate in a difference quotient.

@@ -33,7 +33,7 @@ use std::ops::ControlFlow;
 pub struct Limit {
     /// Value of the limited coordinate (travel, rack or arm angle) at the fold, in the mechanism's length unit or in radians.
     pub value: f64,
-    /// Reason why the mechanism cannot move beyond this value.
+    /// Reason why the mechanism cannot move beyond `value`.
     pub cause: LimitCause,
     /// Part that is nearest to a singular position, if the mechanism is a strut or a double wishbone with a closed
     /// form.
@@ -121,7 +121,7 @@ pub struct Limits {
     pub rack: Option<Range>,
     /// Angle of the first arm (radians), with the rack centred. `None` if there is no arm.
     pub arm_angle: Option<Range>,
-    /// Toggles of rockers within this travel, with the rack centred.
+    /// Toggles of rockers within the range of the wheel travel, with the rack centred.
     pub rockers: Vec<RockerRange>,
 }
 

@@ -64,8 +64,8 @@ fn of_directions<T: Real>(
     }
 }
 
-/// Evaluates an expression for the formula of an angle: of the listed angles, or of all four without a list. `None` for
-/// other characteristics.
+/// Evaluates an expression for the formula of an angle. Covers the listed angles; without a list, covers camber, toe, caster and
+/// kingpin inclination. `None` for other characteristics.
 macro_rules! of_angle {
     ($characteristic:expr, $formula:ident => $value:expr) => {
         of_angle!($characteristic, $formula => $value, Camber, Toe, Caster, KingpinInclination)

@@ -53,7 +53,7 @@ impl<T: Real> Inputs<T> {
 }
 
 formulas! {
-    /// Height of the kinematic roll centre.
+    /// Height of the kinematic roll centre above the ground.
     RollCentreHeight {
         name: "roll_centre_height",
         unit: Unit::Length,
@@ -67,7 +67,7 @@ formulas! {
         inputs.contact_point().y * velocity.y / velocity.z
     };
 
-    /// Length of the front-view swing arm.
+    /// Length of the front-view swing arm: horizontal distance from the contact point to the instantaneous centre in front view.
     FrontViewSwingArm {
         name: "front_view_swing_arm",
         unit: Unit::Length,
@@ -81,7 +81,7 @@ formulas! {
         velocity.z / turn
     };
 
-    /// Length of the side-view swing arm.
+    /// Length of the side-view swing arm: horizontal distance from the contact point to the instantaneous centre in side view.
     SideViewSwingArm {
         name: "side_view_swing_arm",
         unit: Unit::Length,
@@ -106,7 +106,7 @@ formulas! {
         needs: &[Need::WheelRadius],
     } = |inputs| inputs.contact_point().y - FrontViewSwingArm::evaluate(inputs);
 
-    /// Height of the instantaneous centre in front view.
+    /// Height of the instantaneous centre in front view above the ground.
     FrontViewCentreHeight {
         name: "front_view_centre_height",
         unit: Unit::Length,
@@ -131,7 +131,7 @@ formulas! {
         needs: &[Need::WheelRadius],
     } = |inputs| inputs.contact_point().x - SideViewSwingArm::evaluate(inputs);
 
-    /// Height of the instantaneous centre in side view.
+    /// Height of the instantaneous centre in side view above the ground.
     SideViewCentreHeight {
         name: "side_view_centre_height",
         unit: Unit::Length,

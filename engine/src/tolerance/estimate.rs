@@ -27,7 +27,7 @@ pub fn with_rounding([low, high]: [f64; 2]) -> [f64; 2] {
 pub struct Estimate {
     /// First-order variance of the value.
     pub variance: f64,
-    /// Second-order terms of the mean and of the variance. NaN if unknown.
+    /// Second-order terms of the value's mean and of its variance. NaN if unknown.
     pub second: [f64; 2],
 }
 

@@ -417,7 +417,7 @@ fn is_direction(of: AxleQuantity) -> bool {
     matches!(of, AxleQuantity::AxleSteer | AxleQuantity::PinionAngle)
 }
 
-/// Factors from the kernel's units to printed units.
+/// Factor of each value from the kernel's unit (length unit, rad) to the printed unit.
 fn factors(units: impl Iterator<Item = Unit>, suspension: &Suspension) -> Vec<f64> {
     units
         .map(|unit| unit.printed_factor(suspension.length_unit))

@@ -294,7 +294,8 @@ pub(crate) fn car_check(py: Python<'_>, car: &Car) -> PyResult<(Vec<String>, Vec
     checked.map_err(|fault| car.fault(&fault))
 }
 
-/// Accelerations at which a wheel lifts, and at which the car loses its equilibrium. CSV with a row for each direction and load case.
+/// Accelerations at which a wheel lifts, and at which the car loses its equilibrium. The result is CSV with a row for each
+/// direction and load case.
 #[pyfunction]
 pub(crate) fn car_limits<'py>(py: Python<'py>, car: &Car) -> PyResult<Bound<'py, PyBytes>> {
     let study = &car.study;

@@ -35,8 +35,8 @@ formulas! {
     } = |inputs| attia_camber(inputs.now.strut_upper, inputs.now.centre);
 }
 
-/// Equation (16) of Attia's paper: inclination of the line 5-7 (`lower_ball_joint`, `strut_upper`) in the transverse plane. Positive
-/// with point 7 outboard of point 5.
+/// Equation (16) of Attia's paper: inclination of the line 5-7 (`lower_ball_joint`, `strut_upper`) in the transverse plane.
+/// Positive with point 7 outboard of point 5.
 ///
 /// A MacPherson strut steers about the line 5-4, not 5-7, so this angle is not the kingpin inclination. For an ordinary car,
 /// even the sign differs.

@@ -1,4 +1,5 @@
-//! Distinguishes the assemblies of a mechanism, and measures how far a position is from singular positions.
+//! Distinguishes the assemblies of a mechanism, and measures how far a position is from singular positions. Points have the numbers
+//! of Attia's paper, as in the table of this crate's first page.
 
 use super::drive::{Drive, Driving};
 use super::equations::Fixed;
@@ -21,10 +22,10 @@ pub(crate) struct Branch {
     chirality: bool,
     /// True if the direction from point 9 to point 4 agrees with the direction from point 6 to point 7.
     rod: bool,
-    /// True if point 4 is on the positive side of the foot of point 5 on the strut's axis.
+    /// True if point 4 (strut top) is on the positive side of the foot of point 5 (ball joint) on the strut's axis.
     strut: bool,
-    /// True if 8 is on the positive side of the plane 3-4-5. `None` for the drive with the wheel travel: this drive is not
-    /// singular at a tie-rod toggle, so the side may change.
+    /// True if point 8 (tie-rod end) is on the positive side of the plane 3-4-5. `None` for the drive with the wheel travel: this
+    /// drive is not singular at a tie-rod toggle, so the side may change.
     tie_rod: Option<bool>,
 }
 
@@ -40,7 +41,7 @@ impl Branch {
     }
 }
 
-/// Products whose signs identify a branch.
+/// Triple and scalar products of points whose signs identify a branch.
 struct Volumes {
     knuckle: f64,
     rod: f64,

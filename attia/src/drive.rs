@@ -1,4 +1,4 @@
-//! Equation (15), the drive. There are three forms: the one of the paper and two that are regular.
+//! Equation (15) of Attia's paper, the drive. There are three forms: the one of the paper and two that are regular.
 //!
 //! - [`Drive::Travel`]: height of the wheel centre above its design height, a length.
 //! - [`Drive::ArmAngle`]: rotation of the lower arm from its design position, in radians, about the direction from
@@ -130,7 +130,7 @@ impl Driving {
         [e2 * cosine - e1 * sine, e1 * cosine + e2 * sine]
     }
 
-    /// Equation (15) for this value of the parameter.
+    /// Equation (15) of Attia's paper for this value of [`Driving::parameter`].
     pub(crate) fn driver(&self, parameter: f64) -> Driver {
         let on_five = |g: Vector3<f64>| [g, g.zero(), g.zero(), g.zero()];
         match self.kind {
@@ -161,8 +161,8 @@ impl Driving {
         self.d51 / self.wheel_centre.shares().map(f64::abs).iter().sum::<f64>()
     }
 
-    /// Right-hand side `-C_t` of the velocity equation for equation (15) and a unit rate of the drive's value. C_t is the partial
-    /// derivative of the equation with respect to the drive, while the points are held fixed.
+    /// Right-hand side `-C_t` of the velocity equation for equation (15) of Attia's paper and a unit rate of the drive's value. C_t
+    /// is the partial derivative of equation (15) with respect to the drive, while the points are held fixed.
     pub(crate) fn rate(&self, value: f64, moving: &Moving) -> f64 {
         match self.kind {
             Drive::ArmAngle => self.d51 * self.turned(value)[1].dot(moving[0] - self.centre),
@@ -171,13 +171,13 @@ impl Driving {
         }
     }
 
-    /// Part `-2 C_qt v rate - C_tt rate^2` of the right-hand side of the acceleration equation. `rate` is the rate of the
-    /// drive's value. `velocity` holds the velocities v of the points at this rate. The remaining part belongs to the
-    /// acceleration of the drive.
+    /// Part `-2 C_qt v rate - C_tt rate^2` of the right-hand side of the acceleration equation. C is the left-hand side of the
+    /// drive equation minus its right-hand side. Its subscripts denote derivatives with respect to the points' coordinates q and
+    /// the drive's value t. `rate` is the rate of the drive's value. `velocity` holds the velocities v of the points at this rate.
+    /// The remaining part belongs to the acceleration of the drive.
     pub(crate) fn curvature(&self, value: f64, rate: f64, velocity: &Moving) -> f64 {
         match self.kind {
-            // C is the left-hand side of the equation minus its right-hand side. It is harmonic in the angle, so C_tt = -C. At
-            // a solution C = 0, so C_tt vanishes.
+            // The equation's difference C is harmonic in the angle, so C_tt = -C. At a solution C = 0, so C_tt vanishes.
             Drive::ArmAngle => 2.0 * self.d51 * self.turned(value)[1].dot(velocity[0]) * rate,
             Drive::PaperTheta => -self.d51 * self.d51 * value.cos() * rate * rate,
             Drive::Travel => 0.0,

@@ -1,4 +1,4 @@
-//! Equations (1) to (14): residual, Jacobian and second-order terms.
+//! Equations (1) to (14) of Attia's paper: residual, Jacobian and second-order terms.
 //!
 //! All equations are quadratic in the unknowns and have the dimension of a squared length. Numbers in the code are the paper's
 //! point numbers. The row of an equation is its number in the paper minus one.
@@ -11,7 +11,7 @@ use hardpoint_engine::number::Vector3;
 /// One number for each equation, or one for each unknown. The order of the unknowns is x, y and z of point 5, then of points 6,
 /// 7, 8 and 9.
 pub(crate) type Column = SVector<f64, 15>;
-/// A row for each equation, a column for each unknown.
+/// Jacobian of the fifteen equations: a row for each equation, a column for each unknown.
 pub(crate) type Jacobian = [[f64; 15]; 15];
 
 /// Pairs of points whose distances equations (1) to (10) fix.
@@ -82,8 +82,8 @@ fn collinearity(out: &mut Column, [a, b]: [Vector3<f64>; 2], [c, d]: [Vector3<f6
     out[COLLINEARITY + 3] = c.x * d.z - c.z * d.x; // (14)
 }
 
-/// Pairs of vectors whose vector products are zero: 6-7 and 4-9 for equations (11) and (12), 7-9 and 4-9 for equations (13) and
-/// (14).
+/// Pairs of vectors whose vector products are zero. A number pair such as 6-7 is the vector between these points. The pairs are 6-7
+/// and 4-9 for equations (11) and (12), 7-9 and 4-9 for equations (13) and (14).
 fn axis_vectors(fixed: &Fixed, moving: &Moving) -> [[Vector3<f64>; 2]; 2] {
     let [_, p6, p7, _, p9] = *moving;
     let b = p9 - fixed.0[3];
@@ -130,17 +130,17 @@ fn add(jacobian: &mut Jacobian, row: usize, point: usize, gradient: Vector3<f64>
     }
 }
 
-/// Column `-C_t` of equations (1) to (14): their negative partial derivatives with respect to time. Only equation (3) depends
-/// on the rack. `motion` is the velocity of point 3. With the acceleration of point 3 as `motion`, the result is the rack's
-/// part of the acceleration equations.
+/// Column `-C_t` of equations (1) to (14), which are C = 0: their negative partial derivatives with respect to time t. Only
+/// equation (3) depends on the rack. `motion` is the velocity of point 3. With the acceleration of point 3 as `motion`, the result
+/// is the rack's part of the acceleration equations.
 pub(crate) fn rack_column(fixed: &Fixed, moving: &Moving, motion: f64) -> Column {
     let mut out = Column::zeros();
     out[TIE_ROD] = 2.0 * (moving[3] - fixed.0[2]).y * motion;
     out
 }
 
-/// Terms of the second time derivative of (1) to (14) that are quadratic in the velocities: (dJ/dt) times the velocities,
-/// including the velocity of the rack. The row of the drive is zero.
+/// Terms of the second time derivative of equations (1) to (14) that are quadratic in the velocities. They are dJ/dt, the time
+/// derivative of the Jacobian, times the velocities, including the velocity of the rack. The row of the drive is zero.
 pub(crate) fn quadratic(rack_velocity: f64, velocity: &Moving) -> Column {
     let mut out = Column::zeros();
     let zero = Vector3::new(0.0, 0.0, 0.0);

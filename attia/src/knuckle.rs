@@ -7,13 +7,13 @@ use hardpoint_engine::number::{Matrix3 as Axes, Vector3};
 
 /// A point fixed in the knuckle, as an affine combination of points 5, 6, 7 and 8.
 ///
-/// The combination is linear. So the same weights give position, velocity and acceleration of the point from those of the four
-/// points.
+/// The combination is linear. So the same weights combine the positions, velocities or accelerations of the four points to the
+/// position, velocity or acceleration of this point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KnucklePoint([f64; 4]);
 
 impl KnucklePoint {
-    /// Point 5.
+    /// Point 5, the ball joint.
     pub(crate) const BALL_JOINT: KnucklePoint = KnucklePoint([1.0, 0.0, 0.0, 0.0]);
 
     /// Returns the knuckle point that is at `point` when the points of the knuckle are at `moving`. `None` if points 5 to 8 lie
@@ -28,7 +28,7 @@ impl KnucklePoint {
         self.0
     }
 
-    /// Position, velocity or acceleration of the point. `moving` holds the same quantity of the unknown points.
+    /// Position, velocity or acceleration of the point. `moving` holds the same quantity of points 5 to 9.
     pub fn of(&self, moving: &Moving) -> Vector3<f64> {
         combined(self.0, moving)
     }
@@ -47,8 +47,8 @@ fn combined([w5, w6, w7, w8]: [f64; 4], moving: &Moving) -> Vector3<f64> {
     p5 * w5 + p6 * w6 + p7 * w7 + p8 * w8
 }
 
-/// Images of the three unit vectors under the knuckle's rotation, as linear combinations of points 5, 6, 7 and 8. The same
-/// weights also give derivatives of the rotation from those of the points, as for [`KnucklePoint`].
+/// Images of the three unit vectors under the knuckle's rotation, as linear combinations of points 5, 6, 7 and 8. The same weights
+/// also combine velocities and accelerations of the points to the derivatives of the rotation, as for [`KnucklePoint`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct KnuckleRotation([[f64; 4]; 3]);
 
@@ -71,17 +71,18 @@ impl KnuckleRotation {
 pub struct AngularMotion {
     /// Angular velocity, rad per unit of time (or of the drive's value).
     pub velocity: Vector3<f64>,
-    /// Angular acceleration.
+    /// Angular acceleration, rad per squared unit of time (or of the drive's value).
     pub acceleration: Vector3<f64>,
 }
 
 impl AngularMotion {
     /// Fits angular velocity and acceleration to all four knuckle points by least squares.
     ///
-    /// Let r and v be the position and velocity of a point relative to the mean of the four points. The omega that minimises
-    /// the sum of |v - omega x r|^2 solves `I omega = sum of r x v`. Here `I = sum of |r|^2 - r r'` is the inertia of four unit
-    /// masses. It is regular unless the points are on one line. The same equation gives alpha, with a - omega x (omega x r) in
-    /// place of v. Equation (25) uses a quotient that is 0/0 for an omega in the plane of 6, 7 and 8.
+    /// Let r and v be the position and velocity of a point relative to the mean of the four points. The omega that minimises the
+    /// sum of |v - omega x r|^2 solves `I omega = sum of r x v`. Here `I = sum of |r|^2 - r r'` is the inertia of four unit masses.
+    /// It is regular unless the points are on one line. The same equation gives the angular acceleration alpha, with a - omega x
+    /// (omega x r) in place of v. a is the acceleration of the point relative to the mean. Equation (25) of Attia's paper uses a
+    /// quotient that is 0/0 for an omega in the plane of 6, 7 and 8.
     pub(crate) fn of(moving: &Moving, motion: &Motion) -> Option<Self> {
         let [r, v, a] = [moving, &motion.velocity, &motion.acceleration].map(about_mean);
         let mut inertia = Matrix3::zeros();

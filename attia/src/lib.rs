@@ -1,6 +1,6 @@
 //! The MacPherson strut in point coordinates: the formulation of H. A. Attia, *Numerical Kinematic Analysis of the Standard
-//! Macpherson Motor-Vehicle Suspension System*, KSME International Journal 17 (2003), corrected. Equation numbers here are those
-//! of the paper.
+//! Macpherson Motor-Vehicle Suspension System*, KSME International Journal 17 (2003), corrected. This crate uses the paper's
+//! equation numbers.
 //!
 //! The unknowns are the coordinates of five points. All other positions follow from them. The points have the numbers of the
 //! paper:
@@ -21,7 +21,7 @@
 //! with partial pivoting.
 //!
 //! # Differences from the printed paper
-//! - (14) has `z9 - z7` where `z9 - z6` is printed, and (15) has `z5 - z1` where `z6 - z1` is printed.
+//! - Equation (14) has `z9 - z7` where `z9 - z6` is printed, and (15) has `z5 - z1` where `z6 - z1` is printed.
 //! - Equation (15) is one of three drives ([`Drive`]). As printed, it cannot distinguish the two sides of the arm.
 //! - The paper requires point 4 on the line 6-7. If the line through `strut_lower` and `strut_upper` of a study misses
 //!   `strut_top`, the strut's axis is the parallel through `strut_top`. Then 6, 7 and 9 are points of that axis. The study's own

@@ -1,4 +1,4 @@
-//! Velocities and accelerations, equations (18) to (24).
+//! Velocities and accelerations, equations (18) to (24) of Attia's paper.
 
 use super::Moving;
 use super::equations::{Column, DRIVE, quadratic, rack_column};
@@ -38,16 +38,17 @@ impl Rates {
 /// First and second derivatives of the points 5, 6, 7, 8 and 9.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
-    /// First derivatives.
+    /// First derivatives of the points, as [`Rates`] define them.
     pub velocity: Moving,
-    /// Second derivatives.
+    /// Second derivatives of the points, as [`Rates`] define them.
     pub acceleration: Moving,
 }
 
 impl PointCoordinates {
     /// Velocities and accelerations at a solved pose.
     ///
-    /// C(q, t) = 0 are the fifteen equations, and J = C_q. Both are solved with one factorisation of J:
+    /// C(q, t) = 0 are the fifteen equations, with the coordinates q of points 5 to 9 and the time t. Subscripts denote partial
+    /// derivatives, and J = C_q is the Jacobian. One factorisation of J gives the velocities v and the accelerations a:
     ///
     /// - J v = -C_t
     /// - J a = -(dJ/dt) v - C_qt v - C_tt

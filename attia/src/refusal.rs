@@ -11,7 +11,8 @@ pub enum Singular {
     HorizontalStrut,
     /// Knuckle points 5 to 8 lie in one plane. Equations (5) to (10) then do not hold the points in this plane.
     CoplanarKnuckle,
-    /// Point 5 lies on the strut's axis. Then 5, 6 and 7 are on one line, and every fourth point lies in one plane with them.
+    /// Point 5 lies on the strut's axis. Then points 5, 6 and 7 are on one line, and every fourth point lies in one plane with
+    /// them.
     BallJointOnStrutAxis,
     /// Points 6 and 7 coincide, so they do not define the strut's axis.
     StrutPointsCoincide,
@@ -77,7 +78,7 @@ pub enum Refusal {
     Unreachable {
         /// Value of the drive up to which the branch was followed.
         value: f64,
-        /// Singularity that ends the range.
+        /// Singularity that ends the branch.
         limit: Singular,
     },
     /// The solution branch of the design position ends before the rack reaches the requested displacement.

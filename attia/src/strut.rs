@@ -19,7 +19,8 @@ pub struct Strut {
     pub lower_ball_joint: Vector3<f64>,
     /// Point 6, on the knuckle.
     pub strut_lower: Vector3<f64>,
-    /// Point 7, on the knuckle. The strut's axis passes through 4, parallel to 6-7. Without point 7 the axis is the line 6-4.
+    /// Point 7, on the knuckle. The strut's axis passes through point 4, parallel to the line 6-7. Without point 7 the axis is the
+    /// line 6-4.
     pub strut_upper: Option<Vector3<f64>>,
     /// Point 8, joint of tie rod and knuckle.
     pub tie_rod_outer: Vector3<f64>,
@@ -38,9 +39,9 @@ pub enum StrutPoints {
     /// itself.
     #[default]
     Spread,
-    /// Points of the study: the feet of `strut_lower`, `strut_upper` and `rod_point` on the axis. If 6 and 7 are close together,
-    /// the equations are badly conditioned. A missing `strut_upper` is replaced by the point half-way from 6 to 4, a missing
-    /// `rod_point` by the point half-way from 7 to 4.
+    /// Points of the study: the feet of `strut_lower`, `strut_upper` and `rod_point` on the axis. If points 6 and 7 are close
+    /// together, the equations are badly conditioned. A missing `strut_upper` is replaced by the point half-way from point 6 to
+    /// point 4. A missing `rod_point` is replaced by the point half-way from point 7 to point 4.
     Study,
 }
 

@@ -85,8 +85,8 @@ impl PointCoordinates {
         ]);
         let all = fixed.all(&moving);
         let lengths_squared = distances_squared(&all);
-        // If the knuckle is coplanar, the choice of this point does not matter. The condition number is then infinite, and the
-        // strut is refused.
+        // If points 5 to 8 lie in one plane, the choice of this knuckle point for the wheel centre does not matter. The condition
+        // number is then infinite, and the strut is refused.
         let wheel_centre =
             KnucklePoint::new(strut.wheel_centre, &moving).unwrap_or(KnucklePoint::BALL_JOINT);
         let driving = Driving::new(drive, strut, wheel_centre);
@@ -255,7 +255,7 @@ impl PointCoordinates {
         curvature.abs() * self.rounding * w.lp_norm(1) <= 0.25
     }
 
-    /// Factorises a Jacobian. `None` if too few digits would be correct.
+    /// Factorises a Jacobian. `None` if fewer than half of the digits of a solution would be correct.
     pub(crate) fn factorised(&self, jacobian: Jacobian) -> Option<Factors> {
         Lu::of(jacobian, 1.0).filter(|lu| spread(lu) > self.smallest_spread)
     }
@@ -282,7 +282,7 @@ impl PointCoordinates {
 
 type Factors = Lu<f64, 15>;
 
-/// Smallest pivot divided by the largest.
+/// Smallest pivot of the LU factors, divided by the largest.
 fn spread(lu: &Factors) -> f64 {
     let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
     for pivot in lu.pivots() {

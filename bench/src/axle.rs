@@ -16,7 +16,7 @@ use std::sync::Mutex;
 
 /// Number of blocks of designs that one CPU thread solves in SIMD lanes per timing sample.
 const BLOCKS: u64 = 8;
-/// Number of designs for slow methods.
+/// Number of designs that slow methods solve.
 const FEW: u64 = 16;
 
 const ANGLES: &str = "four angles of both wheels";

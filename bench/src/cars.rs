@@ -10,11 +10,11 @@ use hardpoint_engine::study::{CarStudy, GgMap};
 use hardpoint_engine::threads::pool;
 use std::hint::black_box;
 
-/// Number of accelerations on each axis of the map, if the study has no g-g map.
+/// Number of accelerations on each axis of the g-g map (a map over forward and lateral acceleration), if the study has none.
 const COUNT: usize = 9;
-/// Range of the forward acceleration in the default map, g.
+/// Range of the forward acceleration in the default g-g map, g.
 const AX: [f64; 2] = [-0.6, 0.3];
-/// Range of the lateral acceleration in the default map, g.
+/// Range of the lateral acceleration in the default g-g map, g.
 const AY: [f64; 2] = [0.0, 0.6];
 
 /// Computing times of the states of a car.
@@ -24,11 +24,11 @@ pub struct Cars {
     pub measurements: Vec<JobTime>,
 }
 
-/// Number of accelerations on each axis of the map that is timed as a whole.
+/// Number of accelerations on each axis of the g-g map that is timed as a whole.
 const WHOLE: usize = 41;
-/// Largest number of timing samples for the map that is timed as a whole.
+/// Largest number of timing samples for the g-g map that is timed as a whole.
 const WHOLE_SAMPLES: usize = 5;
-/// Number of CPU threads that solve the map that is timed as a whole.
+/// Number of CPU threads that solve the g-g map that is timed as a whole.
 const THREADS: usize = 2;
 
 /// Evenly spaced numbers from `from` to `to`.
@@ -37,8 +37,9 @@ fn between([from, to]: [f64; 2], count: usize) -> Vec<f64> {
     (0..count).map(at).collect()
 }
 
-/// Load cases of a map, row by row. All cases of a row have the same ax, and neighbouring cases of a row have neighbouring ay.
-/// If `count` is given, it replaces the numbers of accelerations of the study's map.
+/// Load cases of the study's g-g map or of the default map, row by row. All cases of a row have the same forward acceleration ax.
+/// Neighbouring cases of a row have neighbouring lateral accelerations ay. If `count` is given, it replaces the numbers of
+/// accelerations of the map.
 fn map(study: &CarStudy, count: Option<usize>) -> Vec<Vec<Case>> {
     let usual = || {
         let mut case = Case::at_rest("map");

@@ -16,7 +16,7 @@ use hardpoint_engine::study::{
 };
 use std::hint::black_box;
 
-/// Measured cost of one effect.
+/// Measured cost of one effect (an additional result, such as rates or sensitivities).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
     /// Name of the effect.
@@ -25,13 +25,13 @@ pub struct Measurement {
     pub alone: Timing,
     /// Time per pose with this effect and all previous ones.
     pub added: Timing,
-    /// Work done with this effect alone, per run.
+    /// Work done in one run with this effect alone.
     pub work: Work,
-    /// Number of poses in that run.
+    /// Number of poses in one run with this effect alone.
     pub poses: usize,
 }
 
-/// Measurements of all effects; positions alone come first.
+/// Measurements of all effects. The first one is the cost of positions without further effects.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Effects {
     /// Measurements in the order in which the effects (additional results, such as rates or sensitivities) are added.

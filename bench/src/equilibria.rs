@@ -12,9 +12,9 @@ use hardpoint_engine::number::{Vector3, Width};
 use hardpoint_engine::study::{AxleStudy, Study, WheelStudy};
 use std::hint::black_box;
 
-/// Number of loads in a sample.
+/// Number of loads whose equilibria one timing sample computes.
 const LOADS: usize = 64;
-/// Largest component of a force, N.
+/// Largest component of a load's force, N.
 const LARGEST: f64 = 2000.0;
 
 /// Computing times of the equilibria of a study.
@@ -36,7 +36,7 @@ fn loads() -> Vec<WheelLoads> {
     (0..LOADS).map(load).collect()
 }
 
-/// Side forces that rise to the largest one.
+/// Side forces that rise to [`LARGEST`].
 fn side_forces() -> impl Iterator<Item = WheelLoads> {
     (1..=LOADS).map(|k| {
         let mut load = WheelLoads::none(0.0);

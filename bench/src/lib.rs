@@ -30,7 +30,7 @@ use hardpoint_engine::sweep::ColumnFault;
 pub struct JobTime {
     /// Name of the job in words.
     pub job: &'static str,
-    /// Time per item.
+    /// Time per item that the job processes, such as a pose.
     pub timing: Timing,
 }
 

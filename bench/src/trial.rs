@@ -198,8 +198,9 @@ impl<'m, T: Scalar> Forward<'m, T> {
         }
     }
 
-    /// Calls `receive` for each hardpoint. The configuration at a solved pose is given as a function of the hardpoint's
-    /// coordinates. The derivative x_p of the pose follows from J x_p = -F_p. One factorisation of J serves all hardpoints.
+    /// Calls `receive` for each hardpoint. The configuration at a solved pose is given as a function of the hardpoint's coordinates
+    /// p. Let F be the closure equations, F_p their derivatives with respect to p, and J their Jacobian. The derivative x_p of the
+    /// pose follows from J x_p = -F_p. One factorisation of J serves all hardpoints.
     #[inline]
     pub(crate) fn each(
         &self,

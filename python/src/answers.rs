@@ -85,7 +85,7 @@ pub(crate) fn solve_files<'py>(
     answer.map_err(failure)?.into_dict(py)
 }
 
-/// Makes the page of a run whose files are in memory, and on request the pictures of its curves by name.
+/// Makes the HTML page of a run whose files are in memory. On request, also returns the pictures of its curves, by name.
 #[pyfunction]
 #[pyo3(signature = (files, pictures=false))]
 pub(crate) fn page_of_files<'py>(
@@ -106,7 +106,7 @@ pub(crate) fn page_of_files<'py>(
     Ok((html, by_name(py, &drawn)?))
 }
 
-/// Pictures by name.
+/// Contents of pictures as a dictionary, by the names of the pictures.
 fn by_name<'py>(py: Python<'py>, pictures: &[Picture]) -> PyResult<Bound<'py, PyDict>> {
     let result = PyDict::new(py);
     for picture in pictures {
@@ -127,7 +127,7 @@ pub(crate) fn rigid<'s>(own: &'s hardpoint::Study, what: &str) -> PyResult<&'s h
     }
 }
 
-/// Results of the `kc` tests: tables, page and summary by file name.
+/// Results of the `kc` tests (kinematics and compliance): tables, page and summary by file name.
 #[pyfunction]
 #[pyo3(signature = (study, names=None))]
 pub(crate) fn kc<'py>(
@@ -185,7 +185,7 @@ pub(crate) fn tolerance_of(own: &hardpoint::Study) -> PyResult<&Tolerance> {
     })
 }
 
-/// Effect of the scatter of `[tolerance]` on the results. `progress(done, all)` is called on this thread.
+/// Effect of the scatter of `[tolerance]` on the results, as files by name. `progress(done, all)` is called on this thread.
 #[pyfunction]
 #[pyo3(signature = (study, threads=None, progress=None))]
 pub(crate) fn tolerance<'py>(

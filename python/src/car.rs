@@ -221,7 +221,8 @@ pub(crate) fn car_sweep<'py>(
     collect(py, Swept::Car(&plan), None, threads, progress)
 }
 
-/// Tunes a car towards its targets. `success` is true if the tuning ended at a minimum, and no request falls short.
+/// Tunes a car towards its targets. `success` is true if the tuning ended at a minimum and violates no constraint. It is false if a
+/// missed target depends on no variable.
 #[pyfunction]
 #[pyo3(signature = (car, threads=None))]
 pub(crate) fn car_optimise<'py>(
@@ -293,7 +294,8 @@ pub(crate) fn car_check(py: Python<'_>, car: &Car) -> PyResult<(Vec<String>, Vec
     checked.map_err(|fault| car.fault(&fault))
 }
 
-/// Wheel-lift limits and ends of equilibrium, as CSV.
+/// Accelerations at which a wheel lifts, and at which the car loses its equilibrium. The result is CSV with a row for each
+/// direction and load case.
 #[pyfunction]
 pub(crate) fn car_limits<'py>(py: Python<'py>, car: &Car) -> PyResult<Bound<'py, PyBytes>> {
     let study = &car.study;

@@ -11,7 +11,7 @@ use numpy::{IntoPyArray, PyArray1, PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Builds the columns of a frame, with their units and signs.
+/// Builds the columns of a result table, with their units and signs.
 pub(crate) struct Columns<'py> {
     py: Python<'py>,
     columns: Bound<'py, PyDict>,
@@ -38,7 +38,7 @@ impl<'py> Columns<'py> {
         self.info.set_item(name, info)
     }
 
-    /// Returns the frame: columns, info, status codes, and a reason for each station whose values are missing or doubtful.
+    /// Returns the result table: columns, info, status codes, and a reason for each station whose values are missing or doubtful.
     pub(crate) fn finish(
         self,
         stations: impl Iterator<Item = (&'static str, Option<String>)>,

@@ -28,7 +28,7 @@ pub(crate) struct Function {
     function: Arc<DesignFunction>,
     /// Workspaces of earlier calls, kept for later calls. Making a workspace takes longer than evaluating a design.
     idle: Mutex<Vec<Workspace>>,
-    /// Study of the function, for moved studies and for pickling.
+    /// Study of the function. `moved` and pickling use it.
     study: Py<Study>,
     is_axle: bool,
 }
@@ -110,7 +110,7 @@ impl Function {
         self.function.outputs()
     }
 
-    /// Number of stations.
+    /// Number of stations at which the curves have values.
     #[getter]
     fn stations(&self) -> usize {
         self.function.stations()

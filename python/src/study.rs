@@ -226,7 +226,7 @@ fn is_sound(study: &hardpoint::study::Study) -> bool {
     wheels.all(|wheel| GeometryFault::all_of(wheel).is_empty())
 }
 
-/// Names of the topologies.
+/// Names of the topologies (kinds of suspension).
 #[pyfunction]
 pub(crate) fn topologies() -> Vec<&'static str> {
     Topology::ALL.iter().map(|t| t.name).collect()

@@ -183,7 +183,7 @@ pub(crate) fn sweep<'py>(
     )
 }
 
-/// Page of a sweep. The designs come from `[sweep]` or from the rows of `x`. The function solves the designs again.
+/// HTML page of a sweep. The designs come from `[sweep]` or from the rows of `x`. The function solves the designs again.
 #[pyfunction]
 #[pyo3(signature = (study, x=None, variables=None))]
 pub(crate) fn sweep_page(

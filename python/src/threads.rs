@@ -16,7 +16,7 @@ use std::time::Duration;
 /// Longest time between two checks for Ctrl-C.
 pub(crate) const LISTEN: Duration = Duration::from_millis(50);
 
-/// The last pool, with its process id and its number of threads.
+/// The latest pool of CPU threads, with the id of its process and its number of threads.
 static LAST: Mutex<Option<(u32, usize, Arc<ThreadPool>)>> = Mutex::new(None);
 
 /// Refuses a number of CPU threads below 1.
@@ -64,8 +64,8 @@ pub(crate) fn interruptible<T: Send>(
 ) -> PyResult<T> {
     let pool = pool(threads)?;
     let flag = AtomicBool::new(false);
-    // Only an exception raises this second flag. A callback that ends a tuning raises the first flag alone, so that the tuning
-    // keeps its present result.
+    // Only an exception raises the second flag, `stop`. A callback that ends a tuning raises only the first flag, `flag`, so that
+    // the tuning keeps its present result.
     let stop = Arc::new(AtomicBool::new(false));
     let (sender, mut ended) = channel();
     let mut found = None;

@@ -90,7 +90,8 @@ fn lines(text: &str) -> impl Iterator<Item = (&str, Range<usize>)> {
 /// Reads a bushing property file. Each of the six curves needs at least two points. Their order is not checked.
 ///
 /// # Errors
-/// An unknown or missing unit, a missing or repeated block, or a line of a curve that is not two finite numbers.
+/// Returns an error for an unknown or missing unit, and for a missing or repeated block. Also returns an error for a line of a
+/// curve that is not two finite numbers.
 pub fn read(source: &Arc<Source>) -> Result<BushingFile, StudyErrors> {
     let wrong = |place: Range<usize>, message: String| {
         Err(StudyError::new(source.clone(), Some(place), message).into())

@@ -77,7 +77,7 @@ pub struct Aero {
     pub front: Option<Spanned<Downforce>>,
     /// Downforce near the rear axle.
     pub rear: Option<Spanned<Downforce>>,
-    /// Drag.
+    /// Aerodynamic drag on the car.
     pub drag: Option<Spanned<Drag>>,
 }
 
@@ -85,7 +85,7 @@ pub struct Aero {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Downforce {
-    /// Point of the body on which the force acts.
+    /// Point of the body on which this downforce acts.
     pub point: Coordinates,
     /// Downforce coefficient times area (m2), as a polynomial in the ride heights hf (front) and hr (rear), in the length unit:
     /// one number for each of the terms 1, hf, hr, hf2, hf hr, hr2.
@@ -96,13 +96,13 @@ pub struct Downforce {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Drag {
-    /// Point of the body on which the force acts.
+    /// Point of the body on which the drag acts.
     pub point: Coordinates,
     /// Drag coefficient times area, m2.
     pub drag_area: Number,
 }
 
-/// An element of `cases`.
+/// An element of `cases`: a load case of the car.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
@@ -174,7 +174,7 @@ pub struct Steps {
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Outputs {
-    /// Names of results.
+    /// Names of the results that are written.
     pub characteristics: Option<Spanned<Vec<Text>>>,
     /// True if derivatives with respect to parameters and hardpoints are written.
     pub sensitivities: Option<Spanned<bool>>,
@@ -186,17 +186,17 @@ pub struct Outputs {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sweep {
-    /// Method of sampling.
+    /// Method by which the ranges of the variables are sampled.
     pub method: Option<Text>,
-    /// Number of samples.
+    /// Number of sampled designs.
     pub samples: Option<Whole>,
-    /// Seed of the samples.
+    /// Seed of the random samples.
     pub seed: Option<Whole>,
     /// Variables of the sweep.
     pub variables: Spanned<Vec<Spanned<SweepVariable>>>,
     /// File format of the results: `csv` or `parquet`.
     pub format: Option<Text>,
-    /// False if the margins of the constraints are omitted.
+    /// False if the results leave out the margins of the constraints.
     pub constraints: Option<bool>,
 }
 
@@ -219,9 +219,9 @@ macro_rules! variable {
             pub axis: Option<Text>,
             /// Direction of the move as a vector. An alternative to `axis`.
             pub direction: Option<Coordinates>,
-            /// Name of a rate of the axle.
+            /// Name of the rate (stiffness) of the axle that varies.
             pub rate: Option<Text>,
-            /// Name of a value of the car.
+            /// Name of the value of the car that varies, such as its mass.
             pub car: Option<Text>,
             /// Lowest and highest offset of a hardpoint. For a rate or a value of the car: lowest and highest value.
             pub range: Option<Spanned<Vec<Number>>>,
@@ -241,7 +241,7 @@ variable! {
 variable! {
     /// An element of `variables` of `[sweep]`.
     SweepVariable {
-        /// Number of values in a grid.
+        /// Number of values of the variable in a grid.
         pub steps: Option<Whole>,
         /// Name of the variable's column.
         pub name: Option<Text>,
@@ -258,17 +258,17 @@ pub struct Tolerance {
     pub seed: Option<Whole>,
     /// Hardpoints, lengths, rates and values of the car that scatter.
     pub scatter: Spanned<Vec<Spanned<Scatter>>>,
-    /// Limits for the yield.
+    /// Limits of results that define the yield.
     pub bands: Option<Vec<Spanned<Band>>>,
 }
 
-/// An element of `scatter`.
+/// An element of `scatter` of `[tolerance]`.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scatter {
     /// Axle whose parts scatter: `front` or `rear`.
     pub axle: Option<Text>,
-    /// Name of a hardpoint of the axle.
+    /// Name of a hardpoint of the axle that scatters.
     pub hardpoint: Option<Text>,
     /// Names of several hardpoints that scatter independently.
     pub hardpoints: Option<Spanned<Vec<Text>>>,
@@ -276,23 +276,23 @@ pub struct Scatter {
     pub length: Option<Spanned<MemberName>>,
     /// Names of hardpoints on one jig. They scatter together as a rigid body.
     pub jig: Option<Spanned<Vec<Text>>>,
-    /// Name of a rate of the axle.
+    /// Name of the rate (stiffness) of the axle that scatters.
     pub rate: Option<Text>,
-    /// Name of a value of the car.
+    /// Name of the value of the car that scatters, such as its mass.
     pub car: Option<Text>,
     /// Side of the wheel whose parts scatter. If omitted, the parts of both wheels scatter.
     pub side: Option<Text>,
     /// The one coordinate that scatters. If omitted, all three coordinates scatter.
     pub axis: Option<Text>,
-    /// Standard deviation of a normal scatter.
+    /// Standard deviation of a deviation with a normal distribution.
     pub sigma: Option<Number>,
     /// Standard deviation of a rate or a value of the car, in percent of the study's value. An alternative to `sigma`.
     pub percent: Option<Number>,
-    /// Ends of a uniform scatter.
+    /// Ends `[lowest, highest]` of a deviation with a uniform distribution.
     pub limits: Option<Spanned<Vec<Number>>>,
-    /// Standard deviation of each component of a jig's shift.
+    /// Standard deviation of each component of the jig's displacement.
     pub shift: Option<Number>,
-    /// Standard deviation of each component of a jig's turn, degrees.
+    /// Standard deviation of each component of the jig's rotation, degrees.
     pub turn: Option<Number>,
 }
 
@@ -320,19 +320,19 @@ impl Scatter {
     }
 }
 
-/// An element of `bands`.
+/// An element of `bands` of `[tolerance]`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Band {
-    /// Name of the result.
+    /// Name of the result that the band limits.
     pub characteristic: Text,
-    /// Name of the load case.
+    /// Name of the load case in which the band applies.
     pub case: Text,
-    /// Lowest and highest value.
+    /// Lowest and highest permitted value of the result.
     pub between: Option<Spanned<Vec<Number>>>,
-    /// Lowest value, if there is no highest value.
+    /// Lowest permitted value of the result, if there is no highest value.
     pub at_least: Option<Number>,
-    /// Highest value, if there is no lowest value.
+    /// Highest permitted value of the result, if there is no lowest value.
     pub at_most: Option<Number>,
 }
 
@@ -340,11 +340,11 @@ pub struct Band {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Optimise {
-    /// Largest number of iterations.
+    /// Largest number of iterations of one start of the tuning.
     pub max_iterations: Option<Whole>,
-    /// Number of starts.
+    /// Number of designs from which the tuning starts.
     pub starts: Option<Whole>,
-    /// Seed of the starts.
+    /// Seed of the random designs from which the tuning starts.
     pub seed: Option<Whole>,
     /// True if changes that no target requests are reported.
     pub side_effects: Option<Spanned<bool>>,

@@ -180,7 +180,7 @@ fn within_line(text: &str, span: Range<usize>) -> Range<usize> {
 pub struct StudyErrors(Vec<StudyError>);
 
 impl StudyErrors {
-    /// All errors.
+    /// All errors of the study.
     pub fn all(&self) -> &[StudyError] {
         &self.0
     }
@@ -210,7 +210,7 @@ impl std::error::Error for StudyError {}
 pub struct Problems {
     source: Arc<Source>,
     errors: Vec<StudyError>,
-    /// Keys of the source. They are read at the first error.
+    /// Keys and values of the source, with their positions. They are read at the first error.
     keys: Option<KeyPlaces>,
 }
 
@@ -246,7 +246,7 @@ impl Problems {
         self.errors.extend(errors.0);
     }
 
-    /// Returns the result if there is no error. Sorts the errors by their positions, those without a position first.
+    /// Returns the result if there is no error. Sorts the errors by their positions. Errors without a position come first.
     pub fn finish<T>(mut self, result: Option<T>) -> Result<T, StudyErrors> {
         match result {
             Some(result) if self.errors.is_empty() => Ok(result),

@@ -77,8 +77,8 @@ fn nearest_of<'a>(name: &str, candidates: &[&'a str]) -> Option<&'a str> {
     if let Some((.., candidate)) = near {
         return Some(candidate);
     }
-    // If no candidate matches in this way, finds a candidate that shares words with `name`, in any order: at least two words, and at
-    // least half of the words of `name`.
+    // If no candidate matches in this way, finds a candidate that shares words with `name`, in any order: at least two words, and
+    // at least half of the words of `name`.
     let words: Vec<&str> = name.split('_').collect();
     let shared = |candidate: &str| {
         let own: Vec<&str> = candidate.split('_').collect();

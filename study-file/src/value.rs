@@ -19,12 +19,12 @@ pub type Whole = Spanned<i64>;
 pub struct Number {
     /// Value of the number. Its magnitude is at most [`Number::MOST`].
     pub value: f64,
-    /// Byte range in the file.
+    /// Byte range of the number in the file.
     pub span: Span<usize>,
 }
 
 impl Number {
-    /// Largest magnitude. It is far above any dimension, and far below the limit at which products overflow.
+    /// Largest permitted magnitude of a number. It is far above any dimension, and far below the limit at which products overflow.
     pub const MOST: f64 = 1e12;
 
     /// Checks a value. Returns it, or a description of the expected value.

@@ -190,7 +190,8 @@ struct Adjoint {
     place: Vec<Option<usize>>,
 }
 
-/// A difference quotient: the sum of weight times f(x + offset h), divided by h.
+/// A difference quotient with the step h: the sum of weight times f(x + offset h), divided by h. `terms` holds the pairs (offset,
+/// weight).
 struct Quotient {
     name: &'static str,
     terms: &'static [(f64, f64)],
@@ -227,13 +228,13 @@ const QUOTIENTS: [Quotient; 4] = [
     },
 ];
 
-/// Name of the most common quotient.
+/// Name of the most common difference quotient.
 const CENTRAL: &str = "central difference";
 
 /// Step size of a coordinate in a difference quotient.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Step {
-    /// Fraction of the mechanism's size.
+    /// The step is this fraction of the mechanism's size.
     OfSize(f64),
     /// Usual step of libraries for central differences: the cube root of the rounding unit, times the coordinate or times one,
     /// whichever is larger.
@@ -256,7 +257,7 @@ impl Step {
     }
 }
 
-/// One component of a gradient.
+/// Component along `axis` of the gradient with index `at`.
 fn component(gradients: &mut Gradients, at: usize, axis: usize) -> &mut f64 {
     let gradient = &mut gradients.values[at];
     match axis {
@@ -266,7 +267,7 @@ fn component(gradients: &mut Gradients, at: usize, axis: usize) -> &mut f64 {
     }
 }
 
-/// Steps as fractions of the mechanism's size.
+/// Steps of difference quotients, as fractions of the mechanism's size.
 const STEPS: [f64; 17] = [
     1e-10, 3e-10, 1e-9, 3e-9, 1e-8, 3e-8, 1e-7, 3e-7, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3,
     3e-3, 1e-2,

@@ -16,7 +16,7 @@ use std::hint::black_box;
 /// Starting point of Newton's method at a station.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Start {
-    /// The design position.
+    /// Every station starts from the design position.
     Cold,
     /// Extrapolation with a polynomial of this order through the poses of previous stations. Order 0 starts from the last pose.
     Predicted(usize),
@@ -75,7 +75,8 @@ impl Walk {
                     earlier,
                     weights,
                 });
-                // The pose of the design position is already in the list. The polynomial must not have the same node twice.
+                // The list of earlier poses already contains the pose of the design position. The interpolation polynomial must not
+                // use the same travel twice.
                 if travels[station] != 0.0 {
                     known.push(travels[station]);
                 }

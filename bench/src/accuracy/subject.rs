@@ -55,7 +55,7 @@ pub struct Subject<'s> {
     pub suspension: &'s Suspension,
     /// Wheel travels in rising order.
     pub travels: Vec<f64>,
-    /// Rack displacement, positive towards the kernel's +y.
+    /// Rack displacement, positive towards the kernel's +y (to the left, for a left wheel).
     pub rack: f64,
     /// Exact poses at the travels.
     pub poses: Vec<Pose<DoubleDouble>>,
@@ -178,8 +178,8 @@ impl<'s> Subject<'s> {
         error.value().abs().to_degrees()
     }
 
-    /// Position characteristics that this suspension has, the four angles first. A characteristic that needs a
-    /// steering axis is included only if the axis runs through two joints.
+    /// Position characteristics that this suspension has: camber, toe, caster and kingpin inclination first. A characteristic that
+    /// needs a steering axis is included only if the axis runs through two joints.
     pub fn characteristics(&self) -> Vec<Characteristic> {
         let mechanism = &self.suspension.mechanism;
         let has = |need: &Need| match need {

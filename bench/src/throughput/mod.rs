@@ -28,7 +28,7 @@ const BLOCKS: usize = 32;
 /// Number of blocks of designs per CPU thread if several threads run. Solving these blocks takes much longer than waking the
 /// threads.
 const BLOCKS_OF_THREAD: usize = 512;
-/// Number of designs for slow methods.
+/// Number of designs that slow methods solve.
 const FEW: usize = 16;
 
 /// The measured time of one method for solving poses.
@@ -59,8 +59,8 @@ pub struct Throughput {
 }
 
 const ANGLES: &str = "four angles";
-/// Job that shows the cost of the closed form alone. The angle of the arm is given. At each pose, the job evaluates the closed
-/// form once and computes the four angles.
+/// Job that shows the cost of the closed form alone. The angle of the arm is given. At each pose, the job evaluates the closed form
+/// once. It computes camber, toe, caster and kingpin inclination.
 const LIMIT: &str = "four angles at a given arm angle (the limit)";
 /// Largest angle of the arm (rad) in the measurement of the closed form alone.
 const LIMIT_ANGLE: f64 = 0.2;
@@ -107,7 +107,7 @@ impl Throughput {
         })
     }
 
-    /// Measurement of the closed form alone, at a given arm angle. It is the limit for the other methods.
+    /// Measurement of the closed form alone, at a given arm angle. No other method can be faster.
     pub fn limit(&self) -> Option<&Measurement> {
         self.measurements.iter().find(|m| m.asked == LIMIT)
     }
@@ -121,9 +121,9 @@ impl Throughput {
 /// Groups of outputs that the measurements request.
 struct Requested {
     angles: Vec<Quantity>,
-    /// The angles and their derivatives with respect to travel.
+    /// The four angles (camber, toe, caster, kingpin inclination) and their derivatives with respect to travel.
     gains: Vec<Quantity>,
-    /// The angles, the wheel centre and the knuckle's origin.
+    /// The four angles, the wheel centre and the knuckle's origin.
     angles_and_points: Vec<Quantity>,
     /// The motion ratio of the spring, if there is one.
     motion_ratio: Vec<Quantity>,

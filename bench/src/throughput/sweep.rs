@@ -96,7 +96,7 @@ impl<'a> Sweep<'a> {
         })
     }
 
-    /// A target value for each angle at each station.
+    /// A target value for each of the `angles` angles at each station.
     pub(super) fn wanted(&self, angles: usize) -> Vec<AngleTarget> {
         let wanted = AngleTarget {
             value: 0.01,

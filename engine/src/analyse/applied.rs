@@ -1,9 +1,9 @@
 //! Forces in constraints, rods and joints, if all external forces on a wheel are known.
 //!
 //! In addition to the load at the wheel, springs and bars act on arms, rockers or the carrier. By virtual work, each of
-//! these forces is equivalent to a wrench on the carrier. The constraints balance the sum of all wrenches. In addition,
-//! a vertical force at the wheel centre keeps the suspension from moving. If this force is zero, the known forces alone
-//! are in equilibrium along the suspension's motion. The balance must therefore have the support
+//! these forces is equivalent to a wrench on the carrier. The constraints balance the sum of all wrenches. In addition, a vertical
+//! force at the wheel centre keeps the suspension from moving. If this force is zero, the known forces alone are in equilibrium
+//! along the suspension's motion. So the `Balance` that computes these forces must have the support
 //! [`Support::WheelCentre`](super::Support::WheelCentre).
 
 use super::loads::{Balance, Balanced, Factors, Reaction, tension};
@@ -12,7 +12,7 @@ use crate::mechanism::pose::Sink;
 use crate::model::{ArmId, Body, Mechanism, PointId, RockerId, Rod};
 use crate::number::{Each, Vector3};
 
-/// A known force on a part of the suspension, in the kernel's frame of the wheel.
+/// A known force on a part of the suspension, in the kernel's frame (x forward, y left, z up, for a left wheel).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Applied<T = f64> {
     /// A force at a point of a part that moves.
@@ -23,9 +23,9 @@ pub enum Applied<T = f64> {
     Carrier {
         /// Position of the point at which the force acts.
         point: Vector3<T>,
-        /// Force.
+        /// Force on the carrier at this point.
         force: Vector3<T>,
-        /// Moment.
+        /// Moment on the carrier, in units of force times length.
         moment: Vector3<T>,
     },
 }
@@ -177,7 +177,7 @@ impl<T: Balanced> Balance<'_, T> {
         sum
     }
 
-    /// Position of a point in the present pose.
+    /// Position of a point in the pose for which this balance was prepared.
     pub fn position(&self, id: PointId) -> Vector3<T> {
         self.at.point(id)
     }

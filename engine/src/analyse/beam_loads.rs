@@ -91,7 +91,7 @@ impl BeamForce {
         axis
     }
 
-    /// Meaning of a positive value.
+    /// Direction of a positive value, in words.
     pub(super) fn positive(self) -> &'static str {
         let of = |texts: [&'static str; 3]| texts[self.axis() as usize];
         match self {
@@ -126,8 +126,8 @@ impl BeamForce {
 }
 
 impl<T: Balanced> Balance<'_, T> {
-    /// Computes the forces of a twist beam by equations (1) and (2). The load is on the near wheel. `far` is the force
-    /// of the spring or support at the far wheel.
+    /// Computes the forces of a twist beam by equations (1) and (2) of this module. The load is on the near wheel. `far` is the
+    /// force of the spring or support at the far wheel.
     pub(super) fn beam(&self, constraints: &[Reaction<T>; 5], far: T) -> Option<BeamForces<T>> {
         let at = &self.at;
         let rigid = at.mechanism.rigid_axle.as_ref()?;

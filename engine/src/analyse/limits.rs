@@ -31,9 +31,9 @@ use std::ops::ControlFlow;
 /// A limit of the motion: a value at which the mechanism folds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Limit {
-    /// Value, in the mechanism's length unit or in radians.
+    /// Value of the limited coordinate (travel, rack or arm angle) at the fold, in the mechanism's length unit or in radians.
     pub value: f64,
-    /// Reason why the mechanism cannot move beyond this value.
+    /// Reason why the mechanism cannot move beyond `value`.
     pub cause: LimitCause,
     /// Part that is nearest to a singular position, if the mechanism is a strut or a double wishbone with a closed
     /// form.
@@ -43,29 +43,29 @@ pub struct Limit {
     pub dependent: Vec<PointId>,
     /// Pose at the fold.
     pub pose: Pose<f64>,
-    /// Derivative of the value with respect to every point of the design.
+    /// Derivative of `value` with respect to every point of the design.
     pub gradient: Vec<Vector3<f64>>,
-    /// Derivative of the value with respect to the drive value. It belongs to a limit of the rack, or of the travel of
-    /// a rigid axle that is not the drive. 0 for a limit of the drive itself.
+    /// Derivative of `value` with respect to the drive value. It belongs to a limit of the rack, or of the travel of a rigid axle
+    /// that is not the drive. 0 for a limit of the drive itself.
     pub by_drive: f64,
 }
 
 /// One end of a range.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RangeEnd {
-    /// The mechanism folds.
+    /// The mechanism folds: its motion reverses.
     Fold(Limit),
     /// The arm can rotate fully: there is no limit before -pi or pi.
     FullTurn,
     /// Toggle of a rod that rotates a rocker of the mechanism, such as a Watt rocker: the rod is in line with its lever
     /// and the rocker's axis.
     Toggle {
-        /// Value at the toggle.
+        /// Value of the coordinate at the toggle, in the mechanism's length unit or in radians.
         value: f64,
         /// Rod that is at its toggle.
         rod: Rod,
     },
-    /// The path could not be followed beyond this value.
+    /// The solver could not follow the motion beyond this value.
     Unresolved(f64),
 }
 
@@ -83,9 +83,9 @@ impl RangeEnd {
 /// Range of one coordinate around the design position, with the other coordinates fixed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Range {
-    /// End at negative values.
+    /// End of the range at negative values of the coordinate.
     pub lower: RangeEnd,
-    /// End at positive values.
+    /// End of the range at positive values of the coordinate.
     pub upper: RangeEnd,
 }
 
@@ -121,14 +121,14 @@ pub struct Limits {
     pub rack: Option<Range>,
     /// Angle of the first arm (radians), with the rack centred. `None` if there is no arm.
     pub arm_angle: Option<Range>,
-    /// Toggles of rockers within this travel, with the rack centred.
+    /// Toggles of rockers within the range of the wheel travel, with the rack centred.
     pub rockers: Vec<RockerRange>,
 }
 
 /// Wheel travel until a rocker reaches a toggle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RockerRange {
-    /// The rocker.
+    /// Rocker that reaches the toggles.
     pub rocker: RockerId,
     /// Toggle in droop. `None` if the wheel's own travel ends first, or if no toggle was found.
     pub lower: Option<Toggle>,
@@ -143,7 +143,7 @@ impl Solver<'_> {
     /// Ranges of travel, rack and arm angle.
     ///
     /// # Errors
-    /// If the design position itself is singular.
+    /// Returns the fault of the design if the design position itself is singular.
     pub fn limits(&mut self) -> Result<Limits, DesignFault> {
         let mechanism = self.mechanism();
         let has_rack = mechanism.has_rack();
@@ -248,8 +248,8 @@ impl Solver<'_> {
     /// Range of a drive with the rack displaced by `rack` (towards the kernel's +y).
     ///
     /// # Errors
-    /// If the design position itself is singular. If the rack cannot reach the displacement, there is no error: the range is
-    /// empty, with both ends at zero and unresolved.
+    /// Returns the fault of the design if the design position itself is singular. If the rack cannot reach the displacement, there
+    /// is no error: the range is empty, with both ends at zero and unresolved.
     pub fn drive_range(&mut self, drive: Drive, rack: f64) -> Result<Range, DesignFault> {
         self.range(drive, Moving::Drive, rack)
     }
@@ -257,7 +257,7 @@ impl Solver<'_> {
     /// Range of the rack, with the drive at zero travel. For a rigid axle, range of the travel that is not the drive.
     ///
     /// # Errors
-    /// If the design position itself is singular.
+    /// Returns the fault of the design if the design position itself is singular.
     pub(crate) fn rack_range(&mut self) -> Result<Range, DesignFault> {
         self.range(Drive::Travel, Moving::Rack, 0.0)
     }
@@ -301,7 +301,7 @@ impl Solver<'_> {
                     gradient: curve.fold_gradient(&fold),
                     by_drive: match moving {
                         Moving::Drive => 0.0,
-                        // The last equation is the drive's equation: wheel-centre height minus drive.
+                        // The last closure equation is the drive's equation: wheel-centre height minus drive.
                         Moving::Rack => curve.fold_multipliers(&fold)[5],
                     },
                 })
@@ -317,9 +317,9 @@ impl Solver<'_> {
         }
     }
 
-    /// If the path could not be followed beyond an end of the range, a rod may be at its toggle there. The rod is the link of a
-    /// Watt rocker, or the drag link or tie rod of a knuckle. In this case, the function replaces the end by this toggle. Beyond
-    /// the toggle, the Watt rocker or knuckle has no position.
+    /// If the solver could not follow the motion beyond an end of the range, a rod may be at its toggle there. The rod is the link
+    /// of a Watt rocker, or the drag link or tie rod of a knuckle. In this case, the function replaces the end by this toggle.
+    /// Beyond the toggle, the Watt rocker or knuckle has no position.
     fn with_toggles(
         &mut self,
         mut range: Range,
@@ -377,15 +377,16 @@ impl Solver<'_> {
     }
 }
 
-/// Positions at which the leverage of a rod is checked, as fractions of the distance to an end.
+/// Positions at which the leverage of a rod is checked, as fractions of the distance from the design position to an end of the
+/// range.
 const BEFORE_END: [f64; 4] = [0.99, 0.9999, 0.999_999, 0.999_999_99];
 /// Leverage below which a rod counts as being at its toggle. At this leverage, the angle between the rod and its lever is about
 /// half a degree.
 pub(crate) const AT_TOGGLE: f64 = 0.01;
 
 impl Curve<'_> {
-    /// Returns the outer end of the link with the largest force at the fold. This force is proportional to the link's multiplier
-    /// w in equation (1).
+    /// Returns the outer end of the link with the largest force at the fold. This force is proportional to the link's multiplier w
+    /// in equation (1) of this module.
     fn holding_link(&self, fold: &CurvePoint) -> Option<PointId> {
         let ends = outer_ends(self.mechanism).into_iter();
         let forces = ends.zip(self.fold_multipliers(fold));

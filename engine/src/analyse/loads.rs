@@ -50,14 +50,14 @@ pub enum LoadPoint {
     WheelCentre,
 }
 
-/// A load on the knuckle, in the kernel's frame.
+/// A load on the knuckle, in the kernel's frame (x forward, y left, z up, for a left wheel).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Load<T = f64> {
     /// Point at which the force acts.
     pub point: Vector3<T>,
-    /// Force.
+    /// Force of the load on the knuckle.
     pub force: Vector3<f64>,
-    /// Moment, in units of force times length.
+    /// Moment of the load on the knuckle, in units of force times length.
     pub moment: Vector3<f64>,
 }
 
@@ -142,7 +142,7 @@ pub enum Reaction<T = f64> {
     Force {
         /// Point at which the force acts.
         point: PointId,
-        /// Component of the force.
+        /// This component of the force on the knuckle, as a vector.
         force: Vector3<T>,
     },
 }
@@ -319,8 +319,8 @@ impl<'a, T: Balanced> Balance<'a, T> {
         }
     }
 
-    /// Returns the tension of the rod of a Watt rocker. The moment of this rod about the rocker's axis balances the
-    /// moment of the other link.
+    /// Returns the tension of the rod of a Watt rocker. The moment of this rod about the rocker's axis balances the moment of the
+    /// axle's link on the same rocker.
     fn watt_rod(&self, rocker: RockerId, carried: &Reactions<T>) -> Option<T> {
         let is_on_it = |id: PointId| self.at.mechanism.body(id) == Body::Rocker(rocker);
         carried.constraints.iter().find_map(|reaction| {

@@ -27,9 +27,9 @@ use nalgebra::DMatrix;
 
 /// Largest number of characteristics that adjustments keep: toe and camber.
 pub(super) const MOST_HELD: usize = 2;
-/// Maximum number of corrections of a build that is assembled again after each of them.
+/// Maximum number of corrections of the adjustments of a build. After each correction, the build is assembled again.
 const MOST_ROUNDS: usize = 30;
-/// Size of a correction, relative to the suspension's size, below which it counts as a rounding error.
+/// Size of a correction of an adjustment, relative to the suspension's size, below which it counts as a rounding error.
 pub(super) const ROUNDING: f64 = 1e-14;
 
 /// Adjustments that keep toe and camber at their nominal values.
@@ -86,8 +86,8 @@ impl Alignment {
         }
     }
 
-    /// Computes the matrix dw/da of a build, with a row for each characteristic in `held` and a column for each
-    /// adjustment.
+    /// Computes the derivatives of a build's characteristics in `held` with respect to the adjustments: the matrix dw/da of this
+    /// module. It has a row for each characteristic and a column for each adjustment.
     fn by(&self, assembler: &Assembler, built: &Built) -> DMatrix<f64> {
         let mut by = DMatrix::zeros(self.held.len(), self.adjust.len());
         for (k, change) in self.adjust.iter().enumerate() {
@@ -99,8 +99,8 @@ impl Alignment {
         by
     }
 
-    /// Returns the same alignment with the matrix M of this build instead of the nominal design. With this matrix, one
-    /// correction for each order makes the derivatives at this build exact.
+    /// Returns the same alignment, with the matrix M computed for this build instead of for the nominal design. With this matrix,
+    /// one correction of the adjustments for each order makes the derivatives at this build exact.
     pub(crate) fn about(&self, assembler: &Assembler, built: &Built) -> Option<Self> {
         Some(Alignment {
             inverse: inverse(&self.by(assembler, built))?,

@@ -7,12 +7,12 @@
 //! q <- q - A F(q, parts)
 //! ```
 //!
-//! multiplies the error by a factor that is proportional to the deviation of the parts, usually about a thousandth
-//! (module `settle`). The same code is used for plain numbers, for SIMD lanes (several builds at once) and for derivative
-//! numbers. For derivative numbers, each correction makes one more order exact. If corrections do not halve, the
-//! assembler changes the nominal parts to the built parts in several steps. Each step has its own Jacobian. The
-//! determinant of the Jacobian keeps its sign. So the result is always the assembly that a continuous change of the parts
-//! reaches from the nominal assembly.
+//! multiplies the error of the pose by a factor that is proportional to the deviation of the parts, usually about a thousandth
+//! (module `settle`). The same code is used for plain numbers, for SIMD lanes (several builds at once) and for derivative numbers.
+//! For derivative numbers, each correction makes one more order exact. If a correction is more than half of the previous one, the
+//! assembler changes the nominal parts to the built parts in several steps. Each step has its own Jacobian. The determinant of the
+//! Jacobian keeps its sign. So the result is always the assembly that a continuous change of the parts reaches from the nominal
+//! assembly.
 //!
 //! Then the positions of the other parts are computed:
 //!
@@ -36,7 +36,7 @@ use crate::model::{PointId, Suspension};
 use crate::number::{Dual, Each, Outlined, Real, Vector3};
 use crate::solve::Solver;
 
-/// Shortest step from the nominal to the built parts, as a fraction of the deviations.
+/// Shortest step from the nominal to the built parts, as a fraction of the built parts' deviations from nominal.
 const SHORTEST_STEP: f64 = 1.0 / 1024.0;
 
 /// Assembles builds of one suspension, one after another.
@@ -51,7 +51,7 @@ pub struct Assembler {
     rounding: f64,
 }
 
-/// A pose and the inverse of its Jacobian.
+/// A pose of the carrier and the inverse of the closure equations' Jacobian in this pose.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Linearised {
     pub(crate) pose: Pose<f64>,
@@ -330,7 +330,8 @@ impl Assembler {
         settled.then_some(pose)
     }
 
-    /// Makes one correction of a pose.
+    /// Makes one correction q - A F of a pose q, with the symbols of this module. `inverse` is A. Returns the corrected pose and
+    /// the correction.
     #[inline(always)]
     pub(crate) fn corrected<T: Real>(
         &self,
@@ -395,8 +396,8 @@ impl Assembler {
         self.closure_in(parts, &mut Vec::new())
     }
 
-    /// Returns the position of a point in the undisplaced carrier. For a point of the body or of the rack, and for the
-    /// near mount of a twist beam, it is the nominal position.
+    /// Returns the position of a point in the undisplaced carrier. For a point of the body or of the rack, it is the nominal
+    /// position. The same applies to the mount of a twist beam at the wheel to which the mechanism belongs.
     #[inline(always)]
     pub(super) fn in_carrier<T: Real>(&self, parts: &Parts<T>, number: usize) -> Vector3<T> {
         let mechanism = &self.suspension.mechanism;
@@ -412,14 +413,15 @@ impl Assembler {
         }
     }
 
-    /// Returns a pose with the inverse of the Jacobian there. `None` if the Jacobian is singular.
+    /// Returns a pose with the inverse of the closure equations' Jacobian in this pose. `None` if the Jacobian is singular.
     pub(crate) fn linearise(&self, parts: &Parts<f64>, pose: &Pose<f64>) -> Option<Linearised> {
         let at = self.configuration(parts, pose);
         let jacobian = self.closure(parts).jacobian(&at, Driver::Travel(0.0));
         Linearised::of(*pose, jacobian, self.size)
     }
 
-    /// Returns the pose in another number type. One correction per order makes the derivatives exact.
+    /// Returns the pose of parts whose dimensions are derivative numbers with `orders` orders. `at` holds the values of the pose.
+    /// One correction per order makes the derivatives exact.
     pub(crate) fn pose_series<T: Real>(
         &self,
         parts: &Parts<T>,

@@ -13,7 +13,7 @@ pub enum AssemblyError {
         100.0 * share
     )]
     OutOfReach {
-        /// Largest fraction of the deviations with which the mechanism can be assembled, from 0 to 1.
+        /// Largest fraction of the deviations from nominal with which the mechanism can be assembled, from 0 to 1.
         share: f64,
     },
     /// The rod of a rocker is too short or too long, or at a toggle.
@@ -34,7 +34,7 @@ pub enum AssemblyError {
 }
 
 impl AssemblyError {
-    /// Name of the reason, for counts.
+    /// Short name of the reason. Results count the failed builds under this name.
     pub fn word(&self) -> &'static str {
         match self {
             AssemblyError::OutOfReach { .. } => "out_of_reach",

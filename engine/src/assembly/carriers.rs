@@ -6,7 +6,7 @@
 //! with the axle in its nominal pose. From these positions, the same equations as for designs give the angles of the
 //! rockers in any pose of the axle.
 //!
-//! The mechanism of a twist beam is that of one wheel, the near wheel. The half of the opposite wheel is the far half,
+//! The mechanism of a twist beam belongs to one wheel, the near wheel. The half of the opposite wheel is the far half,
 //! and it is such a rocker. Its axis is the hinge at the shear centre, which connects both halves. In a build the mounts
 //! are points of the body. In the design, a point of the near arm ([`TwistBeam::eye`]) coincides with the mount of this
 //! arm. The rubber lets both arms move sideways, by equal and opposite displacements relative to the mounts. Let Y_n and

@@ -7,12 +7,12 @@ use crate::mechanism::DesignFault;
 use crate::model::PointId;
 use crate::plan::Plan;
 
-/// Curves of a built mechanism, with derivatives.
+/// Curves of a built mechanism, with derivatives along directions (changes of parts that happen together).
 #[derive(Clone, Debug)]
 pub struct BuiltCurves {
     /// Curves, without sensitivities.
     pub curves: Curves,
-    /// Derivative of the static height along each direction.
+    /// Derivative of the static height of the wheel centre along each direction, in length units per unit of the direction.
     pub height: Vec<f64>,
     /// Derivatives of the columns, `[direction][station][column]`, in the column's unit per unit of the direction. A
     /// column is a value, a rate or a curvature.
@@ -28,8 +28,9 @@ impl BuiltCurves {
     }
 }
 
-/// Returns the curves of a built mechanism under a plan, with their derivatives along directions of its parts. The
-/// derivatives at a station without a pose are NaN. Those of a column without value may be NaN.
+/// Returns the curves of a built mechanism at the stations and for the quantities of a plan, with their derivatives along
+/// directions of its parts. The derivatives at a station without a pose are NaN. Derivatives of a column without a value may be
+/// NaN.
 pub fn built_curves(
     assembler: &Assembler,
     built: &Built,

@@ -19,10 +19,10 @@
 //! q <- q - J^-1 (l_i - L_i - c_i t_i, z_k - h_k)                                               (5)
 //! ```
 //!
-//! Because of (3), the sum of s_i l_i has no first derivative with respect to q at constant heights. Correction (5)
-//! sets the heights to first order. So an error of q then changes t_5 in (4) only by the square of that error. Each
-//! correction (5) multiplies the error by about c_i t_i/l_i: one thousandth for usual parts. The program finds s for
-//! derivative numbers by the corrections
+//! Because of equation (3), the sum of s_i l_i has no first derivative with respect to q at constant heights. Correction (5) sets
+//! the heights to first order. So an error of q then changes t_5 in equation (4) only by the square of that error. Each correction
+//! (5) multiplies the error by about c_i t_i/l_i: one thousandth for usual parts. The program finds s for derivative numbers by the
+//! corrections
 //!
 //! ```text
 //! s <- s - J0'^-1 (J's + dl_5/dq)                                                              (6)
@@ -40,11 +40,11 @@ use crate::mechanism::{DesignFault, Pose, Twist};
 use crate::model::{Mechanism, PointId, Side, Suspension};
 use crate::number::{Each, Real, Vector3, array_of};
 
-/// Number of links.
+/// Number of links of the axle.
 const LINKS: usize = 5;
-/// Index of the link without constraint.
+/// Index of the fifth link, which has no constraint in the mechanism.
 const EXTRA: usize = LINKS - 1;
-/// Largest number of corrections of the pose by equation (5).
+/// Largest number of corrections of the axle's pose by equation (5) of this file.
 const MOST_ROUNDS: usize = 40;
 /// Twice the largest move of the axle in the first correction, relative to the axle's size.
 const FARTHEST: f64 = 0.2;
@@ -65,7 +65,8 @@ struct Rows<T> {
 }
 
 impl<T: Real> Rows<T> {
-    /// Matrix J of equation (3): the gradients with respect to the pose.
+    /// Matrix J of equation (3) of this file: the gradients of the first four distances and of both heights with respect to the
+    /// pose.
     fn jacobian(&self) -> Matrix6<T> {
         array_of(|k| match k {
             0..EXTRA => self.by_links[k],
@@ -73,7 +74,7 @@ impl<T: Real> Rows<T> {
         })
     }
 
-    /// Returns the tensions of equations (3) and (4). `shares` holds the six numbers s, one for each row of J.
+    /// Returns the tensions by equations (3) and (4) of this file. `shares` holds the six numbers s, one for each row of J.
     fn tensions(&self, shares: &Vector6<T>, softness: &[f64; LINKS]) -> [T; LINKS] {
         let one = self.stretches[0].one();
         let shares: [T; LINKS] = array_of(|i| if i == EXTRA { one } else { shares[i] });
@@ -86,7 +87,7 @@ impl<T: Real> Rows<T> {
         shares.each(|share| share * tension)
     }
 
-    /// Correction of the axle's pose by equation (5) of this file.
+    /// Returns the correction of the axle's pose by equation (5) of this file.
     fn correction(
         &self,
         tensions: &[T; LINKS],
@@ -103,7 +104,7 @@ impl<T: Real> Rows<T> {
         })
     }
 
-    /// Ratios s of the links' tensions to the fifth tension, equation (3), after one correction by equation (6).
+    /// Ratios s of the links' tensions to the fifth tension: equation (3) of this file, after one correction by equation (6).
     fn shares(&self, before: &Vector6<T>, inverse: &Matrix6<f64>) -> Vector6<T> {
         let rows = self.jacobian();
         let left: Vector6<T> = array_of(|j| {
@@ -183,7 +184,7 @@ impl Assembler {
         rows
     }
 
-    /// Finds the pose of least energy by corrections (5) from a known pose.
+    /// Finds the pose of least energy by corrections from a known pose, with equation (5) of this file.
     pub(super) fn relax(
         &self,
         parts: &Parts<f64>,
@@ -220,8 +221,8 @@ impl Assembler {
         None
     }
 
-    /// Returns the assembled pose in another number type, with the tensions of the links. The pose has the values of
-    /// `at`.
+    /// Returns the pose of assembled parts in another number type, with the tensions of the links. `at` holds the values of the
+    /// pose.
     pub(super) fn relaxed_series<T: Real>(
         &self,
         parts: &Parts<T>,

@@ -6,7 +6,8 @@ use crate::number::{Each, Real, SimdReal, Vector3};
 /// A member whose length is a dimension of the build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Member {
-    /// A rod or a leg of an arm. The number is the index of its constraint in [`Mechanism::constraints`].
+    /// A rod, or a leg of a two-legged arm, which acts as a rod. The number is the index of its constraint in
+    /// [`Mechanism::constraints`].
     Link(usize),
     /// The rod of a rocker.
     Rod(RockerId),
@@ -45,8 +46,7 @@ impl Member {
         held.chain(extra.map(|(number, ends)| (Member::Extra(number), *ends)))
     }
 
-    /// Returns the two ends of the member. The end nearer to the body comes first. `None` if the index is not that of a
-    /// link.
+    /// Returns the two ends of the member. The end nearer to the body comes first. `None` if the index does not belong to a link.
     pub fn ends(self, mechanism: &Mechanism) -> Option<(PointId, PointId)> {
         match self {
             Member::Link(number) => match mechanism.constraints[number] {
@@ -85,8 +85,8 @@ impl Member {
 /// A dimension of the parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BuildParameter {
-    /// A coordinate of a point of a part, in the kernel's frame. The part is the body, or a carrier in its nominal
-    /// position. The end of a member is a point of the part to which the member is fixed.
+    /// A coordinate of a point of a part, in the kernel's frame (x forward, y left, z up, for a left wheel). The part is the body,
+    /// or a carrier in its nominal position. The end of a member is a point of the part to which the member is fixed.
     Coordinate(PointId, Axis),
     /// The length of a member.
     Length(Member),

@@ -37,17 +37,17 @@ pub struct Built {
 /// Direction of a change of parts: dimensions that change together, each with its factor.
 pub type Direction = [(BuildParameter, f64)];
 
-/// A value and its derivative.
+/// A value and its derivative with respect to one variable.
 type Slope = Dual<f64, 1>;
 
 /// Largest number of steps in the search for the height at which the spring has its length.
 const MOST_STEPS: usize = 30;
-/// Smallest fraction of a step in this search.
+/// Smallest fraction of a step in the search for the height at which the spring has its length.
 const SHORTEST: f64 = 1e-3;
 
 /// Finds the height at which the spring has its length, by Newton's method. It begins with the state `at` at `height`. `size` is
-/// the size of the suspension. `step` returns the Newton step from a state, and `place` moves a state to a height. A step is
-/// halved if this fails, because the parts cannot be assembled at the height, or have no equilibrium there.
+/// the size of the suspension. `step` returns the Newton step of the height from a state, and `place` moves a state to a height. If
+/// `place` fails, the step is halved. It fails if the parts cannot be assembled at the height, or have no equilibrium there.
 pub(super) fn settle_height<S, E: From<AssemblyError>>(
     at: &mut S,
     mut height: f64,
@@ -84,7 +84,7 @@ impl Assembler {
         self.build(self.drawn(), Rest::Height(0.0))
     }
 
-    /// Assembles parts.
+    /// Assembles parts in their static position, at the height that `rest` defines.
     pub fn build(&self, parts: &Parts<f64>, rest: Rest) -> Result<Built, AssemblyError> {
         let suspension = self.suspension();
         let mut built = Built {
@@ -170,8 +170,8 @@ impl Assembler {
         (pose, design)
     }
 
-    /// Returns the built design of parts that are derivative numbers with `orders` orders. The values of the parts must
-    /// equal those of the build. The height does not change.
+    /// Returns the built design of parts that are derivative numbers with `orders` orders. The parts must have the same values as
+    /// in the build. The height does not change.
     pub fn design_of<T: Real>(
         &self,
         built: &Built,
@@ -229,9 +229,9 @@ impl Assembler {
         self.design_along(built, number, 2, direction, 0.0).1
     }
 
-    /// Returns the rotation of a solid axle from the nominal design, and the displacement of the midpoint between both
-    /// wheel centres. For a twist beam, the rotation is that of the near half. Both results contain their derivatives
-    /// along a direction of the parts, at constant height. `None` for another suspension.
+    /// Returns the rotation of a solid axle from the nominal design, and the displacement of the midpoint between both wheel
+    /// centres. For a twist beam, returns the rotation of the near half (the half of the wheel whose mechanism is used). Both
+    /// results contain their derivatives along a direction of the parts, at constant height. `None` for another suspension.
     pub(super) fn axle_by(
         &self,
         built: &Built,

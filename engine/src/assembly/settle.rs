@@ -7,18 +7,18 @@
 //! q <- q - A F(q, parts)                                                                       (1)
 //! ```
 //!
-//! converges faster, the closer the parts are to the parts in that position. If toe and camber are set again, adjustments a of
-//! the parts are further unknowns ([`Alignment`]). Then each correction (1) is followed by the correction (2), with the
-//! matrices M and T of the nominal design:
+//! converges faster, the closer the parts are to the parts in that position. If toe and camber are set again, adjustments a of the
+//! parts are further unknowns ([`Alignment`]). Then each correction (1) is followed by the correction (2). Here w are toe and
+//! camber, and wanted are their nominal values. The matrices M and T are taken at the nominal design:
 //!
 //! ```text
 //! da = -M (w(q, parts) - wanted),   parts <- parts + da,   q <- q + T da                       (2)
 //! ```
 //!
-//! T is the derivative of the pose with respect to an adjustment. So (1) and (2) together are Newton's method in all unknowns,
-//! with one inverse. The method continues as long as each correction is less than half of the previous one. With adjustments,
-//! it also continues if a correction is less than a quarter of the one before the previous one. A lane that has converged no
-//! longer changes, so its result depends on its own build alone.
+//! M is the pseudo-inverse of dw/da. T is the derivative of the pose with respect to an adjustment. So (1) and (2) together are
+//! Newton's method in all unknowns, with one inverse. The method continues as long as each correction is less than half of the
+//! previous one. With adjustments, it also continues if a correction is less than a quarter of the one before the previous one. A
+//! lane that has converged no longer changes, so its result depends on its own build alone.
 
 use super::alignment::{Alignment, ROUNDING};
 use super::assembler::{Assembler, Linearised};
@@ -28,12 +28,13 @@ use crate::mechanism::constraint::PartDimensions;
 use crate::mechanism::{Closure, Pose, Turn};
 use crate::number::{Each, Jet, Matrix3, Outlined, Real, SimdReal, Vector3, larger};
 
-/// Maximum number of corrections. Builds near the nominal parts converge much earlier.
+/// Maximum number of corrections of a pose. Builds near the nominal parts converge much earlier.
 const MOST_ROUNDS: usize = 40;
 /// Twice the largest move of the carrier in the first correction, relative to the mechanism's size. Also twice the
 /// largest rotation, in rad.
 const FARTHEST: f64 = 0.2;
-/// Smallest squared leverage of a rocker for a build in SIMD lanes. A rocker with more leverage is far from its toggle.
+/// Smallest squared leverage of a rocker's rod for a build in SIMD lanes. The leverage is 1 if the rod is square to its lever and
+/// to the rocker's axis, and 0 at a toggle.
 const LEAST_LEVERAGE: f64 = 0.0625;
 
 /// Corrects a pose until the corrections are rounding errors.
@@ -76,7 +77,7 @@ impl<B: SimdReal> Outlined for Settling<'_, B> {
         let mut closure = assembler.closure_in(parts, carrier);
         let mut pose = constant(like, &from.pose);
         let mut before = like.constant(FARTHEST * assembler.size());
-        // Size of the correction before the previous one.
+        // Size of the correction before the previous correction.
         let mut earlier = before + before;
         let mut settled = one.less(like.zero());
         let mut rejected = settled;
@@ -165,7 +166,8 @@ impl<B: SimdReal> Outlined for Placing<'_, B> {
 #[derive(Clone, Copy)]
 pub(crate) struct InLanes<B: SimdReal> {
     pose: Pose<B>,
-    /// Accepted lanes. The caller assembles the builds of other lanes one by one.
+    /// Lanes that have converged, whose members have positive lengths, and whose rockers are far from their toggles. The caller
+    /// assembles the builds of other lanes one by one.
     pub(crate) accepted: B::Mask,
 }
 
@@ -202,8 +204,9 @@ impl Assembler {
         }
     }
 
-    /// Writes the built designs of assembled builds as Taylor series. The values of `parts` must be those after assembly.
-    /// Returns the accepted lanes. Lanes that `built` does not accept may have any result. Not for solid axles.
+    /// Writes the built designs of assembled builds as Taylor series. The values of `parts` must be those after assembly. Returns
+    /// the lanes in which the derivatives have converged. Lanes that are not in `built.accepted` may have any result. Not for solid
+    /// axles.
     #[inline(always)]
     pub(crate) fn series_in_lanes<B: SimdReal>(
         &self,

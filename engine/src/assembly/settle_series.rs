@@ -1,9 +1,8 @@
 //! Derivatives of built designs with respect to the nominal design, one build per SIMD lane.
 //!
-//! The parts are first-order Taylor series p + p' e in one variable e of the nominal design. Their poses are corrected like
-//! those of plain parts (module `settle`), but here the values have already converged. Each correction uses the inverse
-//! Jacobian of the nominal design. The closer the parts are to nominal, the more a correction reduces the error of the pose's
-//! derivative.
+//! The parts are first-order Taylor series p + p' e in one variable e of the nominal design. Their poses are corrected like the
+//! poses of plain parts (module `settle`), but here the values have already converged. Each correction uses the inverse Jacobian of
+//! the nominal design. The closer the parts are to nominal, the more a correction reduces the error of the pose's derivative.
 
 use super::alignment::Alignment;
 use super::assembler::Assembler;
@@ -11,10 +10,10 @@ use super::parts::Parts;
 use crate::mechanism::Pose;
 use crate::number::{Jet, Matrix3, Outlined, SimdReal, Vector3, larger};
 
-/// Maximum number of corrections.
+/// Maximum number of corrections of a pose's derivative.
 const MOST_ROUNDS: usize = 40;
-/// Limit on the estimated next correction of a derivative. Below this limit, the derivative has converged. The limit is
-/// relative to the largest derivative of a nominal point, or to the largest correction if that is larger.
+/// Limit on the estimated next correction of a built design's derivative. Below this limit, the derivative has converged. The limit
+/// is relative to the largest derivative of a nominal point, or to the largest correction if that is larger.
 const FINE: f64 = 1e-15;
 /// Limit on the last correction of a derivative, relative like [`FINE`]. If corrections no longer halve and are below
 /// this limit, the derivative has converged.
@@ -135,8 +134,8 @@ fn constant<B: SimdReal>(pose: &Pose<B>) -> Pose<Series<B>> {
     }
 }
 
-/// Returns the values of `no`. The derivatives are those of `yes` in lanes where the mask is set, and those of `no` in
-/// other lanes.
+/// Returns a pose with the values of `no`. The derivatives come from `yes` in lanes where the mask is set, and from `no` in other
+/// lanes.
 #[inline(always)]
 fn selected<B: SimdReal>(
     mask: B::Mask,

@@ -3,7 +3,7 @@
 use super::{Need, Slot, Unit, formulas};
 
 formulas! {
-    /// Inclination of the wheel.
+    /// Camber: angle between the wheel plane and the vertical.
     Camber {
         name: "camber",
         unit: Unit::Angle,
@@ -14,7 +14,7 @@ formulas! {
         needs: &[],
     } = |inputs| -inputs.now.spin_axis.z.asin();
 
-    /// Steer direction of the wheel.
+    /// Toe: angle in the ground plane between the wheel's heading and the x axis.
     Toe {
         name: "toe",
         unit: Unit::Angle,
@@ -42,7 +42,7 @@ formulas! {
         -heading.y.scaled(inputs.constants.rim_diameter)
     };
 
-    /// Side-view inclination of the steering axis.
+    /// Caster: side-view inclination of the steering axis from the vertical.
     Caster {
         name: "caster",
         unit: Unit::Angle,
@@ -56,7 +56,7 @@ formulas! {
         (-k.x).atan2(k.z)
     };
 
-    /// Front-view inclination of the steering axis.
+    /// Kingpin inclination: front-view inclination of the steering axis from the vertical.
     KingpinInclination {
         name: "kingpin_inclination",
         unit: Unit::Angle,

@@ -35,7 +35,8 @@ use crate::number::Real;
 const SOURCE: &str =
     "W. F. Milliken, D. L. Milliken, Race Car Vehicle Dynamics, SAE 1995, ch. 17; by virtual work";
 
-/// Returns 100 `share` (L/h) V_x/V_z, in percent. `by_carrier` is the fraction of the torque that the carrier takes.
+/// Returns 100 `share` (L/h) V_x/V_z, in percent, with the symbols of this module. `share` is the axle's share p or d of the force.
+/// `by_carrier` is the fraction of the torque that the carrier takes.
 #[inline(always)]
 fn slope<T: Real>(inputs: &Inputs<T>, share: f64, by_carrier: f64) -> T {
     let c = &inputs.constants;

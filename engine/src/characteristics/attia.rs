@@ -35,8 +35,8 @@ formulas! {
     } = |inputs| attia_camber(inputs.now.strut_upper, inputs.now.centre);
 }
 
-/// Equation (16): inclination of the line 5-7 (`lower_ball_joint`, `strut_upper`) in the transverse plane, positive with 7
-/// outboard of 5.
+/// Equation (16) of Attia's paper: inclination of the line 5-7 (`lower_ball_joint`, `strut_upper`) in the transverse plane.
+/// Positive with point 7 outboard of point 5.
 ///
 /// A MacPherson strut steers about the line 5-4, not 5-7, so this angle is not the kingpin inclination. For an ordinary car,
 /// even the sign differs.
@@ -46,8 +46,8 @@ pub fn attia_kingpin<T: Real>(lower_ball_joint: Vector3<T>, strut_upper: Vector3
     arc_tangent(line.y / line.z)
 }
 
-/// Equation (17): inclination of the line 7-10 (`strut_upper`, `wheel_centre`) in the transverse plane, positive with the
-/// wheel centre below 7 and outboard of it.
+/// Equation (17) of Attia's paper: inclination of the line 7-10 (`strut_upper`, `wheel_centre`) in the transverse plane. Positive
+/// with the wheel centre below point 7 and outboard of it.
 ///
 /// The formula uses the line 7-10 in place of the spin axis, and projects this line. So the result equals camber only if 7-10
 /// is the spin axis and the wheel is not steered.

@@ -5,7 +5,7 @@ use crate::analyse::{Balance, Carried, Load, LoadPoint, Support};
 use crate::model::{Mechanism, RockerId};
 use crate::number::{Jet, Vector3};
 
-/// Force in a member under a load, in the kernel's frame.
+/// Force in a member under a load, in the kernel's frame (x forward, y left, z up, for a left wheel).
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarriedForce {
     /// Point at which the load acts.

@@ -16,8 +16,8 @@ fn by_travel<F: Formula, T: Real>(inputs: &Inputs<T>) -> T {
     slope::<F, T>(inputs, rate.spin_axis, rate.steering_direction) / rate.centre.z
 }
 
-/// Rate of an angle if spin axis and steering direction change at these rates. Each angle reads only one of the two
-/// directions.
+/// Rate of an angle, if the direction that it reads (spin axis or steering axis) changes at the given rate. Each angle reads only
+/// one of these two directions.
 #[inline(always)]
 fn slope<F: Formula, T: Real>(
     inputs: &Inputs<T>,
@@ -27,7 +27,7 @@ fn slope<F: Formula, T: Real>(
     F::evaluate(&moving(inputs, spin_axis, steering_direction))[1]
 }
 
-/// Inputs of an angle as first-order series, with these rates of spin axis and steering direction.
+/// Inputs of an angle as first-order series. The spin axis and the steering axis's direction have the given rates.
 #[inline(always)]
 fn moving<T: Real>(
     inputs: &Inputs<T>,
@@ -64,8 +64,8 @@ fn of_directions<T: Real>(
     }
 }
 
-/// Evaluates an expression for the formula of an angle: of the listed angles, or of all four without a list. `None` for
-/// other characteristics.
+/// Evaluates an expression for the formula of an angle. Covers the listed angles; without a list, covers camber, toe, caster and
+/// kingpin inclination. `None` for other characteristics.
 macro_rules! of_angle {
     ($characteristic:expr, $formula:ident => $value:expr) => {
         of_angle!($characteristic, $formula => $value, Camber, Toe, Caster, KingpinInclination)
@@ -81,7 +81,7 @@ macro_rules! of_angle {
     };
 }
 
-/// Returns true if the characteristic is one of the four angles.
+/// Returns true for camber, toe, caster and kingpin inclination.
 pub(super) fn is_angle(c: Characteristic) -> bool {
     of_angle!(c, Angle => Angle::INFO.name).is_some()
 }
@@ -96,7 +96,7 @@ impl Characteristic {
     }
 }
 
-/// Derivative of an angle with respect to the drive coordinate, from the rates of its direction. `None` for other
+/// Derivative of an angle with respect to the drive coordinate, from the rates of spin axis and steering axis. `None` for other
 /// characteristics.
 #[inline(always)]
 pub(super) fn by_drive<T: Real>(c: Characteristic, inputs: &Inputs<T>) -> Option<T> {
@@ -104,7 +104,8 @@ pub(super) fn by_drive<T: Real>(c: Characteristic, inputs: &Inputs<T>) -> Option
     of_angle!(c, Angle => slope::<Angle, T>(inputs, rate.spin_axis, rate.steering_direction))
 }
 
-/// Derivative of an angle with respect to its direction. `None` for other characteristics.
+/// Derivative of an angle with respect to the direction that it reads: the spin axis or the steering axis. `None` for other
+/// characteristics.
 #[inline(always)]
 pub(super) fn by_direction<T: Real>(c: Characteristic, inputs: &Inputs<T>) -> Option<Vector3<T>> {
     let now = &inputs.now;
@@ -116,9 +117,9 @@ pub(super) fn by_direction<T: Real>(c: Characteristic, inputs: &Inputs<T>) -> Op
     of_angle!(c, Angle => Vector3::from(Angle::evaluate(&moved).partials))
 }
 
-/// Derivative of an angle with respect to its direction, as a series along the motion. The second coefficient is the
-/// derivative of the angle's slope with respect to the direction, because the order of the two differentiations does not
-/// matter. `None` for other characteristics.
+/// Derivative of an angle with respect to the direction that it reads (spin axis or steering axis), as a series along the motion.
+/// The second coefficient is the derivative of the angle's slope with respect to the direction, because the order of the two
+/// differentiations does not matter. `None` for other characteristics.
 #[inline(always)]
 pub(super) fn by_direction_along<T: Real>(
     c: Characteristic,
@@ -134,7 +135,8 @@ pub(super) fn by_direction_along<T: Real>(
     ))
 }
 
-/// Rate of an angle if its direction changes at this rate. This code is compiled as a separate function.
+/// Rate of an angle if the direction that it reads (spin axis or steering axis) has the rate `direction`. This code is compiled as
+/// a separate function.
 #[inline(always)]
 fn slope_outlined<F: Formula, T: Real>(inputs: &Inputs<T>, direction: Vector3<T>) -> T {
     outlined!(

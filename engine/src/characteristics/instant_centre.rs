@@ -22,8 +22,8 @@ pub(super) const CONTACT_VELOCITY: &[Slot] = &[Slot::SpinAxis, Slot::CentreRate,
 /// conditioned poses, the angular velocity is up to a million times larger.
 const FARTHEST_CENTRE: f64 = 1e10;
 
-/// Angular velocity in one view, or zero if the instantaneous centre is farther than [`FARTHEST_CENTRE`]. `velocity` has the
-/// contact point's velocities in this view.
+/// Angular velocity in front view or side view, or zero if the instantaneous centre is farther than [`FARTHEST_CENTRE`]. `velocity`
+/// has the contact point's two velocity components in this view.
 #[inline(always)]
 fn turning<T: Real>(turn: T, velocity: [T; 2], size: f64) -> T {
     let [first, second] = velocity;
@@ -33,8 +33,8 @@ fn turning<T: Real>(turn: T, velocity: [T; 2], size: f64) -> T {
 }
 
 impl<T: Real> Inputs<T> {
-    /// Velocity of the contact point, and the angular velocity about x. The latter is zero if the front-view centre counts
-    /// as infinite.
+    /// Velocity of the contact point, and the knuckle's angular velocity about x. The angular velocity is zero if the front-view
+    /// centre counts as infinite.
     #[inline(always)]
     fn in_front_view(&self) -> (Vector3<T>, T) {
         let velocity = self.contact_velocity();
@@ -42,8 +42,8 @@ impl<T: Real> Inputs<T> {
         (velocity, turn)
     }
 
-    /// Velocity of the contact point, and the angular velocity about y. The latter is zero if the side-view centre counts as
-    /// infinite.
+    /// Velocity of the contact point, and the knuckle's angular velocity about y. The angular velocity is zero if the side-view
+    /// centre counts as infinite.
     #[inline(always)]
     fn in_side_view(&self) -> (Vector3<T>, T) {
         let velocity = self.contact_velocity();
@@ -53,7 +53,7 @@ impl<T: Real> Inputs<T> {
 }
 
 formulas! {
-    /// Height of the kinematic roll centre.
+    /// Height of the kinematic roll centre above the ground.
     RollCentreHeight {
         name: "roll_centre_height",
         unit: Unit::Length,
@@ -67,7 +67,7 @@ formulas! {
         inputs.contact_point().y * velocity.y / velocity.z
     };
 
-    /// Length of the front-view swing arm.
+    /// Length of the front-view swing arm: horizontal distance from the contact point to the instantaneous centre in front view.
     FrontViewSwingArm {
         name: "front_view_swing_arm",
         unit: Unit::Length,
@@ -81,7 +81,7 @@ formulas! {
         velocity.z / turn
     };
 
-    /// Length of the side-view swing arm.
+    /// Length of the side-view swing arm: horizontal distance from the contact point to the instantaneous centre in side view.
     SideViewSwingArm {
         name: "side_view_swing_arm",
         unit: Unit::Length,
@@ -106,7 +106,7 @@ formulas! {
         needs: &[Need::WheelRadius],
     } = |inputs| inputs.contact_point().y - FrontViewSwingArm::evaluate(inputs);
 
-    /// Height of the instantaneous centre in front view.
+    /// Height of the instantaneous centre in front view above the ground.
     FrontViewCentreHeight {
         name: "front_view_centre_height",
         unit: Unit::Length,
@@ -131,7 +131,7 @@ formulas! {
         needs: &[Need::WheelRadius],
     } = |inputs| inputs.contact_point().x - SideViewSwingArm::evaluate(inputs);
 
-    /// Height of the instantaneous centre in side view.
+    /// Height of the instantaneous centre in side view above the ground.
     SideViewCentreHeight {
         name: "side_view_centre_height",
         unit: Unit::Length,
@@ -146,15 +146,15 @@ formulas! {
     };
 }
 
-/// Instantaneous centres as points in the kernel's frame, for drawings. A centre is `None` if it is at infinity, or if the
-/// wheel's radius is unknown.
+/// Instantaneous centres as points in the kernel's frame (x forward, y left, z up, for a left wheel), for drawings. A centre is
+/// `None` if it is at infinity, or if the wheel's radius is unknown.
 ///
 /// The velocity of a point P of the knuckle is C' + w x (P - C). In front view, with P in the transverse plane of C, its y
 /// and z components vanish for P - C = (0, -C_z'/w_x, C_y'/w_x). In side view, with P in the longitudinal plane of C, its x
 /// and z components vanish for P - C = (C_z'/w_y, 0, -C_x'/w_y).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InstantCentres {
-    /// Contact point.
+    /// Contact point of wheel and ground.
     pub contact: Option<Vector3<f64>>,
     /// Roll centre, in the centre plane y = 0.
     pub roll_centre: Option<Vector3<f64>>,

@@ -45,7 +45,7 @@ pub enum Measure {
     Length([PointId; 2]),
     /// Signed distance of a point from a plane. Positive on the side to which the plane's unit normal points.
     Height {
-        /// The point.
+        /// Point whose distance is measured.
         point: PointId,
         /// A point of the plane.
         over: Vector3<f64>,
@@ -56,16 +56,16 @@ pub enum Measure {
     DistanceFrom(PointId, Vector3<f64>),
     /// Distance of a point from a line.
     FromLine {
-        /// The point.
+        /// Point whose distance is measured.
         point: PointId,
         /// A point of the line.
         through: Vector3<f64>,
         /// Unit vector along the line.
         along: Vector3<f64>,
     },
-    /// Distance of a point from a box along the axes. Negative inside the box.
+    /// Distance of a point from a box with edges along the coordinate axes. Negative inside the box.
     FromBox {
-        /// The point.
+        /// Point whose distance is measured.
         point: PointId,
         /// Centre of the box.
         middle: Vector3<f64>,
@@ -74,7 +74,7 @@ pub enum Measure {
     },
     /// Distance of a point from a tube with closed ends. Negative inside the tube.
     FromTube {
-        /// The point.
+        /// Point whose distance is measured.
         point: PointId,
         /// Centre of the tube's axis.
         middle: Vector3<f64>,
@@ -98,18 +98,18 @@ pub enum Measure {
     /// Ball joint between wheel carrier and arm: 1 minus the cosine of an angle. The angle is between the stud and its
     /// design direction, which rotates with the arm.
     BallJoint {
-        /// Joint.
+        /// Centre of the ball joint.
         joint: PointId,
-        /// Axis of the arm.
+        /// Two points of the arm's axis.
         axis: [PointId; 2],
-        /// Stud of the joint.
+        /// Stud of the ball joint.
         stud: Stud,
     },
     /// Rod end on the wheel carrier: change of the angle between stud and rod since the design position, in rad.
     RodEnd {
-        /// Joint, and the other end of the rod.
+        /// Joint of the rod on the wheel carrier, and the other end of the rod.
         rod: [PointId; 2],
-        /// Stud of the joint.
+        /// Stud of this joint.
         stud: Stud,
     },
     /// Joint at the outer end of a drive shaft: 1 minus the cosine of the angle between shaft and spin axis. The points are
@@ -128,13 +128,13 @@ pub enum Measure {
 
 /// Direction normal to a line.
 ///
-/// The first direction is normal to the line and to an axis. The second is normal to the line and to the first. The norm of
-/// a vector's two components is therefore the vector's distance from the line.
+/// The first direction is normal to the line and to a coordinate axis. The second is normal to the line and to the first. Two
+/// components of a vector, along these two directions, give its distance from the line: the norm of both components.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Across {
-    /// Index of the axis. It must not be parallel to the line.
+    /// Index of the coordinate axis: 0 for x, 1 for y, 2 for z. It must not be parallel to the line.
     pub axis: usize,
-    /// True for the second direction.
+    /// True for the second direction, false for the first.
     pub is_second: bool,
 }
 
@@ -193,7 +193,7 @@ impl Measure {
         }
     }
 
-    /// Both components of the distance, if the value is a component of a distance.
+    /// Both components of a point's distance from a line, if the measure is one of these components.
     pub(crate) fn components(&self) -> Option<[Measure; 2]> {
         let Measure::OffLine(points, Across { axis, .. }) = *self else {
             return None;

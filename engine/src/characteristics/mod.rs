@@ -81,7 +81,7 @@ macro_rules! catalogue {
             /// Whole catalogue, in the order of printed results.
             pub const ALL: &'static [Characteristic] = &[$(Characteristic::$variant),*];
 
-            /// Catalogue entry.
+            /// Catalogue entry of the characteristic: its name, unit, sign, inputs and source.
             #[inline]
             pub fn info(self) -> &'static Info {
                 match self {
@@ -89,7 +89,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// Value for a wheel's position and rates.
+            /// Value of the characteristic for these inputs, in radians and length units.
             #[inline(always)]
             pub fn evaluate<T: Real>(self, inputs: &Inputs<T>) -> T {
                 match self {

@@ -23,14 +23,14 @@ impl Slot {
         });
     }
 
-    /// Adds the seeds of a quantity y(u, u') that contains velocities. From these seeds, the adjoint computes the derivatives
-    /// of y with respect to the hardpoints, as series. `gradient` holds the derivatives of y slot by slot, and `turn` is the
-    /// angular velocity.
+    /// Adds the seeds of a quantity y(u, u') that contains velocities. u are the inputs of its formula, and u' their rates. From
+    /// these seeds, the adjoint computes the derivatives of y with respect to the hardpoints p, as series. `gradient` holds the
+    /// derivatives of y slot by slot, and `turn` is the angular velocity.
     ///
-    /// Let h and g be the derivatives of y with respect to u and u'. Then dy/dp = h.u_p + g.u_p'. For any seed series S, an
-    /// adjoint pass returns the series of S.u_p. If S has the coefficients S_i = h_(i-1) + (j+1-i) g_i, coefficient j+1 of
-    /// S.u_p is coefficient j of dy/dp: sum_n h_(j-n) (u_p)_n + sum_n n g_(j+1-n) (u_p)_n. `shifted` computes the
-    /// contribution of h to S, `by_rate` computes the contribution of g.
+    /// Let h and g be the derivatives of y with respect to u and u'. Let u_p be the derivative of u with respect to p. Then dy/dp =
+    /// h.u_p + g.u_p'. For any seed series S, an adjoint pass returns the series of S.u_p. If S has the coefficients S_i = h_(i-1)
+    /// + (j+1-i) g_i, coefficient j+1 of S.u_p is coefficient j of dy/dp: sum_n h_(j-n) (u_p)_n + sum_n n g_(j+1-n) (u_p)_n.
+    /// `shifted` computes the contribution of h to S, `by_rate` computes the contribution of g.
     #[inline(always)]
     pub(super) fn push_rates<V: Real, T: Real, G: Gradient<T> + ?Sized>(
         slots: &[Slot],
@@ -43,7 +43,8 @@ impl Slot {
     ) {
         for (slot, by) in slots.iter().zip(gradient) {
             if *slot == Slot::Turn {
-                // dw = d(turn)' + d(turn) x w, so g.dw contains d(turn).(w x g).
+                // A virtual rotation d(turn) changes the angular velocity w by dw = d(turn)' + d(turn) x w. So g.dw contains
+                // d(turn).(w x g).
                 seeds.turn(shifted(turn.cross(*by)));
             }
             let seed = if slot.is_rate() {

@@ -21,7 +21,7 @@ fn contact_to_axis<T: Real>(inputs: &Inputs<T>) -> Vector3<T> {
 }
 
 formulas! {
-    /// Lateral offset of the steering axis at the ground.
+    /// Lateral offset of the steering axis from the contact point, at the ground.
     ScrubRadius {
         name: "scrub_radius",
         unit: Unit::Length,
@@ -35,7 +35,7 @@ formulas! {
         -contact_to_axis(inputs).dot(outboard)
     };
 
-    /// Longitudinal offset of the steering axis at the ground.
+    /// Longitudinal offset of the steering axis from the contact point, at the ground.
     CasterTrail {
         name: "caster_trail",
         unit: Unit::Length,
@@ -75,7 +75,7 @@ formulas! {
 const AT_CENTRE: &[Slot] = &[Slot::Centre, Slot::SteeringPoint, Slot::SteeringDirection];
 
 formulas! {
-    /// Lateral offset of the steering axis at wheel-centre height.
+    /// Lateral offset of the steering axis from the wheel centre, at wheel-centre height.
     KingpinOffset {
         name: "kingpin_offset",
         unit: Unit::Length,
@@ -89,7 +89,7 @@ formulas! {
         centre.y - inputs.now.steering_axis_at(centre.z).y
     };
 
-    /// Longitudinal offset of the steering axis at wheel-centre height.
+    /// Longitudinal offset of the steering axis from the wheel centre, at wheel-centre height.
     SpindleTrail {
         name: "spindle_trail",
         unit: Unit::Length,

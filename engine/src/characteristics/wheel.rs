@@ -195,7 +195,7 @@ pub struct Inputs<T> {
     pub turn: Vector3<T>,
     /// Wheel in the design position.
     pub design: DesignWheel<T>,
-    /// Data of the study.
+    /// Constants of the study, such as the wheel's radius.
     pub constants: Constants,
 }
 
@@ -286,7 +286,7 @@ impl Slots {
         self.0 & Slots::default().with(slots).0 != 0
     }
 
-    /// Returns true if the set contains a quantity or its rate.
+    /// Returns true if the set contains the slot `now` of a quantity, or the slot `rate` of its derivative.
     #[inline]
     pub fn contain_either(self, now: Slot, rate: Slot) -> bool {
         self.contains(now) || self.contains(rate)
@@ -369,7 +369,7 @@ impl<T: Real> Wheel<T> {
         Ground::level(self.spin_axis.x).contact_lever(self.spin_axis, radius)
     }
 
-    /// Contact point C.
+    /// Contact point C of a wheel with this radius on level ground.
     #[inline(always)]
     pub(super) fn contact_point(&self, radius: f64) -> Vector3<T> {
         self.centre + self.contact_lever(radius)

@@ -40,7 +40,7 @@ impl<const N: usize> WheelReading<N> {
         WheelReading { inputs }
     }
 
-    /// Value along the motion. The last [`Quantity::rate_order`] coefficients are unknown.
+    /// Value of a quantity as a series along the motion. The last [`Quantity::rate_order`] coefficients are unknown.
     #[inline]
     pub fn value(&self, at: &Configuration<Jet<f64, N>>, quantity: Quantity) -> Jet<f64, N> {
         match quantity {
@@ -60,7 +60,7 @@ impl<const N: usize> WheelReading<N> {
         self.inputs.contact_point()
     }
 
-    /// Value of a characteristic along the motion. Its last coefficients are unknown if it contains velocities.
+    /// Value of a characteristic as a series along the motion. Its last coefficients are unknown if it contains velocities.
     #[inline]
     pub fn characteristic(&self, c: Characteristic) -> Jet<f64, N> {
         c.evaluate(&self.inputs)

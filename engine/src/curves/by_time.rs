@@ -3,13 +3,14 @@
 use crate::number::Jet;
 use crate::study::TimeLaw;
 
-/// First and second time derivative of the moving coordinate. `None` if results are not derivatives with respect to time.
+/// First and second time derivative of the coordinate that follows the time law. `None` if results are not derivatives with respect
+/// to time.
 #[derive(Clone, Copy)]
 pub(crate) struct ByTime(Option<[f64; 2]>);
 
 impl ByTime {
-    /// Time derivatives of the moving coordinate at the time with this index. Without a time law, the results are
-    /// derivatives with respect to the drive coordinate.
+    /// Time derivatives of the coordinate that follows the time law, at the time with index `number`. Without a time law, the
+    /// results are derivatives with respect to the drive coordinate.
     pub(crate) fn at(law: Option<&TimeLaw>, number: usize) -> Self {
         ByTime(law.map(|law| {
             let series = law

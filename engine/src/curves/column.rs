@@ -6,7 +6,7 @@ use crate::model::{Axis, LengthUnit};
 use crate::plan::{Output, Plan};
 use crate::study::Drive;
 
-/// A column of values.
+/// A column of the results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
     /// Name with unit, for example `camber_d1_deg_per_mm`.

@@ -59,7 +59,7 @@ impl ElasticFigure {
     }
 }
 
-/// Curves of a wheel with elastic parts under a plan. An error says why the design has no elastic model.
+/// Curves of a wheel with elastic parts that a plan requests. An error says why the design has no elastic model.
 pub(super) fn elastic_curves(
     suspension: &Suspension,
     elastic: &ComplianceStudy,

@@ -84,8 +84,8 @@ impl MemberColumns {
 }
 
 impl Load {
-    /// Loads to add to an equilibrium whose only load is `wheel_load`. With [`HeldQuantity::WheelLoad`], this load
-    /// already contains the whole vertical force, so `wheel_load` is subtracted.
+    /// Loads to add to an equilibrium whose only load is `wheel_load`. With [`HeldQuantity::WheelLoad`], `self` already contains
+    /// the whole vertical force, so `wheel_load` is subtracted.
     pub(crate) fn in_equilibrium(&self, held: HeldQuantity, wheel_load: f64) -> WheelLoads {
         let mut loads = WheelLoads::none(0.0);
         match self.at {
@@ -140,8 +140,8 @@ impl<'a> ElasticLoads<'a> {
         self.loads.iter().flat_map(of)
     }
 
-    /// Appends the values of the columns at a travel and a rack displacement to the values of a station. Returns the status
-    /// of the station.
+    /// Appends the values of the loads' columns to the values of a station, which is at a travel and a rack displacement. Returns
+    /// the status of the station.
     pub(super) fn add_values(
         &self,
         [travel, rack]: [f64; 2],
@@ -165,7 +165,7 @@ impl<'a> ElasticLoads<'a> {
         }
     }
 
-    /// Values of the columns at a station. A load without an equilibrium has no values.
+    /// Values of the loads' columns at a station. A load without an equilibrium has no values.
     fn values(&self, station: &Equilibrium) -> Vec<Option<f64>> {
         let mut values = Vec::new();
         for load in self.loads {

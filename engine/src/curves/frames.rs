@@ -30,7 +30,7 @@ pub struct Frame {
 /// Positions to draw in one pose, in the study's axes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Placement {
-    /// Position of each point.
+    /// Position of each point of the mechanism.
     pub points: Vec<[f64; 3]>,
     /// Unit vector along the spin axis, positive outboard.
     pub spin_axis: [f64; 3],
@@ -39,11 +39,13 @@ pub struct Placement {
     /// Contact point of the wheel. `None` if its radius is unknown, or for one wheel at a turning point (fold) of the motion.
     pub contact: Option<[f64; 3]>,
     /// Roll centre, for one wheel in the car's centre plane. `None` if the wheel's velocities are unknown, or if the centre is at
-    /// infinity. This also applies to the next two fields.
+    /// infinity.
     pub roll_centre: Option<[f64; 3]>,
-    /// Instantaneous centre in front view, in the transverse plane of the contact point.
+    /// Instantaneous centre in front view, in the transverse plane of the contact point. `None` under the same conditions as for
+    /// `roll_centre`.
     pub front_view_centre: Option<[f64; 3]>,
-    /// Instantaneous centre in side view, in the longitudinal plane of the contact point.
+    /// Instantaneous centre in side view, in the longitudinal plane of the contact point. `None` under the same conditions as for
+    /// `roll_centre`.
     pub side_view_centre: Option<[f64; 3]>,
     /// Right wheel of an axle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -75,7 +77,7 @@ pub struct Turn {
     pub meets: Option<[[f64; 2]; 2]>,
     /// The vehicle's turning centre: the midpoint of the points in which the spin axes meet the line of the other axle.
     pub centre: Option<[f64; 2]>,
-    /// Position of the other axle along x.
+    /// Position of the vehicle's other axle along x.
     pub other_axle: f64,
 }
 

@@ -24,9 +24,9 @@ pub struct Influence {
     pub bend: f64,
 }
 
-/// Influence of every coordinate on every characteristic and test result of a plan, with the rack at its first position.
-/// Stations without a pose, or without the value, are ignored. Coordinates without influence are left out, and those whose
-/// derivative is not finite at some station.
+/// Influence of every coordinate on every characteristic and test result of a plan, with the rack at its first position. Stations
+/// without a pose, or without the value, are ignored. Coordinates without influence are left out, and coordinates whose derivative
+/// is not finite at some station.
 pub fn influences(own: &WheelStudy, plan: &Plan) -> Result<Vec<Influence>, DesignFault> {
     let suspension = &own.suspension;
     let outputs: Vec<Output> = plan

@@ -89,8 +89,8 @@ impl<'a> Loads<'a> {
         })
     }
 
-    /// Values of the columns in a pose, in printed units. Forces are along the study's axes. `contact` is the contact point
-    /// in the kernel's frame.
+    /// Values of the loads' columns in a pose, in printed units. Forces are along the study's axes. `contact` is the contact point
+    /// in the kernel's frame (x forward, y left, z up, for a left wheel).
     pub(crate) fn forces(
         &self,
         balance: &Balance<'_>,

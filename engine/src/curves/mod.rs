@@ -33,8 +33,8 @@ use crate::plan::Plan;
 use crate::solve::Rejection;
 use crate::study::WheelStudy;
 
-/// Computes the curves of one wheel under a plan: from equilibria if there are elastic parts, otherwise from poses. An error
-/// says why the design position cannot be solved.
+/// Computes the curves of one wheel that a plan requests: from equilibria if there are elastic parts, otherwise from poses. An
+/// error says why the design position cannot be solved.
 pub fn wheel_curves(own: &WheelStudy, plan: &Plan) -> Result<Curves, DesignFault> {
     match &own.compliance {
         Some(elastic) => elastic::elastic_curves(&own.suspension, elastic, plan),
@@ -52,9 +52,9 @@ pub enum Status {
     /// Solved, but no member supports the loads: the leverage of the spring is too small for six correct digits of the
     /// forces. With elastic parts: no equilibrium exists under a load. The forces of this load have no values.
     Unsupported,
-    /// Solved, but a rod has reached its toggle at this station, or earlier on the way from the design position. The first
-    /// element is the rod of the left (or only) wheel, the second is that of the right wheel. Quantities that depend on the
-    /// rocker of such a rod have no values.
+    /// Solved, but a rod has reached its toggle at this station, or earlier on the way from the design position. The first element
+    /// is the rod of the left (or only) wheel, the second the rod of the right wheel. Quantities that depend on the rocker of such
+    /// a rod have no values.
     Toggle([Option<Rod>; 2]),
     /// Not solved, for this reason.
     Failed(NoPose),
@@ -178,9 +178,9 @@ pub struct Sensitivity {
     pub column: usize,
     /// Wheel whose hardpoint moves. `None` if there is only one wheel, or if both wheels move as mirror images.
     pub side: Option<Side>,
-    /// The hardpoint.
+    /// Hardpoint with respect to which the column is differentiated.
     pub point: PointId,
-    /// The coordinate, in the study's axes.
+    /// Coordinate of this hardpoint, in the study's axes.
     pub axis: Axis,
     /// Derivative, in the column's unit per length unit.
     pub value: f64,

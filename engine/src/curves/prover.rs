@@ -26,8 +26,9 @@ impl<'a> Prover<'a> {
         Prover {
             certifier: Certifier::new(mechanism, design),
             lever,
-            // p = o + R b. The rounding of b, and of three products and three sums in each component, gives an error below
-            // eps (4.2 |b| + 0.9 |p|). |p| is below |o| + |b|.
+            // A point with the lever b has the position p = o + R b, with the carrier's origin o and rotation R. The rounding of b,
+            // and of three products and three sums in each component, gives an error below eps (4.2 |b| + 0.9 |p|). |p| is below
+            // |o| + |b|.
             rounding: 8.0 * f64::EPSILON * (farthest + lever),
         }
     }

@@ -18,7 +18,7 @@ use crate::threads::on_large_stacks;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
-/// Computes the curves of a suspension under a plan. An error says why its design position cannot be solved.
+/// Computes the curves of a suspension that a plan requests. An error says why its design position cannot be solved.
 pub fn curves(suspension: &Suspension, plan: &Plan) -> Result<Curves, DesignFault> {
     if plan.certify {
         on_large_stacks(1, || curves_here(suspension, plan))
@@ -49,7 +49,7 @@ pub(super) struct Run<'a, const N: usize> {
     pub(super) toggles: Toggles,
     stations: Vec<Station>,
     sensitivities: Vec<Sensitivity>,
-    /// Numbers of stations that the continuation solved instead of the tracker, for each reason.
+    /// Numbers of stations that the slower continuation method solved instead of the tracker, for each reason.
     left_to_continuation: BTreeMap<Rejection, usize>,
     /// Work that the solver counted.
     pub(super) work: Work,

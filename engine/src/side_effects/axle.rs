@@ -1,4 +1,4 @@
-//! Values of both wheels of an axle.
+//! Values of both wheels of an axle, for the comparison of a design before and after a tuning.
 
 use super::observed::{Gain, Grid, Observed, Series, Station};
 use super::{PlaceCoordinate, customary};
@@ -45,7 +45,7 @@ pub(super) fn observe(
     let grid = Grid::of(&places);
     let positions = places.iter().map(|place| grid.shares(place));
     let stations = stations(&placements, positions.collect(), both, &plan);
-    // Returns the stations at which targets apply, for the quantities that `is_own` accepts.
+    // Returns the stations at which targets or constraints apply, for the quantities that `is_own` accepts.
     let wanted = |is_own: &dyn Fn(Quantity) -> bool| -> Vec<usize> {
         let targets = study.optimise.iter().flat_map(|o| &o.targets);
         let of_target = |target: &Target| {
@@ -139,7 +139,8 @@ fn limited(
             if !is_here || !constraint.parts.iter().any(limits) {
                 continue;
             }
-            // Without a motion, a constraint applies to the design position. The rack is as for a left wheel.
+            // Without a motion, a constraint applies to the design position. The constraint gives rack displacements as a left
+            // wheel sees them, so their sign is reversed for the right wheel.
             let travels = motion.map_or(&[0.0][..], |(_, motion)| &motion.values);
             let racks = site.map_or(&[][..], |site| &site.racks);
             let applies = |place: &Placement| {
@@ -180,8 +181,8 @@ fn gains(study: &Study, both: &AxleStudy) -> Vec<Quantity> {
     gains
 }
 
-/// Slope of a quantity's curve over the travel of the wheel to which the gain belongs, if the gain is 1. The slope is in
-/// printed units. `None` if the gain does not determine the curve.
+/// Slope of a quantity's curve over the travel of the wheel to which the gain belongs, for a gain of 1. The slope is in printed
+/// units. `None` if the gain does not determine the curve.
 fn slope_by_gain(gain: Quantity, of: Quantity, both: &AxleStudy) -> Option<f64> {
     use AxleQuantity::{TotalToe, TotalToeAtRim};
     let Quantity::Corner(side, gain) = gain else {
@@ -328,7 +329,7 @@ fn series_of(column: &AxleColumn, stations: &[Station], study: &Study) -> Option
         }
         Of::Point { id, name, .. } => {
             let variables = study.optimise.iter().flat_map(|o: &Optimise| &o.variables);
-            // A variable moves these points intentionally, so the move is not a side effect.
+            // If a variable moves this point, the move is intended, so it is not a side effect.
             if variables.flat_map(|v| v.points()).any(|p| p == *id) {
                 return None;
             }

@@ -29,7 +29,7 @@ const COMPARED: [&str; 11] = [
 ];
 
 /// Compares a car before and after a tuning, in its load cases and in the motions of the axles that changed. The order is
-/// that of [`side_effects`](super::side_effects). Outputs of a single axle name the axle (`camber, front axle`). The list is
+/// the same as in [`side_effects`](super::side_effects). Outputs of a single axle name the axle (`camber, front axle`). The list is
 /// empty without `[optimise]`, or if `[optimise]` has `side_effects = false`.
 ///
 /// # Errors
@@ -143,8 +143,7 @@ fn stations(cases: &[Case]) -> Vec<Station> {
     stations.map(station).collect()
 }
 
-/// Study of one axle, with the axle's design in the car. Its targets and constraints are those of the car that concern
-/// only this axle.
+/// Study of one axle, with the axle's design in the car. It has the car's targets and constraints that concern only this axle.
 fn axle_by_itself(study: &CarStudy, end: AxleEnd, optimise: &CarOptimise) -> Study {
     let end = end as usize;
     let own = &study.axles[end];

@@ -24,7 +24,7 @@ struct RequestedChange {
     drive: f64,
     /// Name of the drive, if it is the travel over which a requested slope applies.
     along: Option<String>,
-    /// Change of the output.
+    /// Change of the output at this station.
     change: f64,
     /// Change of the output's slope that a target for a gain requests. 0 without such a target.
     slope: f64,
@@ -277,7 +277,7 @@ impl Wanted {
     }
 }
 
-/// Smallest and largest of some values.
+/// Smallest and largest value of an output so far.
 #[derive(Default)]
 struct Range {
     ends: Option<[f64; 2]>,

@@ -1,4 +1,4 @@
-//! Values of one wheel.
+//! Values of one wheel, for the comparison of a design before and after a tuning.
 
 use super::observed::{Gain, Grid, Observed, Series, Station};
 use super::{PlaceCoordinate, customary};
@@ -61,7 +61,8 @@ pub(super) fn observe(
             }
             _ => false,
         };
-        // A variable moves these points intentionally, so the move is not a side effect.
+        // If a variable moves this point, the move is intended, so it is not a side effect. A hidden gain has no separate series,
+        // either.
         if quantity.is_some_and(|own| is_moved(own) || is_hidden(own)) {
             continue;
         }
@@ -196,7 +197,7 @@ impl Looked<'_> {
         self.stations_of(optimise, is_about)
     }
 
-    /// Stations of the targets and constraints whose measure fulfils a condition.
+    /// Stations of the targets and constraints whose measure satisfies `is_about`.
     fn stations_of(&self, optimise: &Optimise, is_about: impl Fn(&Measure) -> bool) -> Vec<usize> {
         let targets = optimise.targets.iter();
         let of_targets = targets.filter(|target| {
@@ -238,7 +239,7 @@ impl Looked<'_> {
         self.of_targets(targets.filter(|t| t.of.as_figure().as_ref() == Some(figure)))
     }
 
-    /// Stations of some targets.
+    /// Stations at which these targets apply.
     fn of_targets<'t>(&self, targets: impl Iterator<Item = &'t Target>) -> Vec<usize> {
         let mut places = Vec::new();
         for target in targets {

@@ -16,9 +16,9 @@ const TURNING_CIRCLE: f64 = 0.01;
 /// Customary tolerance of a change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Tolerance {
-    /// In the printed unit.
+    /// A fixed tolerance, in the printed unit of the quantity.
     Fixed(f64),
-    /// Share of the value before the tuning.
+    /// A tolerance that is this share of the value before the tuning.
     Share(f64),
 }
 

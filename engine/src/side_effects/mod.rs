@@ -9,7 +9,7 @@
 //! c(s) = (a(s) - b(s)) - (a(n) - b(n))            n: nearest station with such a target,       (2)
 //! ```
 //!
-//! If the change at s is between 0 and the change requested at n, c(s) is 0. If the two changes have opposite signs, (1)
+//! If the change at s is between 0 and the change requested at n, c(s) is 0. If the two changes have opposite signs, equation (1)
 //! applies.
 //!
 //! Example: a target requests a change of caster in the design position. Then a change of caster by up to the same amount is
@@ -44,11 +44,11 @@ pub struct SideEffect {
     pub unit: String,
     /// Smallest value before the tuning at the compared stations. `None` if there is no value.
     pub before_min: Option<f64>,
-    /// Largest value before the tuning.
+    /// Largest value before the tuning at the compared stations.
     pub before_max: Option<f64>,
-    /// Smallest value after the tuning.
+    /// Smallest value after the tuning at the compared stations.
     pub after_min: Option<f64>,
-    /// Largest value after the tuning.
+    /// Largest value after the tuning at the compared stations.
     pub after_max: Option<f64>,
     /// Largest change that no target requests, with its sign. Changes are compared in multiples of the tolerance. 0 if
     /// all changes are rounding errors or requested. `None` if no station has a value both before and after.
@@ -58,7 +58,7 @@ pub struct SideEffect {
     pub asked_change: f64,
     /// Station of the largest change. Empty if nothing changes.
     pub at: Vec<PlaceCoordinate>,
-    /// Load case of this change, for results of a car's load cases.
+    /// Load case of the largest change, for results of a car's load cases.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub case: Option<String>,
     /// Wheel with the largest change: `left` or `right` for an axle, `front_left` and so on for a car. `None` for other
@@ -133,7 +133,7 @@ fn over_all_motions(before: &Study, after: &Study) -> Result<Vec<SideEffect>, De
     Ok(found)
 }
 
-/// Sorts side effects, the worst first.
+/// Sorts side effects in the order that [`side_effects`] describes.
 fn by_severity(effects: &mut [SideEffect]) {
     sort_by(effects, |one, other| {
         let (one, other) = (severity(one), severity(other));
@@ -141,7 +141,8 @@ fn by_severity(effects: &mut [SideEffect]) {
     });
 }
 
-/// Rank of a side effect, from 0 for the worst kind, and its size within its rank.
+/// Group of a side effect, and its largest change in multiples of the tolerance. Groups: 0 for lost values, 1 for flagged angles, 2
+/// for other flagged outputs, 3 without a flag.
 fn severity(effect: &SideEffect) -> (u8, f64) {
     let share = effect.largest_change.zip(effect.tolerance);
     let share = share.map_or(0.0, |(change, tolerance)| change.abs() / tolerance);
@@ -149,7 +150,7 @@ fn severity(effect: &SideEffect) -> (u8, f64) {
         (true, 1.., _) => (0, share),
         (true, 0, "deg") => (1, share),
         (true, 0, _) => (2, share),
-        // Unflagged outputs keep their order.
+        // Outputs without a flag keep their order.
         (false, ..) => (3, 0.0),
     }
 }

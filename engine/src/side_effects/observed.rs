@@ -32,7 +32,7 @@ pub(super) struct Station {
     pub place: Vec<PlaceCoordinate>,
     /// Name of the load case, for a car.
     pub case: Option<String>,
-    /// True if the rack is at 0.
+    /// True if the rack is at 0. For a car, true if both racks are at 0.
     pub is_straight: bool,
 }
 
@@ -49,9 +49,9 @@ pub(super) struct Series {
     pub output: String,
     /// Unit, as in column names.
     pub unit: String,
-    /// Customary tolerance.
+    /// Customary tolerance for a change of the output. `None` if the output has none.
     pub tolerance: Option<Tolerance>,
-    /// True if stations with a steered rack are omitted.
+    /// True if stations with the rack away from 0 are omitted.
     pub straight_only: bool,
     /// Name of the wheel, for an axle or a car.
     pub wheel: Option<&'static str>,
@@ -112,7 +112,7 @@ pub(super) fn observe(study: &Study, name: Option<&str>) -> Result<Observed, Des
 pub(super) struct Grid {
     /// Range of each coordinate. 1 for a coordinate that does not move.
     ranges: Vec<f64>,
-    /// Values of each coordinate, in rising order.
+    /// Different values of each coordinate, in rising order.
     axes: Vec<Vec<f64>>,
     /// Index of each station, by the indices of the station's coordinates in `axes`.
     numbers: HashMap<Vec<usize>, usize>,
@@ -165,8 +165,8 @@ impl Grid {
         }
     }
 
-    /// Station whose coordinate `along` is nearest to that of a position. `None` if another coordinate of the position, or the
-    /// combination of the coordinates, is not in the grid.
+    /// Station whose coordinate `along` is nearest to the same coordinate of a position. `None` if another coordinate of the
+    /// position, or the combination of the coordinates, is not in the grid.
     pub(super) fn station(&self, place: &[f64], along: usize) -> Option<usize> {
         let mut key = Vec::with_capacity(place.len());
         for (k, value) in place.iter().enumerate() {

@@ -18,7 +18,7 @@ use crate::model::Side;
 use crate::number::Vector3;
 use crate::study::Source;
 
-/// Rates at which a tolerance source moves every point of a wheel.
+/// Derivatives of the position of every point of a wheel with respect to a tolerance source.
 pub(super) type Moves = Vec<Vector3<f64>>;
 
 /// Derivatives of every cell (an output at a station) with respect to each tolerance source, `[cell][source]`. NaN if
@@ -53,7 +53,7 @@ pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f6
     Ok(gradients)
 }
 
-/// Rates at which each tolerance source moves the built designs of both wheels.
+/// Derivatives of the points of both built wheels with respect to each tolerance source.
 pub(super) fn moves(problem: &Problem, sources: &[&Source]) -> Result<Vec<[Moves; 2]>, SetUpError> {
     let mut all: Vec<[Moves; 2]> = vec![Default::default(); sources.len()];
     for (side, wheel_assembler) in problem.wheel_assemblers.iter().enumerate() {
@@ -68,7 +68,8 @@ pub(super) fn moves(problem: &Problem, sources: &[&Source]) -> Result<Vec<[Moves
     Ok(all)
 }
 
-/// Rates at which each tolerance source moves the built design of a wheel. Empty for a source that does not move this wheel.
+/// Derivatives of the points of one built wheel with respect to each tolerance source. Empty for a source that does not move this
+/// wheel.
 pub(super) fn moves_of_wheel(
     wheel_assembler: &WheelAssembler,
     built: &Built,

@@ -39,8 +39,8 @@ impl Problem<'_> {
         built.map(|mut wheels| wheels.swap_remove(0))
     }
 
-    /// Study of the build with this number, as text: its design in the static position, and its rates. An error names the wheel
-    /// that cannot be assembled.
+    /// Study of the build with this number, as text: its design in the static position, and the rates (stiffnesses) of its elastic
+    /// parts. An error names the wheel that cannot be assembled.
     pub fn built_text(&self, number: u64) -> Result<String, (Option<Side>, AssemblyError)> {
         let (built, tensions) = self.built_parts(number)?;
         let text = match &built[..] {
@@ -52,8 +52,8 @@ impl Problem<'_> {
         Ok(self.study.as_written().with_rates_of(text, &moved))
     }
 
-    /// The vehicle of the build with this number: its wheels in the static position, and its rates. An error names the wheel that
-    /// cannot be assembled.
+    /// The vehicle of the build with this number: its wheels in the static position, and the rates (stiffnesses) of its elastic
+    /// parts. An error names the wheel that cannot be assembled.
     pub fn built_vehicle(&self, number: u64) -> Result<Vehicle, (Option<Side>, AssemblyError)> {
         let (wheels, tensions) = self.built_parts(number)?;
         let mut wheels = wheels.into_iter();
@@ -68,7 +68,7 @@ impl Problem<'_> {
         Ok(built)
     }
 
-    /// Sets the rates of the build with this number, and the tensions of its links.
+    /// Sets the rates (stiffnesses) of the elastic parts of the build with this number, and the tensions of its links.
     fn set_rates(&self, number: u64, tensions: &Tensions, vehicle: &mut Vehicle) {
         let mut draws = vec![0.0; self.tolerance.sources()];
         self.tolerance.draw(number, &mut draws);
@@ -120,7 +120,7 @@ impl Problem<'_> {
 /// A build that could not be assembled: its number, its wheel for an axle, and the reason.
 pub(super) type Unbuilt = (u64, Option<Side>, AssemblyError);
 
-/// Failed builds of a block.
+/// Builds of a block that failed: not assembled, or without all values.
 pub(super) struct Outcome {
     pub(super) rejects: Vec<Unbuilt>,
     /// Number of builds without a pose or without values (toggle) at some station, and the number of the first such build.
@@ -141,9 +141,9 @@ pub(super) struct Builder<'a> {
     draws: Vec<f64>,
     /// Random numbers of the block, `[tolerance source][build]`.
     draws_of_block: Vec<f64>,
-    /// Index of each design in the block.
+    /// For each assembled design, its index among the builds of the block.
     places: Vec<usize>,
-    /// Rates of elastic parts that scatter, design after design.
+    /// Rates (stiffnesses) of elastic parts that scatter, design after design.
     rates: Vec<f64>,
 }
 
@@ -153,7 +153,7 @@ struct WheelBuilder<'a> {
     lanes: Option<LaneBuilder<'a>>,
     parts: Parts<f64>,
     designs: Vec<Vector3<f64>>,
-    /// Tensions of the latest build.
+    /// Tensions in the links of the latest build.
     tensions: Tensions,
 }
 

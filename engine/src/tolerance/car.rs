@@ -1,5 +1,5 @@
-//! Scatter of a car's results in every load case. The deviations of three kinds of inputs scatter: parts of both axles,
-//! rates, and values of the car such as its mass.
+//! Scatter of a car's results in every load case. The deviations of three kinds of inputs scatter: parts of both axles, rates
+//! (stiffnesses), and values of the car such as its mass.
 //!
 //! The parts of each axle are assembled as in a study of the axle ([`crate::assembly`]). The car with these parts is in
 //! equilibrium on its springs. First-order results are exact and follow from the chain rule. One factor is the derivatives
@@ -20,7 +20,7 @@ use crate::study::{CarContributor, CarStudy, CarTolerance, Source};
 use crate::sweep::{in_order, uniform};
 use std::ops::ControlFlow;
 
-/// For each tolerance source of a contributor: its variance, and the rates at which it moves the points of both wheels.
+/// For each tolerance source of a contributor: its variance, and the derivatives of the points of both wheels with respect to it.
 type Ways = Vec<(f64, [PointMoves; 2])>;
 
 /// Number of builds in a block.
@@ -30,11 +30,11 @@ const BLOCK: u64 = 16;
 pub struct CarProblem<'a> {
     /// The study.
     pub study: &'a CarStudy,
-    /// Tolerances.
+    /// Tolerances of the parts and values of the car, and the limits for its results.
     pub tolerance: &'a CarTolerance,
     /// Results of the load cases, case by case: first the study's results, then other results that bands limit.
     pub request: CarRequest<'a>,
-    /// Index of the result of each band.
+    /// For each band (lower and upper limit of a result), the index of this result among all results.
     places: Vec<usize>,
     pub(super) axles: [Problem<'a>; 2],
 }
@@ -42,24 +42,24 @@ pub struct CarProblem<'a> {
 /// Results of many builds of a car.
 #[derive(Clone, Debug)]
 pub struct CarBuilds {
-    /// Number of builds.
+    /// Number of finished builds, including the builds that failed.
     pub builds: u64,
     /// Spread of each result, in printed units.
     pub spreads: Vec<Spread>,
     /// Number of builds that cannot be assembled, or cannot be solved in every case.
     pub failed: u64,
-    /// Number of the first of these builds, and the reason.
+    /// Number of the first build that failed, and the reason.
     pub first_failed: Option<(u64, String)>,
-    /// Number of builds within each band.
+    /// For each band (lower and upper limit of a result), the number of builds within these limits.
     pub in_bands: Vec<u64>,
-    /// Number of builds within every band.
+    /// Number of builds within the limits of every band.
     pub in_all_bands: u64,
 }
 
 /// Scatter of one result, to first and second order in the deviations of the tolerances, in printed units.
 #[derive(Clone, Debug)]
 pub struct CarExpansion {
-    /// First-order variance from each contributor. NaN if the result has no derivatives.
+    /// First-order variance of the result from each contributor (scattering part). NaN if the result has no derivatives.
     pub variances: Vec<f64>,
     /// Estimate from all contributors together.
     pub estimate: Estimate,
@@ -68,12 +68,12 @@ pub struct CarExpansion {
 }
 
 impl CarExpansion {
-    /// First-order standard deviation.
+    /// First-order standard deviation of the result.
     pub fn sigma(&self) -> f64 {
         self.estimate.sigma()
     }
 
-    /// Share of a contributor in the variance.
+    /// Share of a contributor in the variance of the result.
     pub fn share(&self, contributor: usize) -> f64 {
         self.variances[contributor] / self.estimate.variance
     }

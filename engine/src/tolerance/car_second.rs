@@ -24,7 +24,7 @@ const MOST_SERIES: usize = 100_000;
 /// A tolerance source of a car.
 #[derive(Clone, Copy)]
 enum Moved<'p> {
-    /// Parts of an axle.
+    /// Parts of an axle: index of the axle (0 front, 1 rear), and tolerance source of the parts.
     Parts(usize, &'p Source),
     /// Parameter of the car, with its change per standard deviation.
     Parameter(Parameter, f64),
@@ -156,8 +156,8 @@ impl<'p> State<'p> {
         })
     }
 
-    /// Second derivatives of results along one tolerance source or the sum of two. `designs` has the wheels that both of two
-    /// sources move.
+    /// Second derivatives of results along one tolerance source, or along the sum of two sources. `designs` holds the designs of
+    /// the wheels that both sources move.
     fn second_derivatives(
         &self,
         (first, other): (usize, Option<usize>),
@@ -204,7 +204,7 @@ impl Expander<'_> {
         })
     }
 
-    /// Second derivatives of all results along one tolerance source or the sum of two.
+    /// Second derivatives of all results along one tolerance source, or along the sum of two sources.
     fn second_derivatives(&self, first: usize, other: Option<usize>) -> Vec<f64> {
         let designs = match other {
             Some(_) => self.designs(first, other),

@@ -7,7 +7,7 @@ use crate::study::{Law, Source, Tolerance};
 use crate::sweep::uniform;
 
 impl Law {
-    /// Mean of the distribution.
+    /// Mean of the random number.
     pub fn mean(self) -> f64 {
         match self {
             Law::Normal { .. } => 0.0,
@@ -15,7 +15,7 @@ impl Law {
         }
     }
 
-    /// Variance of the distribution.
+    /// Variance of the random number.
     pub fn variance(self) -> f64 {
         match self {
             Law::Normal { sigma } => sigma * sigma,
@@ -23,7 +23,7 @@ impl Law {
         }
     }
 
-    /// Fourth central moment divided by the square of the variance.
+    /// Kurtosis of the random number: its fourth central moment divided by the square of its variance.
     pub fn kurtosis(self) -> f64 {
         match self {
             Law::Normal { .. } => 3.0,
@@ -118,7 +118,7 @@ impl Tolerance {
         let index = match stream {
             Stream::Only => build,
             Stream::OfSide(side) => 2 * build + side as u64,
-            // The wheels use the indices from 0 on.
+            // Streams of wheels use the indices from 0 on. So the stream of shared parts counts down from the largest index.
             Stream::Shared => u64::MAX - build,
         };
         middle(uniform(index, source, self.seed))
@@ -159,7 +159,8 @@ pub fn normal_quantile(fraction: f64) -> f64 {
     value.copysign(q)
 }
 
-/// Half the width of the central region. The approximation in this region needs no logarithm.
+/// Half the width of the central region, which is the range of fractions around 0.5. The approximation in this region needs no
+/// logarithm.
 const HALF_CENTRE: f64 = 0.425;
 
 #[inline]
@@ -167,7 +168,7 @@ fn centre(q: f64) -> f64 {
     q * ratio(0.180625 - q * q, &CENTRE)
 }
 
-/// Quotient of two polynomials, with coefficients from the lowest power on.
+/// Quotient of two polynomials of `x`. `above` and `below` are their coefficients, from the lowest power on.
 #[inline]
 fn ratio(x: f64, [above, below]: &[[f64; 8]; 2]) -> f64 {
     let horner = |c: &[f64; 8]| c.iter().rev().fold(0.0, |sum, c| sum * x + c);
@@ -291,8 +292,8 @@ mod tests {
         assert!(block[100..BLOCK].iter().all(|z| *z == 0.0));
     }
 
-    /// The parts that both wheels share have other random numbers than each wheel, in every build. Without parts of a wheel,
-    /// the numbers of a study are those of one wheel.
+    /// The parts that both wheels share have other random numbers than each wheel, in every build. If no part belongs to one wheel,
+    /// a study has the same random numbers as a study of one wheel.
     #[test]
     fn shared_parts_have_a_separate_stream() {
         let source = |side: Option<Side>| Source {

@@ -1,4 +1,4 @@
-//! Builds of a wheel with elastic parts. The parts are assembled without load, and their rates also scatter.
+//! Builds of a wheel with elastic parts. The parts are assembled without load, and their rates (stiffnesses) also scatter.
 //!
 //! The parts of a build are assembled like the parts of a rigid mechanism, in the position in which elastic parts carry no
 //! force. The built design is then the design of a wheel with elastic parts, and the code evaluates the equilibria of this
@@ -32,7 +32,7 @@ pub(super) fn rates(tolerance: &Tolerance) -> impl Iterator<Item = (AxleParamete
     })
 }
 
-/// Appends the rates of a build, from its random numbers.
+/// Appends the rates (stiffnesses) of the elastic parts of a build, from its random numbers.
 pub(super) fn append_rates(tolerance: &Tolerance, draws: &[f64], into: &mut Vec<f64>) {
     let sources = tolerance.each_source().zip(draws);
     into.extend(sources.filter_map(|(source, z)| Some(source.rate.as_ref()?.scattered(*z)[0])));
@@ -170,8 +170,8 @@ pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f6
 }
 
 /// Writes the derivatives of a value with respect to each tolerance source. `by` holds the derivatives with respect to the
-/// coordinates of all points, wheel after wheel, then with respect to the rates that scatter. `moves` returns the rates at
-/// which a source moves the points of each wheel.
+/// coordinates of all points, wheel after wheel, then with respect to the rates (stiffnesses) that scatter. `moves` returns the
+/// derivatives of the points of each wheel with respect to a source.
 pub(super) fn write_slopes<'m>(
     sources: &[&Source],
     moves: impl Fn(usize) -> &'m [Moves],

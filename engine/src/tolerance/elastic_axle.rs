@@ -1,7 +1,7 @@
 //! First-order result of the tolerance analysis of an axle with elastic parts.
 //!
-//! Deviations of the parts of a wheel move only the built design of that wheel. Rates also scatter. The rates of the two
-//! wheels scatter independently, and a shared part has one rate. With p the built designs and k the rates,
+//! Deviations of the parts of a wheel move only the built design of that wheel. Rates (stiffnesses) also scatter. The rates of the
+//! two wheels scatter independently, and a shared part has one rate. With p the built designs and k the rates,
 //!
 //! ```text
 //! dy/dx = (dy/dp_left) (dp_left/dx) + (dy/dp_right) (dp_right/dx) + (dy/dk) (dk/dx)

@@ -25,9 +25,9 @@ pub fn with_rounding([low, high]: [f64; 2]) -> [f64; 2] {
 /// Estimate of the scatter of a value, from its derivatives at the nominal design.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// First-order variance.
+    /// First-order variance of the value.
     pub variance: f64,
-    /// Second-order terms of the mean and of the variance. NaN if unknown.
+    /// Second-order terms of the value's mean and of its variance. NaN if unknown.
     pub second: [f64; 2],
 }
 
@@ -44,7 +44,7 @@ pub struct Remainder {
 }
 
 impl Estimate {
-    /// First-order standard deviation.
+    /// First-order standard deviation of the value.
     pub fn sigma(&self) -> f64 {
         self.variance.sqrt()
     }

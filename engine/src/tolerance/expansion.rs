@@ -100,7 +100,7 @@ impl Expansion {
         self.estimate(cell).scatters(drawn)
     }
 
-    /// Returns true if the second-order term is small. `None` if the term is unknown.
+    /// Returns true if the second-order term of the value's scatter is small. `None` if the term is unknown.
     pub fn holds(&self, cell: usize) -> Option<bool> {
         self.estimate(cell).is_straight()
     }

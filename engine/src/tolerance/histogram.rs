@@ -1,12 +1,12 @@
 //! Histograms of builds.
 
-/// Number of bins.
+/// Number of bins of a histogram.
 pub const BINS: usize = 32;
 
 /// Numbers of builds in bins of equal width, from the smallest to the largest value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Histogram {
-    /// Smallest and largest value.
+    /// Smallest and largest value of all builds.
     pub range: [f64; 2],
     /// Number of builds in each bin.
     pub counts: [u32; BINS],

@@ -54,14 +54,14 @@ use std::borrow::Cow;
 use std::sync::atomic::AtomicBool;
 use wheel_assembler::WheelAssembler;
 
-/// Percentiles in the results.
+/// Percentages for which the results contain percentiles.
 pub const PERCENTILES: [f64; 7] = [0.5, 1.0, 5.0, 50.0, 95.0, 99.0, 99.5];
 
 /// Prepared tolerance analysis of a study, for one wheel or for both wheels of an axle.
 pub struct Problem<'a> {
     /// The study.
     pub study: &'a Study,
-    /// Tolerances.
+    /// Tolerances of the study: dimensions that scatter, and limits for the builds.
     pub tolerance: &'a Tolerance,
     /// Quantities and stations. They come from the study's outputs and motion, then from the design position and the bands. For
     /// an axle, each wheel has separate hardpoints.

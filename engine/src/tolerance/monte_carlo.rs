@@ -13,13 +13,13 @@ use crate::sweep::in_order;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
-/// Number of sums that are computed side by side.
+/// Number of partial sums that are computed side by side.
 const SIDE_BY_SIDE: usize = 8;
 
 /// Results of many builds.
 #[derive(Clone, Debug)]
 pub struct MonteCarlo {
-    /// Number of builds.
+    /// Number of finished builds.
     pub builds: u64,
     /// Spread of each cell (an output at a station, see [`Problem::cell`]).
     pub spreads: Vec<Spread>,
@@ -27,11 +27,11 @@ pub struct MonteCarlo {
     pub rejects: BTreeMap<&'static str, Rejected>,
     /// Number of assembled builds without a pose, or without values because of a toggle, at some station.
     pub incomplete: u64,
-    /// Number of the first of these builds.
+    /// Number of the first assembled build without a pose, or without values because of a toggle, at some station.
     pub first_incomplete: Option<u64>,
-    /// Number of builds within every band.
+    /// Number of builds within the limits of every band.
     pub in_all_bands: u64,
-    /// Number of builds within each band.
+    /// For each band (lower and upper limit of a quantity), the number of builds within these limits.
     pub in_bands: Vec<u64>,
 }
 
@@ -42,9 +42,9 @@ pub struct Rejected {
     pub builds: u64,
     /// Number of the first build that was rejected for this reason.
     pub first: u64,
-    /// For an axle: the wheel of the first of these builds that cannot be assembled.
+    /// For an axle: the wheel that cannot be assembled in the first build that was rejected for this reason.
     pub side: Option<Side>,
-    /// Reason why the first of these builds cannot be assembled.
+    /// Reason why the first rejected build of this group cannot be assembled.
     pub why: AssemblyError,
 }
 
@@ -53,13 +53,13 @@ pub struct Rejected {
 pub struct Spread {
     /// Number of builds that have the value.
     pub count: u64,
-    /// Mean.
+    /// Mean of the value over the builds.
     pub mean: f64,
-    /// Standard deviation.
+    /// Standard deviation of the value over the builds.
     pub sigma: f64,
-    /// Standard error of the standard deviation, from the fourth moment. NaN with fewer than four builds.
+    /// Standard error of `sigma`, from the fourth moment. NaN with fewer than four builds.
     pub sigma_error: f64,
-    /// Smallest and largest value.
+    /// Smallest and largest value of all builds.
     pub range: [f64; 2],
     /// Percentiles at [`PERCENTILES`]. NaN if unknown.
     pub percentiles: [f64; PERCENTILES.len()],
@@ -228,7 +228,7 @@ pub fn monte_carlo_in(
     let cells = problem.cells();
     let (order, mut gathered) = Order::of(cells);
     let blocks = tolerance.builds.div_ceil(BLOCK as u64);
-    // This worker also reports an error if the design cannot be solved.
+    // This builder also reports an error if the design cannot be solved.
     let about = references(problem, &mut Builder::new(problem, width)?, drawn);
     let worker = || Builder::new(problem, width).ok();
     let work = |worker: &mut Option<Builder>, block: u64| {

@@ -22,11 +22,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// Number of builds at which the windows (ranges that can contain percentiles) become narrower for the first time.
 const FIRST: u64 = 4096;
-/// Number of values below which equal values are not merged.
+/// Number of stored values of an output below which equal values are not merged.
 const FEW: usize = 4096;
 /// Largest number of windows (ranges that can contain percentiles) of a value.
 const MOST: usize = PERCENTILES.len();
-/// An empty window.
+/// Entry for a missing window: a range that contains no value.
 const NONE: [f64; 2] = [f64::INFINITY; 2];
 
 /// Windows of every cell (a value at a station). Each window is a [smallest, largest] value, and windows are in rising order.
@@ -50,7 +50,7 @@ pub(super) struct Order {
     windows: Mutex<Arc<Windows>>,
 }
 
-/// Contributions of all builds so far.
+/// Contributions of all builds so far to the percentiles.
 pub(super) struct Gathered {
     windows: Arc<Windows>,
     cells: Vec<Cell>,
@@ -131,7 +131,7 @@ impl Sifted {
 }
 
 impl Gathered {
-    /// Adds the contribution of some builds. `builds` is the number of builds so far.
+    /// Adds the contribution of some builds to the percentiles. `builds` is the number of builds so far.
     pub(super) fn take(&mut self, sifted: &Sifted, builds: u64, order: &Order) {
         let mut first = 0;
         for (number, cell) in self.cells.iter_mut().enumerate() {
@@ -214,13 +214,13 @@ impl Cell {
         self.compact_at = 2 * self.kept.len() + FEW;
     }
 
-    /// Histogram of the stored values.
+    /// Histogram of the cell's stored values.
     fn histogram(&mut self) -> Option<Histogram> {
         self.compact();
         Histogram::of(self.kept.iter().copied())
     }
 
-    /// Reduces the windows to ranges that can still contain a percentile.
+    /// Reduces the cell's windows to ranges that can still contain a percentile.
     fn narrow(&mut self, windows: &[[f64; 2]; MOST]) -> [[f64; 2]; MOST] {
         self.compact();
         let ranks = Ranks::of(self, windows);
@@ -237,8 +237,8 @@ impl Cell {
             let Some(own) = own else {
                 continue;
             };
-            // If there are not enough values, this end of the window does not change. The same applies if the value lies
-            // outside all windows.
+            // If there are not enough values for this rank, this end of the window does not change. The same applies if the value
+            // with this rank lies outside all windows.
             let reach = 7.0 * (n * p * (1.0 - p)).sqrt() + 24.0;
             let least = (n * p - reach).floor();
             let least = if least < 0.0 {
@@ -270,8 +270,8 @@ impl Cell {
     }
 }
 
-/// Returns the gap between the windows `now` that contains gap number `gap` between the windows `then`. Each new window
-/// lies within an old window.
+/// Returns the index of the gap between the windows `now` that contains the gap with index `gap` between the windows `then`. Gap 0
+/// lies below the first window, gap 1 above it, and so on. Each new window lies within an old window.
 fn moved(gap: usize, then: &[[f64; 2]; MOST], now: &[[f64; 2]; MOST]) -> usize {
     match gap {
         0 => 0,

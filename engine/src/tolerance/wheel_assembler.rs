@@ -9,7 +9,7 @@ use crate::model::{Side, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::study::{Source, Study, Tolerance};
 
-/// Builder of one wheel.
+/// Makes the builds of one wheel: changes its nominal parts by random numbers, and assembles them.
 pub(super) struct WheelAssembler {
     /// Assembler of builds.
     pub(super) assembler: Assembler,
@@ -115,7 +115,7 @@ impl WheelAssembler {
         let Parameter::Link(number) = rate.parameter else {
             return;
         };
-        // A link in the middle belongs to the left half.
+        // A link in the middle of the axle belongs to the left half.
         let of = AxleParameter {
             parameter: Parameter::LinkPreload(number),
             side: source.side.or(Some(Side::Left)),

@@ -16,10 +16,10 @@ const LITTLE: f64 = 0.001;
 /// larger tolerance hardly changes the yield.
 const LEAST: f64 = 0.05;
 
-/// Yield of a band.
+/// Yield of a band: share of builds within the band's lower and upper limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BandYield {
-    /// Share of the builds within the band.
+    /// Share of the builds of the Monte Carlo analysis that are within the band.
     pub monte_carlo: f64,
     /// Share of a random sample within the band, by the first-order result.
     pub linear: f64,
@@ -43,15 +43,15 @@ pub struct Ranking {
     pub contributor: usize,
     /// Largest share of the contributor in the variance of a value with a band.
     pub share: f64,
-    /// Yield with half the tolerance.
+    /// Yield of all bands with half the tolerance of this contributor.
     pub halved: f64,
-    /// Yield with twice the tolerance.
+    /// Yield of all bands with twice the tolerance of this contributor.
     pub doubled: f64,
     /// True if the tolerance can be relaxed: doubling it reduces the yield very little.
     pub may_be_looser: bool,
 }
 
-/// Factors of a tolerance whose effects the ranking shows.
+/// Factors of a contributor's tolerance whose effects on the yield the ranking shows.
 const FACTORS: [f64; 2] = [0.5, 2.0];
 
 /// A value with a band: a result at one station.
@@ -64,11 +64,12 @@ struct BandRow {
 
 /// Shares of the random sample within the bands, by the first-order result.
 struct Shares {
-    /// Share in each band.
+    /// Share of the sample within each band.
     bands: Vec<f64>,
-    /// Share in all bands.
+    /// Share of the sample within all bands.
     all: f64,
-    /// Share in all bands if the tolerance of one contributor is multiplied by each of the [`FACTORS`], `[contributor]`.
+    /// Share of the sample within all bands if the tolerance of one contributor is multiplied by each of the [`FACTORS`],
+    /// `[contributor]`.
     changed: Vec<[f64; 2]>,
 }
 
@@ -152,9 +153,9 @@ pub struct Forecast {
 /// Effect of a contributor's tolerance on the yield, by the first-order result.
 struct Worth {
     share: f64,
-    /// Change of the yield with half the tolerance.
+    /// Change of the yield of all bands with half the contributor's tolerance.
     halved: f64,
-    /// Change of the yield with twice the tolerance.
+    /// Change of the yield of all bands with twice the contributor's tolerance.
     doubled: f64,
 }
 

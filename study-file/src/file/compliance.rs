@@ -53,7 +53,7 @@ pub type BushingCurve = Option<Spanned<Vec<Spanned<Vec<Number>>>>>;
 pub struct Bushing {
     /// Stiffness along the three axes of the bushing, then torque per radian about them. Six numbers are valid.
     pub stiffness: Option<Spanned<Vec<Number>>>,
-    /// Coefficients of the cubed deflection. Six numbers are valid.
+    /// Coefficient of the cubed deflection in the force or torque, for each axis. Six numbers are valid.
     pub cubic: Option<Spanned<Vec<Number>>>,
     /// Force along x against deflection.
     pub fx: BushingCurve,
@@ -67,15 +67,15 @@ pub struct Bushing {
     pub ty: BushingCurve,
     /// Torque about z against angle (rad).
     pub tz: BushingCurve,
-    /// Direction of the x axis.
+    /// Direction of the bushing's x axis in the design position.
     pub x_axis: Option<Coordinates>,
-    /// Direction whose component normal to the x axis defines the z axis.
+    /// Direction that defines the bushing's z axis, which is its component normal to the x axis.
     pub z_axis: Option<Coordinates>,
-    /// Constant forces and torques. Six numbers are valid.
+    /// Constant forces and torques of the bushing. Six numbers are valid.
     pub preload: Option<Spanned<Vec<Number>>>,
-    /// Factors of the force and torque laws. Six numbers are valid.
+    /// Factors of the bushing's force and torque laws. Six numbers are valid.
     pub scale: Option<Spanned<Vec<Number>>>,
-    /// Path of a bushing property file with the laws.
+    /// Path of a bushing property file with the force and torque laws.
     pub file: Option<Text>,
 }
 
@@ -97,8 +97,8 @@ pub struct LinkStiffness {
     pub axial_stiffness: Option<Number>,
     /// Young's modulus, as force per area. It needs `area`.
     pub modulus: Option<Number>,
-    /// Area of the cross-section.
+    /// Area of the link's cross-section.
     pub area: Option<Number>,
-    /// Constant tension, in addition to the tension from the stiffness.
+    /// Constant tension of the link, in addition to the tension from the stiffness.
     pub preload: Option<Number>,
 }

@@ -5,7 +5,7 @@ use crate::value::{MemberName, Number, Numbers, Text};
 use serde::Deserialize;
 use toml::Spanned;
 
-/// An element of `constraints`.
+/// An element of `constraints` of `[optimise]`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Constraint {
@@ -17,7 +17,7 @@ pub struct Constraint {
     pub name: Option<Text>,
     /// Length of a member, or distance between two points.
     pub length: Option<Spanned<MemberName>>,
-    /// Name of a point.
+    /// Name of the point that must stay inside or outside a region.
     pub point: Option<Text>,
     /// Two members that must stay apart. With `inside`, any number of members that must stay inside the rim.
     pub members: Option<Spanned<Vec<Text>>>,
@@ -25,19 +25,19 @@ pub struct Constraint {
     pub articulation: Option<Text>,
     /// Member, or pair of points, whose change of length since the design position is limited.
     pub plunge: Option<Spanned<MemberName>>,
-    /// Name of a characteristic.
+    /// Name of the characteristic that is limited.
     pub characteristic: Option<Text>,
-    /// Name of a force under a load.
+    /// Name of the force under a load that is limited.
     pub load: Option<Text>,
     /// Points that must lie in one plane.
     pub coplanar: Option<Spanned<Vec<Text>>>,
     /// Points that must lie on one line.
     pub line: Option<Spanned<Vec<Text>>>,
-    /// Lower and upper limit.
+    /// Lower and upper limit of the constrained quantity.
     pub between: Option<Spanned<Vec<Number>>>,
-    /// Lower limit.
+    /// Lower limit of the constrained quantity.
     pub at_least: Option<Number>,
-    /// Upper limit.
+    /// Upper limit of the constrained quantity.
     pub at_most: Option<Number>,
     /// True if the length must keep its design value.
     pub kept: Option<Spanned<bool>>,
@@ -53,7 +53,7 @@ pub struct Constraint {
     pub at: Option<Text>,
     /// One or several rack displacements at which the constraint applies.
     pub rack: Option<Spanned<Numbers>>,
-    /// Name of a motion.
+    /// Name of the motion in which the constraint applies.
     pub motion: Option<Text>,
     /// For an axle, the only wheel to which the constraint applies.
     pub side: Option<Text>,

@@ -46,13 +46,13 @@ pub struct Motion {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Time {
-    /// Coefficients, lowest power first.
+    /// Coefficients of the drive as a polynomial of time, lowest power first.
     pub polynomial: Spanned<Vec<Number>>,
     /// First time, seconds.
     pub from: Number,
     /// Last time, seconds.
     pub to: Number,
-    /// Number of times.
+    /// Number of time values, both ends included.
     pub steps: Whole,
 }
 

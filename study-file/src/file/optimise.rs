@@ -10,11 +10,11 @@ use toml::Spanned;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sweep {
-    /// Method of sampling.
+    /// Method by which the ranges of the variables are sampled.
     pub method: Option<Text>,
-    /// Number of samples.
+    /// Number of sampled designs.
     pub samples: Option<Whole>,
-    /// Seed of the samples.
+    /// Seed of the random samples.
     pub seed: Option<Whole>,
     /// Variables of the sweep.
     pub variables: Option<Spanned<Vec<Spanned<SweepVariable>>>>,
@@ -24,7 +24,7 @@ pub struct Sweep {
     pub curves: Option<bool>,
     /// File format of the results: `csv` or `parquet`.
     pub format: Option<Text>,
-    /// False if the margins of the constraints are omitted.
+    /// False if the results leave out the margins of the constraints.
     pub constraints: Option<bool>,
 }
 
@@ -46,13 +46,13 @@ pub struct SweepVariable {
     pub link: Option<Text>,
     /// Name of a part with one rate: `spring`, `anti_roll_bar`, `rack` or `column`.
     pub rate: Option<Text>,
-    /// True if the values of a rate are factors.
+    /// True if the values of a rate are factors of the study's rate.
     pub relative: Option<Spanned<bool>>,
     /// Axis of the move: `x`, `y` or `z`.
     pub axis: Option<Text>,
-    /// Lowest and highest value. Two numbers are valid.
+    /// Lowest and highest value of the variable. Two numbers are valid.
     pub range: Spanned<Vec<Number>>,
-    /// Number of values in a grid.
+    /// Number of values of the variable in a grid.
     pub steps: Option<Whole>,
     /// True if the values are coordinates instead of offsets.
     pub absolute: Option<Spanned<bool>>,
@@ -64,18 +64,18 @@ pub struct SweepVariable {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Optimise {
-    /// Name of the method.
+    /// Name of the tuning method.
     pub method: Option<Text>,
-    /// Number of starts.
+    /// Number of designs from which the tuning starts.
     pub starts: Option<Whole>,
-    /// Seed of the starts.
+    /// Seed of the random designs from which the tuning starts.
     pub seed: Option<Whole>,
-    /// Largest number of iterations.
+    /// Largest number of iterations of one start.
     pub max_iterations: Option<Whole>,
     /// Largest misfit that is good enough. Among the designs with at most this misfit, the tuning chooses the design with the
     /// smallest change.
     pub good_enough: Option<Number>,
-    /// True if the targets are measurements.
+    /// True if the targets are measured points, with which the tuning compares the design.
     pub fit: Option<Spanned<bool>>,
     /// Number of builds of `[tolerance]` over which the misfit is averaged.
     pub scatter: Option<Whole>,
@@ -85,16 +85,16 @@ pub struct Optimise {
     pub front: Option<Spanned<Vec<Text>>>,
     /// False if the results leave out the changes that no target requests.
     pub side_effects: Option<Spanned<bool>>,
-    /// Design variables.
+    /// Design variables that the tuning changes.
     pub variables: Spanned<Vec<Spanned<Variable>>>,
-    /// Targets.
+    /// Targets of the tuning.
     pub targets: Spanned<Vec<Spanned<Target>>>,
-    /// Constraints.
+    /// Constraints of the tuning.
     #[serde(default)]
     pub constraints: Vec<Spanned<Constraint>>,
 }
 
-/// An element of `variables`.
+/// An element of `variables` of `[optimise]`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Variable {
@@ -112,7 +112,7 @@ pub struct Variable {
     pub link: Option<Text>,
     /// Name of a part with one rate: `spring`, `anti_roll_bar`, `rack` or `column`.
     pub rate: Option<Text>,
-    /// True if the range of a rate is in factors.
+    /// True if the range of a rate is in factors of the study's rate.
     pub relative: Option<Spanned<bool>>,
     /// Displacement of each hardpoint per unit of the variable.
     pub factors: Option<Spanned<Vec<Number>>>,
@@ -130,7 +130,7 @@ pub struct Variable {
     pub cost: Option<Number>,
 }
 
-/// An element of `targets`.
+/// An element of `targets` of `[optimise]`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Target {
@@ -138,33 +138,33 @@ pub struct Target {
     pub case: Option<Text>,
     /// In the study of a car, the axle to which the target applies, over the axle's own motion.
     pub axle: Option<Text>,
-    /// Name of the characteristic.
+    /// Name of the target's characteristic.
     pub characteristic: Option<Text>,
-    /// Name of a point.
+    /// Name of the point whose coordinate is the target.
     pub point: Option<Text>,
-    /// Coordinate of the point.
+    /// Coordinate of the point that is the target: `x`, `y` or `z`.
     pub axis: Option<Text>,
     /// Name or ends of a member whose length is the target.
     pub length: Option<Spanned<MemberName>>,
-    /// Name of a force under a load.
+    /// Name of the force under a load that is the target.
     pub load: Option<Text>,
     /// Name of a result of a `kc` test.
     pub figure: Option<Text>,
     /// Curve: pairs of drive value and target value.
     pub points: Option<Spanned<Vec<Spanned<Vec<Number>>>>>,
-    /// Path of a CSV file with a curve.
+    /// Path of a CSV file with the target curve.
     pub file: Option<Text>,
     /// Column of `file` that contains the values.
     pub column: Option<Text>,
-    /// Single drive value.
+    /// Drive value of a target that applies at a single station.
     pub at: Option<Number>,
     /// Target value at the single drive value.
     pub value: Option<Number>,
-    /// Lower and upper limit.
+    /// Lower and upper limit of the target quantity.
     pub between: Option<Spanned<Vec<LimitText>>>,
-    /// Lower limit.
+    /// Lower limit of the target quantity.
     pub at_least: Option<Spanned<LimitText>>,
-    /// Upper limit.
+    /// Upper limit of the target quantity.
     pub at_most: Option<Spanned<LimitText>>,
     /// For an axle, the coordinate of the motion over which the curve runs.
     pub over: Option<Text>,
@@ -182,7 +182,7 @@ pub struct Target {
     pub steering_wheel_angle: Option<Spanned<Numbers>>,
     /// One or several rack displacements at which the target applies.
     pub rack: Option<Spanned<Numbers>>,
-    /// Name of a motion.
+    /// Name of the motion in which the target applies.
     pub motion: Option<Text>,
     /// Acceptable deviation, in the unit of the quantity.
     pub tolerance: Number,

@@ -9,10 +9,10 @@ use toml::Spanned;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Outputs {
-    /// Names of characteristics.
+    /// Names of the characteristics that are reported.
     #[serde(default)]
     pub characteristics: Vec<Text>,
-    /// Names of points.
+    /// Names of the points whose coordinates are reported.
     #[serde(default)]
     pub points: Vec<Text>,
     /// Members, or pairs of points, whose lengths are reported.
@@ -27,20 +27,20 @@ pub struct Outputs {
     /// Pairs of members whose distance is reported.
     #[serde(default)]
     pub clearances: Vec<Spanned<Vec<Text>>>,
-    /// True if the angular rates of the knuckle are reported.
+    /// True if the angular velocity and acceleration of the knuckle are reported.
     pub knuckle: Option<Spanned<bool>>,
     /// Highest derivative that is reported, with respect to the drive or to time: `position` (none), `velocity` or
     /// `acceleration`.
     pub order: Option<Text>,
     /// Hardpoints for which sensitivities of the outputs are computed.
     pub sensitivities: Option<Selection>,
-    /// True if each pose must be certified.
+    /// True if the error of each pose must be bounded by a certificate.
     pub certify: Option<Spanned<bool>>,
     /// Loads on the wheel for which forces in links and joints are reported.
     pub loads: Option<Spanned<Vec<Load>>>,
 }
 
-/// An element of `loads`.
+/// An element of `loads` of `[outputs]`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Load {

@@ -8,11 +8,11 @@ use toml::Spanned;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Spring {
-    /// Force per length.
+    /// Stiffness of the spring, as force per length.
     pub rate: Option<Number>,
-    /// Force in the design position.
+    /// Force of the spring in the design position.
     pub force: Option<Number>,
-    /// Pairs of length and force.
+    /// Pairs of length and force of the spring.
     pub force_curve: Option<Spanned<Vec<Spanned<Vec<Number>>>>>,
 }
 
@@ -31,7 +31,7 @@ pub struct BumpStop {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tyre {
-    /// Force per length.
+    /// Vertical stiffness of the tyre, as force per length.
     pub rate: Number,
     /// Wheel load at which the tyre has `[wheel] radius`, for a car.
     pub load: Option<Number>,
@@ -41,9 +41,9 @@ pub struct Tyre {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HeaveSpring {
-    /// Force per length.
+    /// Stiffness of the heave spring, as force per length.
     pub rate: Number,
-    /// Force in the design position.
+    /// Force of the heave spring in the design position.
     pub force: Number,
 }
 
@@ -51,9 +51,9 @@ pub struct HeaveSpring {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HeaveBar {
-    /// Torque per radian of the sum of both rocker angles.
+    /// Stiffness of the heave bar: torque per radian of the sum of both rocker angles.
     pub rate: Number,
-    /// Torque in the design position, positive if jounce increases it.
+    /// Torque of the heave bar in the design position, positive if jounce increases it.
     pub torque: Number,
 }
 
@@ -61,7 +61,7 @@ pub struct HeaveBar {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rate {
-    /// Torque per radian.
+    /// Stiffness of the bar, as torque per radian.
     pub rate: Number,
 }
 

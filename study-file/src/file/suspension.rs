@@ -43,7 +43,7 @@ pub struct Suspension {
 pub struct ExtraPoint {
     /// Body with which the point moves.
     pub body: Text,
-    /// Design position.
+    /// Design position of the point.
     pub position: Coordinates,
 }
 
@@ -51,7 +51,7 @@ pub struct ExtraPoint {
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Wheel {
-    /// Loaded radius.
+    /// Loaded radius of the wheel.
     pub radius: Option<Number>,
     /// Width of the tyre.
     pub tyre_width: Option<Number>,

@@ -9,7 +9,7 @@ use toml::Spanned;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Setup {
-    /// Adjustments.
+    /// Adjustments with which the set-up reaches its target values.
     pub adjust: Spanned<Vec<Spanned<Adjustment>>>,
     /// Target values in the static position by name, in the unit of the quantity.
     pub want: Option<BTreeMap<Text, Number>>,
@@ -19,7 +19,7 @@ pub struct Setup {
     pub travel: Option<Number>,
 }
 
-/// An element of `adjust`.
+/// An element of `adjust` of `[setup]`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Adjustment {
@@ -44,21 +44,21 @@ pub struct Adjustment {
 pub struct Tolerance {
     /// Number of builds.
     pub builds: Option<Whole>,
-    /// Seed of the builds.
+    /// Seed of the random builds.
     pub seed: Option<Whole>,
     /// True if toe and camber are set again after assembly.
     pub aligned: Option<Spanned<bool>>,
     /// Dimensions that scatter.
     pub scatter: Spanned<Vec<Spanned<Scatter>>>,
-    /// Limits for the builds.
+    /// Limits of characteristics that define the yield.
     pub bands: Option<Vec<Spanned<Band>>>,
 }
 
-/// An element of `scatter`.
+/// An element of `scatter` of `[tolerance]`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scatter {
-    /// Name of a hardpoint.
+    /// Name of a hardpoint that scatters.
     pub hardpoint: Option<Text>,
     /// Names of several hardpoints that scatter independently.
     pub hardpoints: Option<Spanned<Vec<Text>>>,
@@ -74,31 +74,31 @@ pub struct Scatter {
     pub link: Option<Text>,
     /// Name of a part with one rate: `spring`, `anti_roll_bar`, `rack` or `column`.
     pub rate: Option<Text>,
-    /// True if the scatter of a rate is relative to the rate.
+    /// True if the scatter of a rate is given in fractions of the rate.
     pub relative: Option<Spanned<bool>>,
     /// For an axle, the wheel whose parts scatter. If omitted, the parts of both wheels scatter.
     pub side: Option<Text>,
     /// The one coordinate that scatters. If omitted, all three coordinates scatter.
     pub axis: Option<Text>,
-    /// Standard deviation of a normal scatter.
+    /// Standard deviation of a deviation with a normal distribution.
     pub sigma: Option<Number>,
-    /// Ends of a uniform scatter.
+    /// Ends `[lowest, highest]` of a deviation with a uniform distribution.
     pub limits: Option<Spanned<Vec<Number>>>,
-    /// Standard deviation of each component of a jig's shift.
+    /// Standard deviation of each component of the jig's displacement.
     pub shift: Option<Number>,
-    /// Standard deviation of each component of a jig's turn, degrees.
+    /// Standard deviation of each component of the jig's rotation, degrees.
     pub turn: Option<Number>,
 }
 
-/// An element of `bands`.
+/// An element of `bands` of `[tolerance]`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Band {
-    /// Name of the characteristic.
+    /// Name of the characteristic that the band limits.
     pub characteristic: Text,
-    /// Position in the motion at which the band applies. The default is the whole motion.
+    /// Drive value at which the band applies. The default is the whole motion.
     pub at: Option<Number>,
-    /// Name of the motion. The default is `[motion]`.
+    /// Name of the motion in which the band applies. The default is `[motion]`.
     pub motion: Option<Text>,
     /// For an axle, the coordinate of the motion to which `at` refers.
     pub over: Option<Text>,
@@ -116,10 +116,10 @@ pub struct Band {
     pub steering_wheel_angle: Option<Spanned<Numbers>>,
     /// One or several rack displacements at which the band applies.
     pub rack: Option<Spanned<Numbers>>,
-    /// Lowest and highest value.
+    /// Lowest and highest permitted value of the characteristic.
     pub between: Option<Spanned<Vec<Number>>>,
-    /// Lowest value, if there is no highest value.
+    /// Lowest permitted value of the characteristic, if there is no highest value.
     pub at_least: Option<Number>,
-    /// Highest value, if there is no lowest value.
+    /// Highest permitted value of the characteristic, if there is no lowest value.
     pub at_most: Option<Number>,
 }

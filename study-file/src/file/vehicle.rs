@@ -49,7 +49,7 @@ pub struct OwnRight {
     /// Hardpoints that are not the mirror images of the left ones, with their actual coordinates in the study's axes.
     #[serde(default)]
     pub hardpoints: BTreeMap<Text, Coordinates>,
-    /// Bodies on which ends of springs and rods are mounted, if they differ from those of the left wheel.
+    /// Bodies on which ends of springs and rods are mounted, if they differ from the bodies at the left wheel.
     #[serde(default)]
     pub bodies: BTreeMap<Text, Text>,
     /// Camber and toe of the right wheel.
@@ -78,9 +78,9 @@ pub struct OwnBushing {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OwnAngles {
-    /// Camber in the design position, degrees.
+    /// Camber of the right wheel in the design position, degrees.
     pub static_camber: Option<Number>,
-    /// Toe in the design position, degrees; positive for toe-in.
+    /// Toe of the right wheel in the design position, degrees; positive for toe-in.
     pub static_toe: Option<Number>,
 }
 

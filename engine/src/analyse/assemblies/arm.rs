@@ -33,17 +33,18 @@ use crate::solve::closed_form::{ArmState, ClosedForm};
 use crate::threads::checkpoint;
 use std::f64::consts::PI;
 
-/// Width of a piece (rad) below which the search does not halve it.
+/// Width (rad) of a piece of the arm's rotation below which the search does not halve this piece.
 const NARROWEST: f64 = 1e-10;
-/// Largest number of pieces for each of the four functions. A search of this many pieces takes a quarter of a second.
-/// An ordinary design needs 400 pieces. A design with parallel arms needs 1,500. If the tie rod's lever about the
-/// steering axis is a hundredth of the arm's length, a design needs as many.
+/// Largest number of pieces of the arm's rotation in the search with one of the four functions f of this module. A search of this
+/// many pieces takes a quarter of a second. An ordinary design needs 400 pieces. A design with parallel arms needs 1,500. If the
+/// tie rod's lever about the steering axis is a hundredth of the arm's length, a design needs as many.
 const MOST_PIECES: usize = 20_000;
 /// Width of an undecided piece (rad) below which the search tries Newton's method. After a failed try, the next one follows
 /// when the piece is narrower by the factor `NEXT_TRY`.
 const FIRST_TRY: f64 = 0.02;
 const NEXT_TRY: f64 = 0.1;
-/// Offsets (rad) from an angle at which poses are tried. At a toggle, the angle itself may have no pose.
+/// Offsets (rad) from an arm angle. The search tries poses at the angle plus each offset, because the angle itself may have no pose
+/// at a toggle.
 const BESIDE: [f64; 7] = [0.0, 1e-9, -1e-9, 1e-7, -1e-7, 1e-5, -1e-5];
 /// Largest distance (rad) between an assembly and the piece whose search found this assembly.
 const NEAR: f64 = 1e-4;
@@ -77,7 +78,7 @@ enum Verdict {
 }
 
 impl Search<'_> {
-    /// Finds the assemblies of a mechanism with a closed form.
+    /// Finds the assemblies of a strut or a double wishbone, with the closed form for their poses.
     pub(crate) fn by_arm(&mut self, roles: &Roles) {
         let form = ClosedForm::new(roles, &self.exact);
         let plain = ClosedForm::new(roles, self.solver.design());
@@ -175,7 +176,7 @@ impl Search<'_> {
 }
 
 impl Branch {
-    /// Decides whether a piece has a root.
+    /// Decides whether f(th) = travel has a root on the piece from `low` to `high` (rad). This module explains the function f.
     fn verdict(&self, low: f64, high: f64) -> Verdict {
         let piece = Interval::bounds(low, high);
         let (squares, miss) = self.miss(piece);
@@ -273,7 +274,7 @@ impl Branch {
         })
     }
 
-    /// Computes the root on a piece that has exactly one root. Bisection continues until Newton's method is safe.
+    /// Computes the root on a piece that has exactly one root, by bisection to a width of 1e-12 rad.
     fn refined(&self, mut low: f64, mut high: f64) -> f64 {
         let at = |angle: f64| self.miss(Interval::point(angle)).1[0].value();
         let rising = at(high) > at(low);
@@ -289,10 +290,11 @@ impl Branch {
     }
 }
 
-/// Adds a range of arm angles. If the new range touches the last range, both are joined.
+/// Adds a range of arm angles to the list. If the new range touches the last range of the list, both are joined.
 fn join(ranges: &mut Vec<(f64, f64)>, (low, high): (f64, f64)) {
     match ranges.last_mut() {
-        // The upper half of a piece is taken first, so angles decrease, and the second case is the usual one.
+        // The search takes the upper half of a piece first. So each new range usually lies below the last one, as in the second
+        // case.
         Some(last) if low <= last.1 && high >= last.1 => last.1 = high,
         Some(last) if high >= last.0 && low <= last.0 => last.0 = low,
         _ => ranges.push((low, high)),

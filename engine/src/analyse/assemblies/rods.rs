@@ -15,7 +15,7 @@
 //!
 //! The search applies these steps to a box of (p, v):
 //!
-//! 1. The equation of the height is solved for p_z, and that of each length for each coordinate of p in turn. This
+//! 1. The equation of the height is solved for p_z. The equation of each length is solved for each coordinate of p in turn. This
 //!    makes the box smaller or empty.
 //! 2. The mean-value form of each equation must contain 0. Otherwise the box is dropped.
 //! 3. Krawczyk's operator is K = x - A F(x) + (1 - A J(X)) (X - x), with A an inverse of J in the middle x. All
@@ -35,14 +35,13 @@ use crate::number::{Each, Matrix3, Vector3, array_of};
 use crate::number::{Real, Scalar};
 use crate::threads::checkpoint;
 
-/// Box of values of p and v.
+/// Box of values of p and v of this module: the position of the knuckle's origin and the parameters of the knuckle's rotation.
 type Cell = [Interval; 6];
 
-/// Largest number of boxes. A search of this many boxes takes six or seven seconds. An ordinary design needs 50,000 to
-/// 200,000 boxes.
+/// Largest number of boxes that a search examines. A search of this many boxes takes six or seven seconds. An ordinary design needs
+/// 50,000 to 200,000 boxes.
 const MOST_CELLS: usize = 500_000;
-/// Smallest change of the equations within a box, relative to the mechanism's size, for which the search halves the
-/// box.
+/// Smallest change of the equations within a box, relative to the mechanism's size, for which the search still halves this box.
 const NARROWEST: f64 = 1e-9;
 /// Change of the equations within a box, relative to the mechanism's size, below which the search tries Newton's
 /// method. `MOST_TRIES` is the largest number of tries. A try takes ten times as long as the other steps for a box.
@@ -57,9 +56,9 @@ const NEAR: f64 = 1e-6;
 /// Constants of a rod for one of the four base rotations D. The function [`rods()`] makes them for D = 1.
 #[derive(Clone, Copy)]
 struct Rod {
-    /// Inner end a.
+    /// Inner end a of the rod.
     inner: Vector3<Interval>,
-    /// Lever D b.
+    /// Lever D b: the lever of the rod's outer end, turned by D.
     lever: Vector3<Interval>,
     /// Squared length L^2.
     squared: Interval,
@@ -70,9 +69,9 @@ struct Rod {
 /// Constants of the equations for one of the four base rotations D.
 struct Chart {
     rods: [Rod; 5],
-    /// Lever D e.
+    /// Lever D e: the lever of the wheel centre, turned by D.
     wheel_lever: Vector3<Interval>,
-    /// Height h.
+    /// Required height h of the wheel centre.
     height: Interval,
     /// Diagonal entries of D, each 1 or -1.
     flip: [f64; 3],
@@ -212,7 +211,7 @@ fn rods(mechanism: &Mechanism, design: &[Vector3<Interval>], rack: f64) -> Optio
     rods?.try_into().ok()
 }
 
-/// Returns a box that contains all possible positions of the knuckle's origin: those within reach of the rod with the
+/// Returns a box that contains all possible positions of the knuckle's origin: the positions within reach of the rod with the
 /// shortest reach.
 fn place(rods: &[Rod; 5]) -> Vector3<Interval> {
     let within = |rod: &Rod| {
@@ -305,7 +304,7 @@ impl Chart {
             }
             cell = next;
             one |= inside;
-            // The ratio is NaN if the box is a point.
+            // `left`, the remaining fraction of the box's volume, is NaN if the box is a point.
             if left.is_nan() || left > WORTHWHILE {
                 break moves;
             }
@@ -387,7 +386,7 @@ impl Chart {
     }
 }
 
-/// Rows of C(v).
+/// Rows of the rotation matrix C(v) of this module, over a box.
 fn rotation(cell: &Cell) -> [Vector3<Interval>; 3] {
     let v = [cell[3], cell[4], cell[5]];
     let squares = v.each(Real::squared);

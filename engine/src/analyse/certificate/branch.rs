@@ -21,7 +21,7 @@ impl Solver<'_> {
     /// certified counts as a failure.
     ///
     /// # Errors
-    /// If the design position is singular.
+    /// Returns the fault of the design if the design position is singular.
     pub fn for_each_certified_pose(
         &mut self,
         certifier: &Certifier,
@@ -44,7 +44,7 @@ impl Solver<'_> {
     /// pose, it calls `visit` with the reason.
     ///
     /// # Errors
-    /// If the design position itself is singular.
+    /// Returns the fault of the design if the design position itself is singular.
     pub fn prove_poses(
         &mut self,
         certifier: &Certifier,

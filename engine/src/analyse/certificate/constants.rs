@@ -22,8 +22,8 @@ fn suspensions() -> Vec<Suspension> {
     proved.map(read).collect()
 }
 
-/// Returns the values of the twelve closure equations. `z` is the difference between the numbers of the pose and those
-/// of the design position. Lengths are divided by the scale.
+/// Returns the values of the twelve closure equations. `z` is the displacement from the design position: the change of the pose's
+/// twelve numbers. Lengths are divided by the scale.
 fn equations(suspension: &Suspension, drive: Drive, scale: f64, z: [f64; N]) -> [Interval; N] {
     let mechanism: &Mechanism = &suspension.mechanism;
     let design: Vec<_> = suspension
@@ -83,9 +83,9 @@ fn differences(at: &impl Fn([f64; N]) -> [Interval; N], j: usize, l: usize) -> [
     from_fn(|i| both[i] - first[i] - second[i] + none[i])
 }
 
-/// The test covers every template except the twist beam, and every drive, equation and pair. The stored constant equals
-/// the coefficient of the pair in H(z, z). This coefficient is H_jj for one number, and H_jl + H_lj = 2 H_jl for two
-/// different numbers.
+/// The test covers every template except the twist beam, and every drive, equation and pair of pose numbers. H is the second
+/// derivative of the equations, and z the displacement from the design position. The stored constant equals the coefficient of the
+/// pair in H(z, z). This coefficient is H_jj for one number, and H_jl + H_lj = 2 H_jl for two different numbers.
 #[test]
 fn constants_are_the_second_derivatives_of_every_pair() {
     for suspension in suspensions() {
@@ -121,7 +121,8 @@ fn constants_are_the_second_derivatives_of_every_pair() {
                     }
                 }
             }
-            // Each of the three equations a.b = 0 has three pairs of different numbers.
+            // Three equations require that two columns a, b of the rotation matrix are perpendicular: a.b = 0. Each has three pairs
+            // of different numbers.
             assert!(mixed >= 9, "{name} {drive:?}: {mixed}");
         }
     }
@@ -187,8 +188,8 @@ fn planted_solutions_are_not_beyond_the_radii() {
     }
 }
 
-/// Constants of several pairs are added. Constants of one pair in several equations are added with the weights of the
-/// inverse. The errors of the constants are added in the same way as the constants.
+/// Second derivatives of several pairs are added. Second derivatives of one pair in several equations are added with the weights of
+/// the inverse. The errors of the second derivatives are added in the same way.
 #[test]
 fn constants_of_all_pairs_add_up() {
     let bends = [
@@ -202,7 +203,7 @@ fn constants_of_all_pairs_add_up() {
         planted(8, 2, 5, 0.5),
     ];
     let found = proved(&IDENTITY, &bends, 0.0).unwrap();
-    // |H| of equation 3 is 1 + 1.5 + 0.5 + 0.5, and |H| of equation 8 is 1.
+    // The pairs of equation 3 contribute 1 + 1.5 + 0.5 + 0.5 = 3.5 to |H|, and equation 8 contributes 1. The largest is 3.5.
     let expected = 2.0 / 3.5;
     assert!((found.uniqueness / expected - 1.0).abs() < 1e-9);
     // The inverse subtracts equation 8 from equation 3. Coefficients of the same pair must be added with their signs
@@ -228,8 +229,8 @@ fn constants_of_all_pairs_add_up() {
     );
 }
 
-/// If A = 1 deviates from the exact inverse by z, the radii of x (1 + z) + k x^2 = 0 are those of the equation x (1 -
-/// z) + k x^2 = 0. For z = 1 or more, the certificate fails.
+/// If A = 1 deviates from the exact inverse by z, the radii of x (1 + z) + k x^2 = 0 equal the radii of x (1 - z) + k x^2 = 0. For
+/// z = 1 or more, the certificate fails.
 #[test]
 fn an_inverse_that_is_off_narrows_the_radii() {
     let bends = [planted(4, 1, 6, 0.5)];

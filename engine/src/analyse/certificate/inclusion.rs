@@ -57,7 +57,7 @@ impl Certifier<'_> {
         let one = Interval::point(1.0);
         let defect = Interval::point(defect(&inverse, &jacobian));
         let left = one - defect;
-        // The bound is never NaN, because interval bounds are never NaN.
+        // `left.low` is never NaN, because interval bounds are never NaN.
         if left.low <= 0.0 {
             return Err(Unproven::TooClose);
         }

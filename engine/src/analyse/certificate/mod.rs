@@ -69,6 +69,7 @@ impl Certificate {
     /// Returns a bound on the distance between the exact and the computed position of a knuckle point at `distance`
     /// from the knuckle's origin. The bound does not include the rounding of the computed position itself.
     pub fn point_error(&self, distance: f64) -> f64 {
+        // e is the error, dr the error of the origin, dR the error of the rotation, and b the point relative to the origin.
         // |dr| <= sqrt 3 e, |dR b| <= |dR|_F |b| <= 3 (e/scale) |b|.
         1.7321 * self.error + 3.0 * self.error / self.scale * distance
     }

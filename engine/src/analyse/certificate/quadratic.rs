@@ -28,14 +28,14 @@ use crate::sorting::sort_by_key;
 const V: usize = N + 3;
 const RACK: usize = N;
 const DRIVE: [usize; 2] = [N + 1, N + 2];
-/// A number with its gradient.
+/// A number with its gradient with respect to all variables.
 type Once = Dual<Interval, V>;
-/// A number with its first and second derivatives.
+/// A number with its first and second derivatives with respect to all variables.
 type Twice = Dual<Once, V>;
 
 /// Displacement from the design position: changes of the pose's numbers, of the rack and of the drive.
 pub(crate) type Displacement = [Interval; V];
-/// Jacobian with respect to the pose.
+/// Jacobian of the twelve equations with respect to the twelve numbers of the pose.
 pub(crate) type Jacobian = [[Interval; N]; N];
 
 /// Second derivative of one equation with respect to two variables.
@@ -66,10 +66,11 @@ pub(crate) struct Quadratic {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PoseBend {
     pub equation: usize,
-    /// Index of the pair.
+    /// Index of the pair: 12 j + l with j <= l.
     pub pair: usize,
     pub middle: f64,
-    /// Bound on the error of the interval's middle. It includes the rounding errors of the sums in which the middle is used.
+    /// Bound on the difference between the exact second derivative and `middle`. It includes the rounding errors of the sums in
+    /// which `middle` is used.
     pub off: f64,
 }
 
@@ -173,7 +174,7 @@ impl Quadratic {
         }
     }
 
-    /// Returns the displacement that belongs to a pose and a motion point.
+    /// Returns the displacement from the design position to a pose and a motion point.
     pub(crate) fn displacement(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Displacement {
         let point = MotionPoint {
             drive: point.drive,
@@ -222,7 +223,7 @@ impl Quadratic {
         )
     }
 
-    /// Jacobian J(z) with respect to all variables.
+    /// Jacobian J(z) with respect to all variables, equation (2) of this module.
     fn gradients(&self, z: &Displacement) -> [[Interval; V]; N] {
         let mut gradients = self.linear;
         for b in &self.bends {
@@ -232,7 +233,7 @@ impl Quadratic {
         gradients
     }
 
-    /// Values F(z) and Jacobian J(z).
+    /// Values F(z) and Jacobian J(z), equations (3) and (2) of this module.
     pub(crate) fn linearised(&self, z: &Displacement) -> ([Interval; N], Jacobian) {
         let gradients = self.gradients(z);
         let values = array_of(|i| {
@@ -255,7 +256,8 @@ impl Quadratic {
     ) -> ([[Interval; N]; 3], Jacobian) {
         let mut over: Displacement = array_of(|j| from[j].hull(to[j]));
         let mut along: Displacement = array_of(|j| to[j] - from[j]);
-        // Half the second derivatives of the drive's variables along the line. Zero unless the drive is an angle.
+        // Half the second derivatives of the drive's two variables along the line between the poses. Zero unless the drive is an
+        // angle.
         let mut curved = [Interval::point(0.0); 2];
         let mut along_anywhere = along;
         if self.drive == Drive::ArmAngle {
@@ -280,7 +282,8 @@ impl Quadratic {
             let terms = here[i].iter().zip(&along);
             terms.fold(zero, |sum, (g, v)| sum + *g * *v)
         });
-        // Half the second derivative of the equations along the line: (H(z', z') + J z'')/2.
+        // Half the second derivative of the equations along the line: (H(z', z') + J z'')/2. Primes are derivatives with respect to
+        // t.
         let mut bend: [Interval; N] =
             array_of(|i| anywhere[i][DRIVE[0]] * curved[0] + anywhere[i][DRIVE[1]] * curved[1]);
         for b in &self.bends {

@@ -34,7 +34,7 @@ pub(crate) fn radii(
     residual: f64,
 ) -> Result<Radii, Unproven> {
     let left = Interval::point(1.0) - Interval::point(defect(inverse, jacobian));
-    // The bound is never NaN, because interval bounds are never NaN.
+    // `left.low` is never NaN, because interval bounds are never NaN.
     if left.low <= 0.0 {
         return Err(Unproven::Singular);
     }
@@ -56,7 +56,7 @@ pub(crate) fn radii(
     }
 }
 
-/// Bound on |1 - A J|.
+/// Bound on |1 - A J|, for an approximate inverse A of the Jacobian J.
 pub(crate) fn defect(inverse: &Square, jacobian: &Jacobian) -> f64 {
     let middle = middles(jacobian);
     let off: Square = array_of(|k| {
@@ -80,7 +80,7 @@ pub(crate) fn defect(inverse: &Square, jacobian: &Jacobian) -> f64 {
     largest((0..N).map(row))
 }
 
-/// Bound on |A H|.
+/// Bound on |A H|, for an approximate inverse A and the second derivatives H of the equations.
 fn curvature(inverse: &Square, bends: &[PoseBend]) -> f64 {
     let row = |i: usize| {
         let (mut total, mut unsure) = (0.0, 0.0);
@@ -101,7 +101,7 @@ fn curvature(inverse: &Square, bends: &[PoseBend]) -> f64 {
 /// Returns the largest of several sums of non-negative terms, rounded up. The result includes a bound for underflow.
 fn largest(sums: impl Iterator<Item = f64>) -> f64 {
     sums.fold(0.0, |most: f64, sum| {
-        // The test is false for NaN, so the result is then infinite.
+        // The comparison `bound <= f64::MAX` is false for NaN, so the result is then infinite.
         let bound = sum * UPWARD + f64::MIN_POSITIVE;
         if bound <= f64::MAX {
             most.max(bound)

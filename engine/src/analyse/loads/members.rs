@@ -5,7 +5,7 @@ use super::{FAR, Support};
 use crate::ask::Unit;
 use crate::model::{Arm, Axis, Body, Constraint, Frame, Mechanism, PointId, RockerId, Rod};
 
-/// One of the reactions to a load, in the kernel's frame.
+/// One of the reactions to a load, in the kernel's frame (x forward, y left, z up, for a left wheel).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Carried {
     /// Tension of the rod with these ends, or of a leg of an arm that carries no other part.
@@ -29,7 +29,7 @@ pub enum Carried {
 }
 
 impl Carried {
-    /// Meaning of a positive value.
+    /// Direction of a positive value in words, such as `tension` or `compression`.
     pub fn positive(&self) -> &'static str {
         match self {
             Carried::Tension(..)

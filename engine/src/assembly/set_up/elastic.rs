@@ -50,7 +50,7 @@ pub(super) struct Elastic<'a> {
     /// One wheel, or the left and the right one.
     wheels: Vec<Half<'a>>,
     reads: Reads,
-    /// Factors from the kernel's units to printed units.
+    /// Factor of each value from the kernel's unit (length unit, rad) to the printed unit.
     factors: Vec<f64>,
     /// Length that the spring keeps if an adjustment lifts the car. `None` if no adjustment lifts it, or if the study
     /// gives no spring force. If it is `Some`, the spring's length follows after the other values.
@@ -82,7 +82,8 @@ struct Found {
     rotation: Option<Matrix3<f64>>,
 }
 
-/// Derivatives of the positions of all points of each wheel, and of the tensions of links.
+/// Derivatives of the positions of all points of each wheel, and of the tensions of links. They are with respect to one variable:
+/// an adjustment or the height of the wheel centres.
 struct Moves {
     points: Vec<Vec<Vector3<f64>>>,
     tensions: Vec<f64>,
@@ -97,7 +98,8 @@ impl Found {
         }
     }
 
-    /// Returns the change of a value along these changes of the points and tensions. NaN if the value has no derivatives.
+    /// Returns the change of the value with index `number`, for these changes of points and tensions. NaN if the value has no
+    /// derivatives.
     fn along(&self, number: usize, moves: &Moves) -> f64 {
         if self.by[number].is_empty() {
             return f64::NAN;
@@ -274,8 +276,8 @@ impl<'a> Elastic<'a> {
         Ok((built, found))
     }
 
-    /// Finds the height at which the spring has a given length in equilibrium, by Newton steps with the derivative (10). Starts
-    /// from the height of the rigid mechanism.
+    /// Finds the height at which the spring has a given length in equilibrium, by Newton steps with the derivative in equation (10)
+    /// of this module. Starts from the height of the rigid mechanism.
     fn settle(&self, amounts: &[f64], length: f64) -> Result<(Vec<Built>, Found), SetUpError> {
         let Half { assembler, changes } = &self.wheels[0];
         let height = build(assembler, changes, amounts, Rest::Spring(0.0))?.height;
@@ -318,11 +320,10 @@ impl<'a> Elastic<'a> {
         (Moves { points, tensions }, rises[0])
     }
 
-    /// Returns the part of each value that comes from the pose of the assembled axle: from R and d in (11). With
-    /// `adjustment`, returns the derivative of this part with respect to this adjustment. The part is 0 for values that
-    /// [`FROM_DESIGN`] does not list. It is also 0 for the direction of the axle, because the equilibrium already
-    /// includes R. The derivatives of the equilibrium do not include R, so this function returns them for the direction,
-    /// too.
+    /// Returns the part of each value that comes from the pose of the assembled axle: from R and d in equation (11) of this module.
+    /// With `adjustment`, returns the derivative of this part with respect to this adjustment. The part is 0 for values that
+    /// [`FROM_DESIGN`] does not list. It is also 0 for the direction of the axle, because the equilibrium already includes R. The
+    /// derivatives of the equilibrium do not include R, so this function returns them for the direction, too.
     fn placed(&self, built: &[Built], found: &Found, adjustment: Option<usize>) -> Vec<f64> {
         let mut placed = vec![0.0; self.factors.len() + 1];
         let Reads::Axle(_, reads) = &self.reads else {
@@ -416,7 +417,7 @@ fn is_direction(of: AxleQuantity) -> bool {
     matches!(of, AxleQuantity::AxleSteer | AxleQuantity::PinionAngle)
 }
 
-/// Factors from the kernel's units to printed units.
+/// Factor of each value from the kernel's unit (length unit, rad) to the printed unit.
 fn factors(units: impl Iterator<Item = Unit>, suspension: &Suspension) -> Vec<f64> {
     units
         .map(|unit| unit.printed_factor(suspension.length_unit))

@@ -7,13 +7,13 @@ use nalgebra::{DMatrix, DVector};
 
 /// Largest number of steps of Newton's method.
 const MOST_STEPS: usize = 40;
-/// Ratio of an effect to the largest effect below which the effect counts as zero. A combination of adjustments with
-/// only such effects has no influence on any target value.
+/// Ratio of an adjustment's effect on a value to the largest effect, below which the effect counts as zero. A combination of
+/// adjustments with only such effects has no influence on any target value.
 const FLAT: f64 = 1e-8;
-/// Size of a step, relative to the suspension's size, at which the iteration ends.
+/// Size of a step of the adjustments, relative to the suspension's size, at which the iteration ends.
 const STILL: f64 = 1e-14;
-/// Largest step, relative to the suspension's size, that counts as a rounding error if no fraction of it reduces the
-/// errors.
+/// Largest step of the adjustments, relative to the suspension's size, that counts as a rounding error. It counts as one only if
+/// no fraction of the step reduces the errors of the values.
 const ROUNDING: f64 = 1e-7;
 /// Fraction of a step below which the solver does not halve further.
 const SHORTEST: f64 = 1e-3;
@@ -22,13 +22,13 @@ const SHORTEST: f64 = 1e-3;
 /// others.
 #[derive(Clone, Debug)]
 pub(super) struct Levels {
-    /// Indices of the target values that the threaded adjusters meet exactly: the set S of the equations.
+    /// Indices of the target values that the threaded adjusters meet exactly: the set S in the equations of module `set_up`.
     pub(super) exact: Vec<usize>,
-    /// Indices of the target values whose errors the shims minimise: the set R of the equations.
+    /// Indices of the target values whose errors the shims minimise: the set R in the equations of module `set_up`.
     pub(super) rest: Vec<usize>,
-    /// Indices of the continuous adjustments, such as threaded adjusters.
+    /// Indices of the continuous adjustments, such as threaded adjusters, among all adjustments.
     pub(super) threads: Vec<usize>,
-    /// Indices of the shims.
+    /// Indices of the shims among all adjustments.
     pub(super) shims: Vec<usize>,
 }
 
@@ -58,7 +58,7 @@ pub(super) fn felt(mut rows: DMatrix<f64>) -> Vec<usize> {
     taken
 }
 
-/// Result of an iteration, with its last state.
+/// Result of an iteration that changes adjustments until values meet their targets. Holds the last state.
 pub(super) enum End<S = AdjustedSuspension> {
     /// The values meet their targets, or are as close to them as least squares allows.
     Settled(S),

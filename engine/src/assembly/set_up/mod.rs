@@ -63,9 +63,9 @@
 //! If (2) or (5) misses its aims, the solver drops the aim with the largest error and meets the other aims from that
 //! state. So the solver never reports an aim as out of reach only because another aim prevented it.
 //!
-//! A mechanic fits shims first, then turns the threads by sixteenths of a turn. If toe has an aim, the thread that
-//! changes toe most comes last. The solver also assembles the rounded state. The allowed errors of this state are those
-//! of (7), plus the effect of half a sixteenth of a turn of each thread.
+//! A mechanic fits shims first, then turns the threads by sixteenths of a turn. If toe has an aim, the thread that changes toe most
+//! comes last. The solver also assembles the rounded state. The allowed errors of this state are the errors of equation (7), plus
+//! the effect of half a sixteenth of a turn of each thread.
 
 mod elastic;
 mod levels;
@@ -200,7 +200,7 @@ pub struct SetUp {
 /// A target value that the set-up misses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MissedTarget {
-    /// Static value.
+    /// Static value that misses its target.
     pub of: Static,
     /// Value that is reached, in printed units.
     pub value: f64,
@@ -226,7 +226,7 @@ pub enum SetUpError {
     Absurd {
         /// Index of the adjustment.
         adjustment: usize,
-        /// Amount.
+        /// Required amount of this adjustment.
         amount: f64,
     },
 }

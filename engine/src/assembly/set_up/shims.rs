@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 /// Largest number of shims for which the program tries both neighbouring whole numbers: 2^10 combinations. For further
 /// shims it takes the nearest whole number.
 const MOST_ENUMERATED: usize = 10;
-/// Largest number of combinations of whole shims that are assembled, besides the nearest one.
+/// Largest number of combinations of whole shims that are assembled, besides the combination nearest to the unrounded optimum.
 const MOST_ASSEMBLED: usize = 8;
 /// Difference of two weighted errors below which they count as equal: 0.005 degrees or 0.05 mm. The printed instructions use
 /// the same threshold for effects.
@@ -118,7 +118,7 @@ impl Problem<'_> {
             let is_beyond = levels.rest.iter().any(|i| {
                 let aim = self.aims[*i].value().unwrap_or(f64::NAN);
                 let is_near = (state.values[*i] - aim).abs() <= MET + allowed[*i];
-                // A value that is NaN is not near.
+                // A NaN value counts as beyond its allowed error.
                 !is_near
             });
             let errors = self.errors(&state, &levels.rest).norm();

@@ -29,11 +29,12 @@ impl LaneReader<'_> {
         self.of_rates[number]
     }
 
-    /// Differentiates a quantity y(u, u') that contains velocities. The configuration is a series in the travel. Coefficient
-    /// 1 of the adjoint's result is the gradient with respect to the hardpoints.
+    /// Differentiates a quantity y(u, u') that contains velocities. u are the inputs of its formula, and u' their derivatives with
+    /// respect to the travel. The configuration is a series in the travel, with the variable e. Coefficient 1 of the adjoint's
+    /// result is the gradient with respect to the hardpoints p.
     ///
-    /// Let h and g be the derivatives of y with respect to u and u'. Then dy/dp = h.u_p + g.u_p' is coefficient 1 of the
-    /// series S.u_p for the seed S = g + h e, with constant g and h.
+    /// Let h and g be the derivatives of y with respect to u and u'. Let u_p be the derivative of u with respect to p. Take the
+    /// seed S = g + h e with constant g and h. Then dy/dp = h.u_p + g.u_p' is coefficient 1 of the series S.u_p.
     #[inline(always)]
     pub fn differentiate_rates<B: SimdReal, G: Gradient<Jet<B, 2>> + ?Sized>(
         &self,
@@ -52,8 +53,9 @@ impl LaneReader<'_> {
         });
     }
 
-    /// Adds `weight` times the derivative of one of the four angles with respect to the direction that it reads. Returns
-    /// false if the quantity with this index is not one of these angles. Then use [`LaneReader::differentiate`].
+    /// Adds `weight` times the derivative of an angle with respect to the direction that it reads (spin axis or steering axis).
+    /// Returns false if the quantity with this index is not camber, toe, caster or kingpin inclination. Then use
+    /// [`LaneReader::differentiate`].
     #[inline(always)]
     pub fn add_by_directions<B: SimdReal>(
         &self,
@@ -77,8 +79,8 @@ impl LaneReader<'_> {
         true
     }
 
-    /// Adds seeds for a quantity other than the four angles: `weight` times its derivatives with respect to the configuration
-    /// from which the quantity was read.
+    /// Adds seeds for a quantity: `weight` times its derivatives with respect to the configuration from which the quantity was
+    /// read. Not for camber, toe, caster and kingpin inclination.
     #[inline(always)]
     pub fn differentiate<B: SimdReal, G: Gradient<B> + ?Sized>(
         &self,
@@ -108,7 +110,8 @@ impl LaneReader<'_> {
     }
 }
 
-/// Derivatives with respect to the two directions that angles read. `None` for a direction that no angle reads.
+/// Derivatives with respect to the two directions that angles read: spin axis and steering axis. `None` for a direction that no
+/// angle reads.
 #[derive(Clone, Copy, Debug)]
 pub struct ByDirections<B> {
     spin_axis: Option<Vector3<B>>,
@@ -125,7 +128,7 @@ impl<B> Default for ByDirections<B> {
 }
 
 impl<B: SimdReal> ByDirections<B> {
-    /// Adds the derivatives as seeds, at the configuration from which the inputs were read.
+    /// Adds the derivatives as seeds of the adjoint, at the configuration from which the inputs were read.
     #[inline(always)]
     pub fn seed<G: Gradient<B> + ?Sized>(
         &self,

@@ -61,9 +61,9 @@ enum EvaluationRule {
     /// Slope of this angle with respect to the drive coordinate. If the travel is the drive, this slope is the angle's
     /// gain.
     Slope(Characteristic),
-    /// A coordinate of one of the points.
+    /// A coordinate of the point with this index among the points whose coordinates are read.
     Coordinate(usize, Axis),
-    /// A component of the angular velocity.
+    /// A component of the knuckle's angular velocity.
     AngularVelocity(Axis),
 }
 
@@ -85,9 +85,9 @@ pub struct LaneAxle<B> {
 #[derive(Clone, Debug)]
 pub struct LaneInputs<B> {
     inputs: Inputs<B>,
-    /// Positions of the points, and their velocities.
+    /// Positions and velocities of the points whose coordinates are read.
     points: Vec<[Vector3<B>; 2]>,
-    /// Velocity of the wheel centre and angular velocity with respect to the rack, at constant travel. For a rigid
+    /// Velocity of the wheel centre and angular velocity of the knuckle with respect to the rack, at constant travel. For a rigid
     /// axle, with respect to the travel that the drive does not change.
     by_rack: [Vector3<B>; 2],
     axle: LaneAxle<B>,
@@ -107,7 +107,8 @@ impl<B> LaneInputs<B> {
         &self.inputs
     }
 
-    /// Velocity of the wheel centre and angular velocity with respect to the rack, at constant travel. NaN if not requested.
+    /// Velocity of the wheel centre and angular velocity of the knuckle with respect to the rack, at constant travel. NaN if not
+    /// requested.
     #[inline(always)]
     pub fn by_rack(&self) -> &[Vector3<B>; 2] {
         &self.by_rack
@@ -124,7 +125,7 @@ impl<B> LaneInputs<B> {
 pub struct LaneWheels<B: SimdReal> {
     spin_axis: KnuckleVector<B>,
     designed_spin_axis: DesignedSpinAxis<B>,
-    /// Points on the knuckle.
+    /// Points on the knuckle that are read.
     carried: Vec<KnucklePoint<B>>,
 }
 

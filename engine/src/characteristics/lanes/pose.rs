@@ -7,8 +7,9 @@ use crate::model::{PointId, RockerId};
 use crate::number::{Outlined, SimdReal, Vector3};
 use crate::solve::{LanePose, LaneRates};
 
-/// Smallest squared leverage of a rocker in an accepted lane. With a larger leverage, the rocker is far from its toggle and
-/// rotates at most four times as fast as with full leverage.
+/// Smallest squared leverage of a rocker's rod in an accepted lane. The leverage is 1 if the rod is square to its lever and to the
+/// rocker's axis, and 0 at a toggle. With a larger leverage than this limit, the rocker is far from its toggle. It rotates at most
+/// four times as fast as with full leverage.
 const LEAST_LEVERAGE: f64 = 0.0625;
 
 /// Largest accepted inclination of a spin axis, as its sine. Beyond it the wheel nearly lies on its side, and neither camber
@@ -133,7 +134,7 @@ struct PoseInLanes<'r, 'm, 'c, B: SimdReal, P> {
     at: &'r P,
     /// Velocities, if requested.
     rates: Option<&'r LaneRates<B>>,
-    /// Configuration. It is needed to read a part that is not on the knuckle.
+    /// Configuration of the mechanism in these poses, for parts that are not on the knuckle.
     configuration: Option<&'r Configuration<'c, B>>,
     /// Knuckle that carries the wheel of a steered axle.
     carrier: Option<&'r MovingBody<B>>,

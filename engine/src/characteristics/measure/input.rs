@@ -10,7 +10,7 @@ use crate::number::{Scalar, Vector3};
 pub enum Stud {
     /// Direction from one point to another, in the design position.
     Between(PointId, PointId),
-    /// Given direction, in the design position.
+    /// Direction of the stud in the design position, as the study gives it.
     Along(Vector3<f64>),
 }
 
@@ -39,7 +39,7 @@ pub(crate) enum Input {
     Now(PointId),
     /// Position of a point in the design position.
     Designed(PointId),
-    /// The spin axis.
+    /// Direction of the spin axis in the present pose.
     SpinAxis,
     /// Direction of a stud in the present pose.
     StudNow(Stud),

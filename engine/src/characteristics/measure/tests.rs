@@ -80,10 +80,10 @@ fn a_member_is_inside_of_a_rim_where_its_outer_end_and_its_entry_are() {
     }
 }
 
-/// A measure, its vectors at t = 0, and their rates.
+/// A measure, its vectors at the time t = 0, and their rates.
 type AtKink = (Measure, Vec<Vector3<f64>>, Vec<Vector3<f64>>);
 
-/// Measures at their kinks.
+/// Measures whose vectors reach a kink (a jump of the derivatives) at t = 0.
 fn cases_at_kinks() -> Vec<AtKink> {
     let ids = [PointId(0); 2];
     let still = vector(0.0, 0.0, 0.0);

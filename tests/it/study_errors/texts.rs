@@ -129,7 +129,7 @@ fn overrides_that_do_not_fit() {
             "sweep={ designs = \"\" }",
             "sweep.designs: expected the name of a file, found none",
         ),
-        ("motoin.rack=1", "did you mean \"motion\"?"),
+        ("motoin.rack=1", "did you mean [motion]?"),
     ] {
         let errors = Study::read(&path, &[set.to_owned()])
             .unwrap_err()

@@ -1,7 +1,7 @@
 //! Errors in a study, each with its position in the file and a remedy.
 
 use crate::parse::KeyPlaces;
-use crate::source::advice;
+use crate::source::{absent_study, advice};
 use crate::value::Number;
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use std::fmt;
@@ -56,7 +56,8 @@ impl StudyError {
         }
     }
 
-    /// Error of a study file that cannot be read. For a directory, the remedy names the studies in it.
+    /// Error of a study file that cannot be read. For a directory, the remedy names the studies in it. For a file that does not
+    /// exist, it names a study with a similar name.
     pub fn unread(path: &Path, reason: &str) -> Self {
         let mut error = StudyError::of_file(
             path.display().to_string(),
@@ -67,6 +68,8 @@ impl StudyError {
         let studies: Vec<String> = studies.map(|study| study.display().to_string()).collect();
         if !studies.is_empty() {
             error.help(format!("give a study in it: {}", studies.join(" or ")));
+        } else if let Some(help) = absent_study(path) {
+            error.help(help);
         } else if let Some(advice) = advice(&error.source.name) {
             error.help(advice);
         }

@@ -177,8 +177,8 @@ fn replaced_key(root: &DeTable, text: &str, key: Option<&str>, message: &str) ->
 
 /// Keys and values of a text: the byte range of each, and the path of its key.
 ///
-/// They are in the order of their beginnings. A key or value comes after the value that contains it, so the last range with a byte is
-/// the smallest one.
+/// They are in the order of their beginnings. A key or value comes after the value that contains it. So the last range with a
+/// byte is the smallest one.
 #[derive(Default)]
 pub(crate) struct KeyPlaces(Vec<(Range<usize>, String)>);
 

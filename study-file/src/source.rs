@@ -77,8 +77,8 @@ fn bytes_of(
     Ok(bytes)
 }
 
-/// Help for a study that does not exist: a study with a similar name in the same directory, or the directory that was searched. `None`
-/// if the file exists.
+/// Help for a study that does not exist: a study with a similar name in the same directory, or the directory that was searched.
+/// `None` if the file exists.
 pub fn absent_study(path: &Path) -> Option<String> {
     let name = path.file_name()?.to_str()?;
     if path.exists() {

@@ -248,8 +248,8 @@ pub(super) struct SamplingKeys<'a> {
 pub(super) type Rules = (Option<Sampling>, Option<i64>);
 
 impl SamplingKeys<'_> {
-    /// Reads method and seed before the variables, so that errors in all of them are reported. The default method is Sobol sampling if
-    /// the study gives `samples` without `steps`, and otherwise a grid.
+    /// Reads method and seed before the variables, so that errors in all of them are reported. The default method is Sobol
+    /// sampling if the study gives `samples` without `steps`, and otherwise a grid.
     pub(super) fn rules(&self, problems: &mut Problems) -> Rules {
         let default = if self.samples.is_some() && !self.has_steps {
             Sampling::Sobol

@@ -99,8 +99,8 @@ impl TunedStudy<'_> {
             .collect()
     }
 
-    /// Key of `[wheel]` that gives the value of a target: camber or toe in the design position, if no hardpoint gives the spin axis.
-    /// `None` for other targets.
+    /// Key of `[wheel]` that gives the value of a target: camber or toe in the design position, if no hardpoint gives the spin
+    /// axis. `None` for other targets.
     fn wheel_key(&self, target: &Target) -> Option<&'static str> {
         if matches!(self.study.wheel().mechanism.spin_axis, SpinAxis::From(_)) {
             return None;

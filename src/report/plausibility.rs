@@ -263,7 +263,8 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Warning about the range of a variable that moves points. A range of the wrong kind is also too large, so it gives one warning.
+    /// Warning about the range of a variable that moves points. A range of the wrong kind is also too large; it gives only one
+    /// warning.
     fn variable(&mut self, moves: &[Move], absolute: bool, range: [f64; 2]) {
         let before = self.found.len();
         self.range(moves, absolute, range);

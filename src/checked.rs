@@ -3,7 +3,7 @@
 use crate::curves::Curves;
 use crate::in_motions::InMotion;
 use crate::model::Suspension;
-use crate::report::{FailureRange, remarks_on_motion, variable_plausibility};
+use crate::report::{FailureRange, remarks_on_motion, scatter_doubts, variable_plausibility};
 use crate::solved::Solved;
 use crate::study::{Study, Vehicle};
 
@@ -34,6 +34,7 @@ impl<'s> Checked<'s> {
     pub fn remarks(&self, study: &Study) -> Vec<String> {
         let mut remarks = self.plausibility.clone();
         remarks.extend(variable_plausibility(study));
+        remarks.extend(scatter_doubts(study));
         remarks.extend(self.motions().remarks(study.wheel()));
         remarks
     }

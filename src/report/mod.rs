@@ -89,8 +89,8 @@ pub use page::{
 pub use picture::{Picture, picture_names, pictures};
 pub use places::{Clearance, Places, Rim, Shape};
 pub use plausibility::{
-    axle_plausibility, both_wheels_plausibility, plausibility, rack_doubt, spring_doubts,
-    study_doubts, variable_plausibility,
+    axle_plausibility, both_wheels_plausibility, plausibility, rack_doubt, scatter_doubts,
+    spring_doubts, study_doubts, variable_plausibility,
 };
 pub use record::{
     BandCurve, DesignRecord, DrawnDesign, MotionRecord, NamedMotionRecord, OutputRecord, Record,

@@ -5,6 +5,7 @@ mod axle;
 mod carrier;
 mod distances;
 mod rack;
+mod size;
 mod slip;
 mod spring;
 mod track;
@@ -12,6 +13,7 @@ mod tuning;
 
 pub use axle::{axle_plausibility, both_wheels_plausibility};
 pub use rack::rack_doubt;
+pub use size::scatter_doubts;
 pub use spring::spring_doubts;
 
 use super::figure::{as_written, resolution, with_decimals};
@@ -84,8 +86,8 @@ fn doubts(suspension: &Suspension) -> Result<Vec<String>, DesignFault> {
     Ok(remarks.found)
 }
 
-/// Warnings about a study, one per line: about its wheel, or its axle over the motion; about its rack, its variables and its
-/// targets. An error states the wheel whose design cannot be solved.
+/// Warnings about a study, one per line: about its wheel, or its axle over the motion; about its rack, its variables, its targets
+/// and its scatters. An error states the wheel whose design cannot be solved.
 pub fn study_doubts(study: &Study) -> Result<Vec<String>, (Side, DesignFault)> {
     let mut found = match study.axle() {
         None => plausibility(study.wheel()).map_err(|fault| (Side::Left, fault))?,
@@ -96,11 +98,13 @@ pub fn study_doubts(study: &Study) -> Result<Vec<String>, (Side, DesignFault)> {
     };
     found.extend(rack_doubt(study));
     found.extend(variable_plausibility(study));
+    found.extend(scatter_doubts(study));
     Ok(found)
 }
 
 /// Warnings about the variables and targets of a study, one per line. They report ranges of coordinates where the key expects
-/// offsets, ranges of offsets where it expects coordinates, and target points far beyond the motion.
+/// offsets, ranges of offsets where it expects coordinates, ranges that are large for the suspension, and target points far beyond
+/// the motion.
 pub fn variable_plausibility(study: &Study) -> Vec<String> {
     let mut remarks = PlausibilityRemarks {
         suspension: study.wheel(),
@@ -108,11 +112,11 @@ pub fn variable_plausibility(study: &Study) -> Vec<String> {
     };
     if let Some(Designs::Sampled(sampled)) = study.sweep.as_ref().map(|sweep| &sweep.designs) {
         for variable in &sampled.variables {
-            remarks.range(&variable.moves, variable.absolute, variable.range);
+            remarks.variable(&variable.moves, variable.absolute, variable.range);
         }
     }
     for variable in study.optimise.iter().flat_map(|o| &o.variables) {
-        remarks.range(&variable.moves, false, variable.range);
+        remarks.variable(&variable.moves, false, variable.range);
     }
     remarks.found.extend(tuning::target_doubts(study));
     remarks.found
@@ -256,6 +260,16 @@ impl<'a> PlausibilityRemarks<'a> {
                     "{front} is behind {rear}. Are they exchanged, or does x point rearward (frame = \"x_rear\")?"
                 ));
             }
+        }
+    }
+
+    /// Warning about the range of a variable that moves points. A range of the wrong kind is also too large; it gives only one
+    /// warning.
+    fn variable(&mut self, moves: &[Move], absolute: bool, range: [f64; 2]) {
+        let before = self.found.len();
+        self.range(moves, absolute, range);
+        if self.found.len() == before {
+            self.reach(moves, absolute, range);
         }
     }
 

@@ -1,12 +1,14 @@
 //! Errors in a study, each with its position in the file and a remedy.
 
 use crate::parse::KeyPlaces;
-use crate::source::advice;
+use crate::source::{absent_study, advice};
+use crate::value::Number;
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use std::fmt;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
+use toml::Spanned;
 
 /// A text that was read, with its name for messages.
 #[derive(Debug, PartialEq)]
@@ -54,7 +56,8 @@ impl StudyError {
         }
     }
 
-    /// Error of a study file that cannot be read. For a directory, the remedy names the studies in it.
+    /// Error of a study file that cannot be read. For a directory, the remedy names the studies in it. For a file that does not
+    /// exist, it names a study with a similar name.
     pub fn unread(path: &Path, reason: &str) -> Self {
         let mut error = StudyError::of_file(
             path.display().to_string(),
@@ -65,6 +68,8 @@ impl StudyError {
         let studies: Vec<String> = studies.map(|study| study.display().to_string()).collect();
         if !studies.is_empty() {
             error.help(format!("give a study in it: {}", studies.join(" or ")));
+        } else if let Some(help) = absent_study(path) {
+            error.help(help);
         } else if let Some(advice) = advice(&error.source.name) {
             error.help(advice);
         }
@@ -123,21 +128,30 @@ impl StudyError {
     /// Message with the file, the line number, the line itself, and a mark under the faulty text. If `colour` is true, the
     /// message has colours for a terminal.
     pub fn render(&self, colour: bool) -> String {
+        self.rendered(colour, &mut LastLine::default())
+    }
+
+    fn rendered(&self, colour: bool, last: &mut LastLine) -> String {
         let title = match &self.key {
             Some(key) => format!("{key}: {}", self.message),
             None => self.message.clone(),
         };
         let mut group = match &self.span {
             Some(span) => {
+                let text = self.source.text.as_str();
+                let excerpt = self.excerpt(span);
+                let first = excerpt.start;
+                let within = |span: &Range<usize>| span.start - first..span.end - first;
                 let related = self.related.iter().map(|(span, label)| {
                     AnnotationKind::Context
-                        .span(span.clone())
+                        .span(within(span))
                         .label(label.as_str())
                 });
                 Level::ERROR.primary_title(title).element(
-                    Snippet::source(self.source.text.as_str())
+                    Snippet::source(&text[excerpt])
+                        .line_start(last.number(&self.source, first))
                         .path(self.source.name.as_str())
-                        .annotation(AnnotationKind::Primary.span(span.clone()))
+                        .annotation(AnnotationKind::Primary.span(within(span)))
                         .annotations(related),
                 )
             }
@@ -155,6 +169,38 @@ impl StudyError {
             Renderer::plain()
         };
         renderer.render(&[group])
+    }
+
+    /// Lines with the error and its related positions. The renderer reads its whole source, so it gets only these lines.
+    fn excerpt(&self, span: &Range<usize>) -> Range<usize> {
+        let text = &self.source.text;
+        let spans = || self.related.iter().map(|(span, _)| span).chain([span]);
+        let first = spans().map(|span| span.start).min().unwrap_or(span.start);
+        let last = spans().map(|span| span.end).max().unwrap_or(span.end);
+        // The renderer shows an error after the last line end in the last line.
+        let inside = text[..first].trim_end_matches(['\r', '\n']).len();
+        let first = if first == text.len() { inside } else { first };
+        let begin = text[..first].rfind('\n').map_or(0, |at| at + 1);
+        let end = text[last..]
+            .find('\n')
+            .map_or(text.len(), |at| last + at + 1);
+        begin..end
+    }
+}
+
+/// Line of the position that was counted last. If the positions increase, all of them are counted in one pass over the text.
+#[derive(Default)]
+struct LastLine(Option<(Arc<Source>, usize, usize)>);
+
+impl LastLine {
+    /// Number of the line with this position, from 1.
+    fn number(&mut self, source: &Arc<Source>, at: usize) -> usize {
+        let known = self.0.as_ref();
+        let known = known.filter(|(own, place, _)| Arc::ptr_eq(own, source) && *place <= at);
+        let (place, line) = known.map_or((0, 1), |(_, place, line)| (*place, *line));
+        let line = line + source.text[place..at].matches('\n').count();
+        self.0 = Some((source.clone(), at, line));
+        line
     }
 }
 
@@ -187,7 +233,9 @@ impl StudyErrors {
 
     /// Text of all errors; see [`StudyError::render`].
     pub fn render(&self, colour: bool) -> String {
-        let rendered: Vec<String> = self.0.iter().map(|e| e.render(colour)).collect();
+        let mut last = LastLine::default();
+        let rendered = self.0.iter().map(|e| e.rendered(colour, &mut last));
+        let rendered: Vec<String> = rendered.collect();
         rendered.join("\n\n")
     }
 }
@@ -241,6 +289,29 @@ impl Problems {
         None
     }
 
+    /// Records an error about a list with a wrong number of values. Returns `None` as the missing value. If decimal commas explain
+    /// the number of values, the help says so. `expected` is the correct number of values.
+    pub fn refuse_count<T>(
+        &mut self,
+        list: &Spanned<Vec<Number>>,
+        expected: usize,
+        message: impl Into<String>,
+    ) -> Option<T> {
+        let values = list.get_ref();
+        let are_whole = values.iter().all(|number| number.value.fract() == 0.0);
+        let error = self.add(list.span(), message);
+        if let [whole, fraction, ..] = &values[..]
+            && values.len() == 2 * expected
+            && are_whole
+        {
+            let [whole, fraction] = [whole.value, fraction.value];
+            error.help(format!(
+                "are these decimal commas? Write {whole}.{fraction} instead of {whole},{fraction}"
+            ));
+        }
+        None
+    }
+
     /// Records errors found in another file.
     pub fn append(&mut self, errors: StudyErrors) {
         self.errors.extend(errors.0);
@@ -254,6 +325,42 @@ impl Problems {
                 self.errors
                     .sort_by_key(|e| e.span.as_ref().map_or(0, |span| span.start));
                 Err(StudyErrors(self.errors))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The excerpt has the same lines, numbers and marks as the whole text.
+    #[test]
+    fn an_excerpt_shows_the_same_as_the_whole_text() {
+        for text in ["a = 1\nbé = 2\r\n\nc = [1,\n  2]\n", "a = 1\r\n\r\n", "a"] {
+            let source = Arc::new(Source {
+                name: "study.toml".to_owned(),
+                text: text.to_owned(),
+            });
+            let mut last = LastLine::default();
+            let places = || (0..=text.len()).filter(|at| text.is_char_boundary(*at));
+            for at in places() {
+                for other in places() {
+                    let mut error = StudyError::new(source.clone(), Some(at..at + 1), "wrong");
+                    error.related(other..other + 1, "here");
+                    let [own, related] = [error.span.clone().unwrap(), error.related[0].0.clone()];
+                    let whole = Snippet::source(text)
+                        .path("study.toml")
+                        .annotation(AnnotationKind::Primary.span(own))
+                        .annotation(AnnotationKind::Context.span(related).label("here"));
+                    let whole = Level::ERROR.primary_title("wrong").element(whole);
+                    let whole = Renderer::plain().render(&[whole]);
+                    assert_eq!(
+                        error.rendered(false, &mut last),
+                        whole,
+                        "{text:?} {at} {other}"
+                    );
+                }
             }
         }
     }

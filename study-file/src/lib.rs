@@ -32,4 +32,5 @@ pub mod overrides;
 pub mod parse;
 pub mod schema;
 pub mod source;
+mod syntax;
 pub mod value;

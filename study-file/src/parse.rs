@@ -4,9 +4,13 @@ use crate::car_file::CarFile;
 use crate::error::{Source, StudyError, StudyErrors};
 use crate::file::File;
 use crate::names::nearest;
+use crate::schema::{self, Root};
 use crate::source::advice;
+use crate::syntax;
 use crate::value::Number;
 use serde::de::DeserializeOwned;
+use serde::de::value::MapDeserializer;
+use std::cmp::Reverse;
 use std::ops::Range;
 use std::sync::Arc;
 use toml::Spanned;
@@ -38,13 +42,18 @@ fn parse_as<T: DeserializeOwned>(source: &Arc<Source>) -> Result<T, StudyErrors>
     }
     let root = DeTable::parse(text).map_err(|error| {
         let message = format!("not valid TOML: {}", error.message().replace('\n', "; "));
-        let mut error = StudyError::new(source.clone(), error.span(), message);
-        if let Some(advice) = advice(&source.name) {
-            error.help(advice);
+        let place = error.span();
+        let mut parsed = StudyError::new(source.clone(), place.clone(), message);
+        let cause = || syntax::cause(text, error.message(), place?);
+        if let Some(help) = advice(&source.name).map(str::to_owned).or_else(cause) {
+            parsed.help(help);
         }
-        error
+        parsed
     })?;
     let file = toml::from_str(text).map_err(|error| {
+        if let Some(unknown) = unknown_section::<T>(source, root.get_ref()) {
+            return unknown;
+        }
         // A section that is completely missing has no position.
         let span = error.span().filter(|span| *span != root.span());
         let place = span.clone().and_then(|span| text.get(span)).unwrap_or("");
@@ -54,7 +63,7 @@ fn parse_as<T: DeserializeOwned>(source: &Arc<Source>) -> Result<T, StudyErrors>
         let replaced = replaced_key(root.get_ref(), text, key.as_deref(), error.message());
         let (message, help) = match replaced {
             Some(message) => (message, None),
-            None => in_plain_words(error.message(), place),
+            None => in_plain_words(error.message(), place, kind_of(root.get_ref())),
         };
         let mut error = StudyError::new(source.clone(), span, message);
         error.key_named(key);
@@ -64,6 +73,76 @@ fn parse_as<T: DeserializeOwned>(source: &Arc<Source>) -> Result<T, StudyErrors>
         error
     })?;
     Ok(file)
+}
+
+/// Kind of study with these sections.
+fn kind_of(root: &DeTable) -> Root {
+    if root.get("car").is_some() {
+        Root::Car
+    } else {
+        Root::Suspension
+    }
+}
+
+/// Error about the first section or key at the top of the file that is unknown. A misspelt section often causes another error, such
+/// as a missing section, so this error has priority. `None` if all sections are known.
+fn unknown_section<T: DeserializeOwned>(
+    source: &Arc<Source>,
+    root: &DeTable,
+) -> Option<StudyError> {
+    // A table with this key alone: the type refuses the key if it is unknown, and otherwise the number.
+    let refused = |name: &str| {
+        let alone = MapDeserializer::<_, serde::de::value::Error>::new(std::iter::once((name, 0)));
+        let message = T::deserialize(alone).err()?.to_string();
+        message
+            .starts_with(&format!("unknown field `{name}`"))
+            .then_some(message)
+    };
+    let unknown = root.iter().filter_map(|(key, value)| {
+        let message = refused(key.get_ref())?;
+        Some((key, value, message))
+    });
+    let (key, value, message) = unknown.min_by_key(|(key, ..)| key.span().start)?;
+    let (name, known) = unknown_and_known(&message)?;
+    let is_section = matches!(value.get_ref(), DeValue::Table(_) | DeValue::Array(_));
+    let what = if is_section {
+        format!("section [{name}]")
+    } else {
+        format!("key \"{name}\"")
+    };
+    let message = format!("unknown {what}; known here: {}", known.join(", "));
+    let mut error = StudyError::new(source.clone(), Some(key.span()), message);
+    error.key_named(Some(name.to_owned()));
+    if let Some(help) = section_meant(name, &known, kind_of(root)) {
+        error.help(help);
+    }
+    Some(error)
+}
+
+/// Help for an unknown section: the section or the key that the user probably meant.
+fn section_meant(name: &str, known: &[&str], kind: Root) -> Option<String> {
+    let is_known = |section: &&str| known.contains(&section.split('.').next().unwrap_or(""));
+    if CAR_SECTIONS.contains(&name) && kind == Root::Suspension {
+        return Some(format!(
+            "[{name}] is a section of the study of a car, which also has a section [car]: `hardpoint new car` prints such a study"
+        ));
+    }
+    let plain = name.to_lowercase().replace('-', "_");
+    let usual = SECTIONS.iter().find(|(usual, _)| *usual == plain);
+    let usual = usual.map(|(_, own)| *own).filter(is_known);
+    let near = usual.or_else(|| nearest(name, known.iter().copied()));
+    near.map(|near| format!("did you mean [{near}]?"))
+        .or_else(|| section_of_key(&plain, kind))
+}
+
+/// Help for an unknown key that other sections of the study have.
+fn section_of_key(name: &str, kind: Root) -> Option<String> {
+    let keys = schema::keys(kind);
+    let own = keys
+        .iter()
+        .filter(|(section, key)| key == name && !section.contains('.'));
+    let sections: Vec<String> = own.map(|(section, _)| format!("[{section}]")).collect();
+    (!sections.is_empty()).then(|| format!("\"{name}\" is a key of {}", sections.join(" and ")))
 }
 
 /// Explains a key that this version or this kind of study replaces by another key. `None` for other messages.
@@ -98,7 +177,8 @@ fn replaced_key(root: &DeTable, text: &str, key: Option<&str>, message: &str) ->
 
 /// Keys and values of a text: the byte range of each, and the path of its key.
 ///
-/// A key or value comes before the value that contains it. So the first range with a byte is the smallest one.
+/// They are in the order of their beginnings. A key or value comes after the value that contains it. So the last range with a
+/// byte is the smallest one.
 #[derive(Default)]
 pub(crate) struct KeyPlaces(Vec<(Range<usize>, String)>);
 
@@ -109,12 +189,19 @@ impl KeyPlaces {
         if let Ok(root) = DeTable::parse(text) {
             places.add_table(root.get_ref(), "");
         }
+        // Contained ranges were added first.
+        places.0.reverse();
+        places
+            .0
+            .sort_by_key(|(place, _)| (place.start, Reverse(place.end)));
         places
     }
 
     /// Path of the key whose name or value is at this byte, such as `optimise.variables[0].range`. `None` if there is no key.
     pub(crate) fn key_at(&self, at: usize) -> Option<String> {
-        let found = self.0.iter().find(|(place, _)| place.contains(&at));
+        let begun = self.0.partition_point(|(place, _)| place.start <= at);
+        let mut begun = self.0[..begun].iter().rev();
+        let found = begun.find(|(place, _)| place.contains(&at));
         found.map(|(_, path)| path.clone())
     }
 
@@ -150,26 +237,45 @@ impl KeyPlaces {
 /// Sections that only the study of a car has.
 const CAR_SECTIONS: [&str; 2] = ["cases", "gg_map"];
 
+/// Usual names of sections that do not resemble the names in this program, each with the corresponding section of this program.
+const SECTIONS: [(&str, &str); 17] = [
+    ("hardpoint", "suspension.hardpoints"),
+    ("hardpoints", "suspension.hardpoints"),
+    ("points", "suspension.hardpoints"),
+    ("coordinates", "suspension.hardpoints"),
+    ("geometry", "suspension.hardpoints"),
+    ("optimisation", "optimise"),
+    ("optimization", "optimise"),
+    ("optimizer", "optimise"),
+    ("tuning", "optimise"),
+    ("objectives", "optimise"),
+    ("scatter", "tolerance"),
+    ("tires", "tyre"),
+    ("stabilizer", "anti_roll_bar"),
+    ("stabiliser", "anti_roll_bar"),
+    ("sway_bar", "anti_roll_bar"),
+    ("travel", "motion"),
+    ("bushes", "bushings"),
+];
+
+/// Name of the unknown key in a message of serde, and the known keys.
+fn unknown_and_known(message: &str) -> Option<(&str, Vec<&str>)> {
+    let rest = message.strip_prefix("unknown field `")?;
+    let (name, candidates) = rest.split_once("`, ").unwrap_or((rest, ""));
+    Some((name, candidates.split('`').skip(1).step_by(2).collect()))
+}
+
 /// Rewrites a serde message in plain words, and adds help if possible. `place` is the text to which the message
-/// refers.
-fn in_plain_words(message: &str, place: &str) -> (String, Option<String>) {
+/// refers, `kind` the kind of the study.
+fn in_plain_words(message: &str, place: &str, kind: Root) -> (String, Option<String>) {
     // The parser presents dates as tables with a key of this kind.
     if message.contains("$__toml_private") {
         return ("a date is not expected here".to_owned(), None);
     }
-    if let Some(rest) = message.strip_prefix("unknown field `") {
-        let (name, candidates) = rest.split_once("`, ").unwrap_or((rest, ""));
-        let known: Vec<&str> = candidates.split('`').skip(1).step_by(2).collect();
+    if let Some((name, known)) = unknown_and_known(message) {
         let message = format!("unknown key \"{name}\"; known here: {}", known.join(", "));
-        let is_of_car = CAR_SECTIONS.contains(&name) && known.contains(&"suspension");
-        let help = if is_of_car {
-            Some(format!(
-                "[{name}] is a section of the study of a car, which also has a section [car]: `hardpoint new car` prints such a study"
-            ))
-        } else {
-            nearest(name, known).map(|near| format!("did you mean \"{near}\"?"))
-        };
-        return (message, help);
+        let near = nearest(name, known).map(|near| format!("did you mean \"{near}\"?"));
+        return (message, near.or_else(|| section_of_key(name, kind)));
     }
     if let Some(rest) = message.strip_prefix("missing field `") {
         let name = rest.trim_end_matches('`');
@@ -185,14 +291,18 @@ fn in_plain_words(message: &str, place: &str) -> (String, Option<String>) {
         .find_map(|prefix| message.strip_prefix(prefix))
         .and_then(|rest| rest.rsplit_once(", expected "));
     if let Some((found, expected)) = mismatch {
-        let message = format!("expected {}, found {}", kind(expected), value(found, place));
+        let message = format!(
+            "expected {}, found {}",
+            expected_kind(expected),
+            value(found, place)
+        );
         return (message, None);
     }
     (message.trim().replace('\n', "; "), None)
 }
 
 /// Describes in words the kind of value that serde expected.
-fn kind(expected: &str) -> &str {
+fn expected_kind(expected: &str) -> &str {
     match expected {
         "i64" => "a whole number",
         "a string" => "a text in quotes",

@@ -1,5 +1,6 @@
 //! Reads texts from files and from standard input.
 
+use crate::names::nearest;
 use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
@@ -74,6 +75,30 @@ fn bytes_of(
         ));
     }
     Ok(bytes)
+}
+
+/// Help for a study that does not exist: a study with a similar name in the same directory, or the directory that was searched.
+/// `None` if the file exists.
+pub fn absent_study(path: &Path) -> Option<String> {
+    let name = path.file_name()?.to_str()?;
+    if path.exists() {
+        return None;
+    }
+    let given = path.parent().filter(|own| !own.as_os_str().is_empty());
+    let given = given.unwrap_or(Path::new("."));
+    let shown = std::path::absolute(given).unwrap_or(given.to_owned());
+    let Ok(entries) = given.read_dir() else {
+        return Some(format!("there is no directory {}", shown.display()));
+    };
+    let entries = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+    let studies: Vec<String> = entries.filter(|own| own.ends_with(".toml")).collect();
+    Some(match nearest(name, studies.iter().map(String::as_str)) {
+        Some(near) => format!("did you mean {}?", path.with_file_name(near).display()),
+        None => format!(
+            "{} has no study with a similar name. `hardpoint new macpherson --out study.toml` writes a study",
+            shown.display()
+        ),
+    })
 }
 
 /// Advice for a file that another program has written, such as a table of points. `None` for other names.

@@ -13,7 +13,7 @@ use hardpoint::mechanism::LimitCause;
 use hardpoint::model::Drive;
 use hardpoint::number::Vector3;
 use hardpoint::plan::Plan;
-use hardpoint::solve::{Rejection, Solver, StationOrder};
+use hardpoint::solve::{Acceptance, Rejection, Solver, StationOrder};
 use hardpoint::study::Study;
 use serde_json::Value;
 use std::ops::ControlFlow;
@@ -438,4 +438,22 @@ fn what_is_left_to_the_continuation_has_a_reason() {
     let beyond = solved("double_wishbone_solve.toml", wide);
     let left = beyond.left_to_continuation.iter().map(|(_, count)| count);
     assert_eq!((left.sum::<usize>(), beyond.failed()), (9, 9));
+}
+
+/// A pose that fails several checks has the reason of the first one. A pose that passes all checks has no reason.
+#[test]
+fn the_first_check_that_fails_gives_the_reason() {
+    for first in Rejection::ALL {
+        let mut acceptance = Acceptance::everywhere(0.0_f64);
+        acceptance.require(true, first);
+        assert!(acceptance.lanes() && acceptance.reason(0).is_none());
+        acceptance.require(false, first);
+        for second in Rejection::ALL {
+            for passes in [true, false] {
+                acceptance.require(passes, second);
+                assert!(!acceptance.lanes());
+                assert_eq!(acceptance.reason(0), Some(first), "before {second:?}");
+            }
+        }
+    }
 }

@@ -239,6 +239,9 @@ impl CarStudy {
             if let Some(message) = message {
                 let mut error = StudyError::new(source, Some(written.span()), message);
                 error.key_named(Some(format!("car.{end}")));
+                if let Some(help) = source::absent_study(path) {
+                    error.help(help);
+                }
                 return Err(error.into());
             }
         }

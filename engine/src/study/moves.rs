@@ -85,7 +85,7 @@ pub(super) fn range(
         other => {
             let found = other.len();
             let message = format!("expected two {what} [lowest, highest], found {found}");
-            return problems.refuse(written.span(), message);
+            return problems.refuse_count(written, 2, message);
         }
     };
     if low == high {

@@ -279,7 +279,7 @@ pub(super) fn three(
         [x, y, z] => Some(Vector3::new(x.value, y.value, z.value)),
         other => {
             let message = format!("expected three {what}, found {}", other.len());
-            problems.refuse(list.span(), message)
+            problems.refuse_count(list, 3, message)
         }
     }
 }

@@ -216,6 +216,10 @@ fn sampled(
         method: &written.method,
         samples: &written.samples,
         seed: &written.seed,
+        has_steps: variables
+            .get_ref()
+            .iter()
+            .any(|v| v.get_ref().steps.is_some()),
     };
     let rules = asked.rules(problems);
     let listed = some(variables, "variable", problems)?;
@@ -237,16 +241,23 @@ pub(super) struct SamplingKeys<'a> {
     pub samples: &'a Option<Whole>,
     /// Seed of the samples.
     pub seed: &'a Option<Whole>,
+    /// True if a variable has `steps`.
+    pub has_steps: bool,
 }
 
 /// Method and seed. A value with an error is `None`.
 pub(super) type Rules = (Option<Sampling>, Option<i64>);
 
 impl SamplingKeys<'_> {
-    /// Reads method and seed before the variables, so that errors in all of them are reported.
+    /// Reads method and seed before the variables, so that errors in all of them are reported. The default method is Sobol
+    /// sampling if the study gives `samples` without `steps`, and otherwise a grid.
     pub(super) fn rules(&self, problems: &mut Problems) -> Rules {
-        let grid = Sampling::Grid;
-        let method = choose_or(self.method, grid, "method", &Sampling::ALL, problems);
+        let default = if self.samples.is_some() && !self.has_steps {
+            Sampling::Sobol
+        } else {
+            Sampling::Grid
+        };
+        let method = choose_or(self.method, default, "method", &Sampling::ALL, problems);
         let seed = match self.seed {
             None => Some(1),
             Some(seed) => within(seed, 0..=i64::from(u32::MAX), problems),
@@ -315,7 +326,7 @@ fn grid_points(
                 variable.name
             );
             let error = problems.add(place.clone(), message);
-            error.help("or method = \"sobol\" with samples");
+            error.help("or give the number of designs instead: samples = 1000 in [sweep]");
             return None;
         }
     }

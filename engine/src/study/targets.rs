@@ -241,7 +241,7 @@ fn curve(
                 "expected a pair [drive value, target value], found {} numbers",
                 point.get_ref().len()
             );
-            return problems.refuse(point.span(), message);
+            return problems.refuse_count(point, 2, message);
         };
         let last = curve.last().filter(|_| !as_measured);
         if let Some([before, _]) = last.filter(|[before, _]| *before >= drive.value) {

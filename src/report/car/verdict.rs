@@ -60,7 +60,7 @@ impl CarVerdict<'_> {
     /// Remarks on targets and constraints, in sentences.
     pub fn remarks(&self) -> Vec<String> {
         let unmoved = self.unmoved().into_iter();
-        let mut remarks: Vec<String> = unmoved.map(|name| unmoved_in_words(&name)).collect();
+        let mut remarks: Vec<String> = unmoved.map(|name| unmoved_in_words(&name, None)).collect();
         remarks.extend(self.hardly_moved().iter().map(SlightEffectRecord::in_words));
         let ends = AxleEnd::ALL.into_iter();
         remarks.extend(ends.filter_map(|end| self.fixed_spring_force(end)));

@@ -30,6 +30,7 @@ use crate::model::Axis;
 use crate::optimise::{ActiveBound, ConstraintOutcome, Direction, Fulfilment, Price, Tuning};
 use crate::study::{Limit, Optimise, Study, Target, Wanted};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Content of `summary.json` of an optimisation.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -75,6 +76,9 @@ pub struct TuningSummary {
     /// Missed targets that no variable changes.
     #[serde(default)]
     unmoved: Vec<String>,
+    /// Keys of `[wheel]` that give the values of such targets, by the name of the target.
+    #[serde(default)]
+    unmoved_keys: BTreeMap<String, String>,
     /// Missed targets that the variables hardly change.
     #[serde(default)]
     hardly_moved: Vec<SlightEffectRecord>,

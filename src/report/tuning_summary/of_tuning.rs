@@ -1,11 +1,13 @@
 //! Makes the summary of a tuning.
 
 use super::*;
-use crate::characteristics::{Measure, Quantity};
+use crate::axle::Quantity as OfAxle;
+use crate::characteristics::{Characteristic, Measure, Quantity};
+use crate::model::SpinAxis;
 use crate::number::Vector3;
 use crate::optimise::StandardErrors;
 use crate::report::record::readable_unit;
-use crate::study::{Constraint, Rate, Variable};
+use crate::study::{Constraint, Drive, Rate, TargetKind, Variable};
 
 impl TuningSummary {
     /// Summarises a tuning. `after` has the curves of the tuned design. Prices, side effects and yields are added later.
@@ -43,6 +45,7 @@ impl TuningSummary {
             good_enough: optimise.good_enough,
             constraints: source.constraints(),
             unmoved: tuning.unmoved.targets.iter().map(target).collect(),
+            unmoved_keys: source.unmoved_keys(),
             hardly_moved: SlightEffectRecord::all(&tuning.unmoved.slightly, |number| {
                 target(&number)
             }),
@@ -85,6 +88,56 @@ impl TunedStudy<'_> {
             format!(" over {}{}", site.over.key(), site.in_words())
         });
         format!("{}{motion}{racks}{held}", target.of.column)
+    }
+
+    /// Keys of `[wheel]` that give the values of unmoved targets, by the name of the target.
+    fn unmoved_keys(&self) -> BTreeMap<String, String> {
+        let unmoved = self.tuning.unmoved.targets.iter();
+        let unmoved = unmoved.map(|number| &self.optimise.targets[*number]);
+        unmoved
+            .filter_map(|target| Some((self.name(target), self.wheel_key(target)?.to_owned())))
+            .collect()
+    }
+
+    /// Key of `[wheel]` that gives the value of a target: camber or toe in the design position, if no hardpoint gives the spin
+    /// axis. `None` for other targets.
+    fn wheel_key(&self, target: &Target) -> Option<&'static str> {
+        if matches!(self.study.wheel().mechanism.spin_axis, SpinAxis::From(_)) {
+            return None;
+        }
+        let of_wheel = |quantity: &OfAxle| match quantity {
+            OfAxle::Corner(_, characteristic) => Some(*characteristic),
+            _ => None,
+        };
+        let characteristic = match &target.of.kind {
+            TargetKind::Axle(quantities) => quantities.iter().find_map(of_wheel),
+            _ => target.of.as_characteristic(),
+        };
+        let key = match characteristic? {
+            Characteristic::Camber => "static_camber",
+            Characteristic::Toe => "static_toe",
+            _ => return None,
+        };
+        let motion = match &target.site.motion {
+            Some((_, motion)) => motion,
+            None => self.study.motion(),
+        };
+        let is_at_zero = match &target.wanted {
+            Wanted::At { drive, .. } => *drive == 0.0,
+            Wanted::Band { at, .. } => *at == Some(0.0),
+            Wanted::Curve { .. } | Wanted::Points(_) => false,
+        };
+        // A target without its own racks is straight ahead if the motion moves the rack.
+        let racks = match &target.site.racks[..] {
+            [] if motion.rack.len() > 1 => &[],
+            [] => &motion.rack[..],
+            own => own,
+        };
+        let others_are_zero = match &target.site.axle {
+            Some(site) => site.words.is_empty(),
+            None => motion.drive != Drive::PaperTheta && racks.iter().all(|rack| *rack == 0.0),
+        };
+        (is_at_zero && others_are_zero).then_some(key)
     }
 
     fn variables(&self) -> Vec<VariableSummary> {

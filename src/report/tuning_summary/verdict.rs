@@ -82,9 +82,16 @@ impl SlightEffectRecord {
     }
 }
 
-/// Sentence about a missed target that no variable changes.
-pub(in crate::report) fn unmoved_in_words(target: &str) -> String {
-    format!("no variable affects {target}: its deviation from the target stays the same")
+/// Sentences about a missed target that no variable changes. `key` is the key of `[wheel]` that gives its value, if there is one.
+pub(in crate::report) fn unmoved_in_words(target: &str, key: Option<&str>) -> String {
+    let words =
+        format!("no variable affects {target}: its deviation from the target stays the same");
+    match key {
+        Some(key) => format!(
+            "{words}. The key {key} in [wheel] gives this angle in the design position: change this key instead"
+        ),
+        None => words,
+    }
 }
 
 /// Sentences about a violated constraint that no variable changes.

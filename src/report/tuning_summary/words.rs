@@ -35,7 +35,8 @@ impl TuningSummary {
             ));
         }
         for target in &self.unmoved {
-            remarks.push(unmoved_in_words(target));
+            let key = self.unmoved_keys.get(target).map(String::as_str);
+            remarks.push(unmoved_in_words(target, key));
         }
         remarks.extend(self.hardly_moved.iter().map(SlightEffectRecord::in_words));
         for constraint in &self.unmoved_constraints {

@@ -402,7 +402,7 @@ fn wrong_inputs_of_cars_are_refused() {
         ),
         (
             format!("{axle}{case}"),
-            "cases[0]",
+            "cases",
             "[cases] is a section of the study of a car, which also has a section [car]",
         ),
     ] {

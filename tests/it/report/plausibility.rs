@@ -1,8 +1,8 @@
 //! Tests of the plausibility warnings for a study without a wheel radius.
 
 use hardpoint::model::Suspension;
-use hardpoint::report::{plausibility, rack_doubt, variable_plausibility};
-use hardpoint::study::Study;
+use hardpoint::report::{plausibility, rack_doubt, scatter_doubts, variable_plausibility};
+use hardpoint::study::{CarStudy, Study};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -140,4 +140,56 @@ fn the_range_of_a_variable_includes_its_factor() {
         "z of tie_rod_inner, which is 243 mm in the design, has offsets from 233 to 253 mm.";
     assert!(found.len() == 1 && found[0].contains(words), "{found:?}");
     assert_eq!(doubts("0.01", "[233.0, 253.0]"), Vec::<String>::new());
+}
+
+/// Ranges of 10 in and scatters of 0.5 in are too large for a car. The same numbers in millimetres are plausible.
+#[test]
+fn ranges_and_scatters_too_large_for_the_suspension_are_reported() {
+    let path = studies().join("double_wishbone_tolerance.toml");
+    let doubts = |millimetres: f64| {
+        let [range, sigma] = [10.0 * millimetres, 0.5 * millimetres];
+        let variable = format!(
+            "{{ hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-{range:?}, {range:?}] }}"
+        );
+        let sets = [
+            format!("sweep={{ samples = 8, variables = [{variable}] }}"),
+            format!("tolerance.scatter=[{{ hardpoint = \"tie_rod_inner\", sigma = {sigma:?} }}]"),
+        ];
+        let study = Study::read(&path, &sets).unwrap_or_else(|e| panic!("{e}"));
+        [variable_plausibility(&study), scatter_doubts(&study)].concat()
+    };
+    let found = doubts(25.4);
+    assert_eq!(found.len(), 2, "{found:?}");
+    for phrase in [
+        "the range of z of tie_rod_inner reaches 254 mm",
+        "the scatter of tie_rod_inner has a standard deviation of 12.7 mm",
+    ] {
+        assert!(
+            found.iter().any(|doubt| doubt.contains(phrase)),
+            "{found:?}"
+        );
+    }
+    assert_eq!(doubts(1.0), Vec::<String>::new());
+}
+
+/// The ranges and scatters of the sample studies are plausible.
+#[test]
+fn no_sample_has_a_doubtful_range_or_scatter() {
+    let files = fs::read_dir(studies()).unwrap();
+    let paths = files.map(|file| file.unwrap().path());
+    let paths: Vec<_> = paths
+        .filter(|path| path.extension().is_some_and(|end| end == "toml"))
+        .collect();
+    let mut read = 0;
+    for path in paths.iter().filter(|path| !CarStudy::is_at(path)) {
+        let study = Study::read_elastic(path, &[]).unwrap_or_else(|e| panic!("{e}"));
+        let found = [variable_plausibility(&study), scatter_doubts(&study)].concat();
+        assert!(
+            !found.iter().any(|doubt| doubt.contains("wheel radius")),
+            "{}: {found:?}",
+            path.display()
+        );
+        read += usize::from(study.optimise.is_some() || study.tolerance.is_some());
+    }
+    assert!(read > 10, "{read}");
 }

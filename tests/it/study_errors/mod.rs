@@ -174,7 +174,19 @@ fn unknown_and_missing_keys() {
     #[rustfmt::skip]
     assert_all(&[
         ("radius = 300.0", "raduis = 300.0", "raduis", "wheel.raduis", &["unknown key \"raduis\"", "did you mean \"radius\"?"]),
-        ("[vehicle]", "[vehicel]", "[vehicel]", "vehicel", &["unknown key \"vehicel\"", "did you mean \"vehicle\"?"]),
+        ("[vehicle]", "[vehicel]", "[vehicel]", "vehicel", &["unknown section [vehicel]", "did you mean [vehicle]?"]),
+        ("[optimise]", "[optimize]", "[optimize]", "optimize", &["did you mean [optimise]?"]),
+        // The misspelt section has priority over the error that it causes.
+        ("targets = [", "[optimize]\ntargets = [", "[optimize]", "optimize", &["did you mean [optimise]?"]),
+        ("[suspension.hardpoints]", "[points]", "[points]", "points", &["did you mean [suspension.hardpoints]?"]),
+        ("[optimise]", "[targets]", "[targets]", "targets", &["\"targets\" is a key of [optimise]"]),
+        ("[optimise]", "[optimisation]", "[optimisation]", "optimisation", &["did you mean [optimise]?"]),
+        ("[outputs]", "[tolerances]", "[tolerances]", "tolerances", &["did you mean [tolerance]?"]),
+        ("radius = 300.0", "wheelbase = 2500.0", "wheelbase", "wheel.wheelbase", &["\"wheelbase\" is a key of [vehicle]"]),
+        ("wheel_centre     =", "wheel_center =", "wheel_center", "suspension.hardpoints.wheel_center", &["did you mean \"wheel_centre\"?"]),
+        // A decimal comma doubles the number of values.
+        ("[ 120.0, 360.0, 195.0]", "[ 120,0, 360,0, 195,0]", "lower_arm_front", "suspension.hardpoints.lower_arm_front", &["found 6", "Write 120.0 instead of 120,0"]),
+        ("range = [-20.0, 20.0]", "range = [-20,5, 20,0]", "tie_rod_inner", "optimise.variables[0].range", &["found 4", "Write -20.5 instead of -20,5"]),
         ("steps = 41", "step = 41", "step = 41", "motion.travel.step", &["unknown key \"step\"; known here: from, to, steps"]),
         (", steps = 41", "", "travel", "motion.travel", &["the key \"steps\" is missing"]),
         (", tolerance = 0.01", "", "bump_steer", "optimise.targets[1]", &["the key \"tolerance\" is missing"]),

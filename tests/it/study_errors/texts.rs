@@ -40,6 +40,21 @@ fn files_that_cannot_be_read() {
     assert!(
         message("absent.toml").contains("absent.toml: cannot be read: the file does not exist")
     );
+    // The help names a study with a similar name, or the directory and the command that writes a study.
+    let help = message("absent.toml");
+    let here = directory.path().display().to_string();
+    assert!(
+        help.contains(&here) && help.contains("hardpoint new"),
+        "{help}"
+    );
+    fs::write(at("front.toml"), GOOD).unwrap();
+    let meant = format!("did you mean {}?", at("front.toml").display());
+    for similar in ["frnt.toml", "front", "front.tml"] {
+        let help = message(similar);
+        assert!(help.contains(&meant), "{help}");
+    }
+    let help = message("nowhere/front.toml");
+    assert!(help.contains("there is no directory"), "{help}");
     assert!(message(".").contains("it is a directory"));
     // If the path is a directory of results, the message names the studies in it. If the path is a table of points, the
     // message names the command for tables.
@@ -129,7 +144,7 @@ fn overrides_that_do_not_fit() {
             "sweep={ designs = \"\" }",
             "sweep.designs: expected the name of a file, found none",
         ),
-        ("motoin.rack=1", "did you mean \"motion\"?"),
+        ("motoin.rack=1", "did you mean [motion]?"),
     ] {
         let errors = Study::read(&path, &[set.to_owned()])
             .unwrap_err()

@@ -1,6 +1,7 @@
 //! Tests that sweeps name mistakes in their input, and write nothing.
 
 use super::*;
+use hardpoint::study::Study;
 
 #[test]
 fn only_the_same_sweep_is_taken_up_again() {
@@ -110,6 +111,28 @@ fn only_whole_sweeps_are_merged() {
     refused(&["run"], "changed since it was written");
     fs::remove_file(&path).unwrap();
     refused(&["run"], "1 of 1 parts are missing");
+}
+
+/// A sweep with `samples` and without `method` is a Sobol sweep. With `steps`, it stays a grid, which has no `samples`.
+#[test]
+fn samples_without_a_method_are_sobol_samples() {
+    let read = |text: &str| Study::from_text("study.toml", text, Path::new("."));
+    let method = "method = \"latin_hypercube\"\n";
+    assert_eq!(STUDY.matches(method).count(), 1);
+    let without = STUDY.replace(method, "");
+    let sobol = STUDY.replace("latin_hypercube", "sobol");
+    let [found, expected] = [&without, &sobol].map(|text| read(text).unwrap().sweep);
+    assert_eq!(found, expected);
+    let with_steps = without.replace(
+        "range = [-20.0, 20.0] }",
+        "range = [-20.0, 20.0], steps = 3 }",
+    );
+    assert_ne!(with_steps, without);
+    let message = read(&with_steps).unwrap_err().to_string();
+    assert!(
+        message.contains("\"samples\" is not available for a grid"),
+        "{message}"
+    );
 }
 
 #[test]

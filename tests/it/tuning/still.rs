@@ -2,6 +2,7 @@
 
 use super::edited;
 use hardpoint::optimise::{Control, Fit, Price, Tuning, tune};
+use hardpoint::report::TuningSummary;
 use hardpoint::study::Study;
 use std::path::Path;
 
@@ -137,6 +138,36 @@ fn a_missed_target_that_stands_still_hides_no_other() {
             "{good_enough}: {alone} {both}"
         );
     }
+}
+
+/// If no variable affects camber or toe of the design position, the program names the key that gives this angle. At other wheel
+/// travels, or if a hardpoint gives the spin axis, it names no key.
+#[test]
+fn the_key_of_a_static_angle_is_named() {
+    let remarks = |study: &Study| {
+        let (tuning, optimise) = (tuned(study), study.optimise.as_ref().unwrap());
+        TuningSummary::of(study, optimise, &tuning, None)
+            .remarks()
+            .join("\n")
+    };
+    let other = "{ characteristic = \"camber_gain\", at = 0.0, value = -0.03, tolerance = 0.0005 }";
+    for (angle, key) in [("camber", "static_camber"), ("toe", "static_toe")] {
+        let targets = |at: f64| {
+            let still = format!(
+                "{{ characteristic = \"{angle}\", at = {at:?}, value = 5.0, tolerance = 0.05 }}"
+            );
+            format!("optimise.targets=[{other}, {still}]")
+        };
+        let named = format!("The key {key} in [wheel] gives this angle");
+        let words = remarks(&edited("double_wishbone_front.toml", &[&targets(0.0)]));
+        assert!(words.contains(&named), "{words}");
+        let words = remarks(&edited("double_wishbone_front.toml", &[&targets(10.0)]));
+        assert!(!words.contains("static_"), "{words}");
+    }
+    // spindle_inner gives the spin axis of this study.
+    let words = remarks(&stored("unaffected_camber.toml", &[]));
+    assert!(words.contains("no variable affects camber_deg"), "{words}");
+    assert!(!words.contains("static_"), "{words}");
 }
 
 /// In three tunings, an earlier version did not find the good-enough design with the smallest change. Now the tunings

@@ -126,7 +126,7 @@ pub(in crate::study) fn force_curve(
                     "expected a pair [length, force], found {} numbers",
                     other.len()
                 );
-                return problems.refuse(pair.span(), message);
+                return problems.refuse_count(pair, 2, message);
             }
         }
     }

@@ -135,6 +135,11 @@ impl Resolver<'_> {
             method: &written.method,
             samples: &written.samples,
             seed: &written.seed,
+            has_steps: written
+                .variables
+                .get_ref()
+                .iter()
+                .any(|v| v.get_ref().steps.is_some()),
         };
         let rules = asked.rules(self.problems);
         let listed = some(&written.variables, "variable", self.problems)?;

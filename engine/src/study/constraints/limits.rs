@@ -24,7 +24,7 @@ impl Reader<'_> {
                         "expected two limits [lower, upper], found {}",
                         between.get_ref().len()
                     );
-                    return problems.refuse(between.span(), message);
+                    return problems.refuse_count(between, 2, message);
                 };
                 if written.at_least.is_some() || written.at_most.is_some() {
                     let message = "\"between\" gives both limits; expected \"between\" alone, or \"at_least\" and \"at_most\"";

@@ -125,6 +125,7 @@ impl<'a> LevenbergMarquardt<'a> {
             termination,
             history,
             constraints: None,
+            left: None,
         }
     }
 

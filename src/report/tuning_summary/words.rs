@@ -38,6 +38,14 @@ impl TuningSummary {
             remarks.push(unmoved_in_words(target));
         }
         remarks.extend(self.hardly_moved.iter().map(SlightEffectRecord::in_words));
+        if let Some(records) = &self.holding {
+            let missed = self.missed();
+            let hardly = |target: &str| self.hardly_moved.iter().any(|own| own.is_about(target));
+            let missed = missed.iter().map(|(_, target, _)| *target);
+            let missed = missed
+                .filter(|target| !self.unmoved.iter().any(|own| own == target) && !hardly(target));
+            remarks.extend(not_held(&missed.collect::<Vec<_>>(), records));
+        }
         for constraint in &self.unmoved_constraints {
             remarks.push(unmoved_constraint_in_words(constraint));
         }

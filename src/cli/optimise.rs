@@ -35,10 +35,7 @@ pub(super) fn say_outcome(
     output.table_for_programs("misfit", || summary.misfit_table());
     if summary.has_design() {
         output.table("targets", &summary.targets_table())?;
-        output.text_only(&format!(
-            "\n  off: largest deviation from the target values{}, in the unit of the target\n",
-            summary.over_builds(" over")
-        ))?;
+        output.text_only(&format!("\n  {}\n", summary.deviations_in_words()))?;
         for (_, column, by) in summary.missed() {
             output.say(&format!("  missed: {column}, by up to {by}\n"))?;
         }

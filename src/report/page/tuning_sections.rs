@@ -36,7 +36,7 @@ pub(super) fn tuning_sections(
     let unmet: Vec<usize> = tuning.missed().iter().map(|(row, ..)| *row).collect();
     format!(
         include_str!("tuning.html"),
-        deviations = deviations_in_words(tuning),
+        deviations = prose(&tuning.deviations_in_words()),
         targets = table(&tuning.targets_table(), |row| unmet
             .contains(&row)
             .then_some("unmet")),
@@ -70,14 +70,6 @@ fn holding(tuning: &TuningSummary) -> String {
         "<p class=\"note\">{}</p>{}",
         prose(&note),
         holding_table(records).html()
-    )
-}
-
-/// Meaning of the deviations in the table of the targets.
-pub(super) fn deviations_in_words(tuning: &TuningSummary) -> String {
-    format!(
-        "Largest deviations from the targets{}, in the unit of each target.",
-        tuning.over_builds(" over")
     )
 }
 

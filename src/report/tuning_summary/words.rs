@@ -174,6 +174,19 @@ impl TuningSummary {
         Some(words + "; history.csv and summary.json have all starts")
     }
 
+    /// Meaning of the columns in the table of the targets.
+    pub fn deviations_in_words(&self) -> String {
+        let builds = self.over_builds(" over");
+        let values = if builds.is_empty() {
+            "values at the stations of the target"
+        } else {
+            "values of the nominal design"
+        };
+        format!(
+            "before, after: {values}; off: largest deviation from the target{builds}; all in the unit of the target"
+        )
+    }
+
     /// Result of the tuning in one or two sentences.
     pub fn headline(&self) -> String {
         let kept = match self.violated().len() {

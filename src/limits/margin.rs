@@ -6,7 +6,7 @@ use crate::derive::MotionPoint;
 use crate::mechanism::{DesignFault, Toggle};
 use crate::model;
 use crate::plan::Plan;
-use crate::report::{as_written, brief};
+use crate::report::{as_written, brief, to_digits};
 use crate::solve::Solver;
 use crate::study::Study;
 use std::ops::ControlFlow;
@@ -80,16 +80,17 @@ pub(super) fn margin(
     notes.extend(Some(toggles(ranges.rockers, moved, unit)).filter(|text| !text.is_empty()));
     notes.push(format!(
         "{stations} the hardpoints can move by about {} {unit} or more before the wheel's links reach a toggle or a turning \
-         point of the path. This is an estimate from the conditioning of their equations. It is smallest at {} {}.",
-        brief(distance),
+         point of the path. This is an estimate from the conditioning of their equations. It is smallest at {} {} {}.",
+        brief(to_digits(distance, 3)),
         plan.drive.name(),
-        as_written(plan.drive.printed(at))
+        as_written(plan.drive.printed(at)),
+        plan.drive.unit(study.wheel().length_unit)
     ));
     Ok(notes)
 }
 
-/// Sentence about the wheel travel between the motion and the nearest travel limit. `left` is negative if the motion goes beyond the
-/// limit.
+/// Sentence about the wheel travel between the motion and the nearest travel limit. `left` is negative if the motion goes beyond
+/// the limit.
 pub(super) fn travel_left_in_words(left: f64, unit: &str, where_reached: &str) -> String {
     if left >= 0.0 {
         let left = brief(left);

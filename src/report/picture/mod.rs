@@ -114,7 +114,7 @@ impl<'r> MotionCharts<'r> {
         let layout = chart.layout(tables);
         match self.motion {
             "" => layout,
-            motion => layout.named(&format!("{motion}: ")),
+            motion => layout.named(&format!("motion {motion}: ")),
         }
     }
 

@@ -145,8 +145,8 @@ pub fn shown_holding(records: &[HoldingRecord]) -> (Vec<HoldingRecord>, usize) {
 }
 
 /// Meaning of the effects in [`holding_table`].
-pub const HOLDING_NOTE: &str =
-    "changes to first order, if only this bound moves outwards and the tuning runs again";
+pub const HOLDING_NOTE: &str = "bounds reached at the smallest misfit; changes to first order, if this bound moves outwards \
+     and the tuning runs again";
 
 /// Sentence about a missed target that no bound of a variable holds.
 pub(in crate::report) fn not_held_in_words(target: &str) -> String {

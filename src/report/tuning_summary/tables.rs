@@ -169,7 +169,11 @@ impl TuningSummary {
                 let worst = d.map(|d| d.worst_in_unit.unwrap_or(d.worst * t.tolerance));
                 Cell::by(worst, |worst| to_hundredth_of(worst, t.tolerance))
             };
-            let decimals = decimals_beside(t.tolerance);
+            // The column of the deviations has more digits.
+            let decimals = match decimals_beside(t.tolerance) {
+                0 => 0,
+                fine => (fine - 1).max(1),
+            };
             let range = |values: Option<[f64; 2]>| {
                 Cell::from(values.map(|ends| range_in_words(ends, decimals)))
             };

@@ -50,8 +50,9 @@ fn tuned(range: [f64; 2]) -> (String, Value) {
     let variable = format!(
         "optimise.variables=[{{ hardpoint = \"strut_top\", axis = \"y\", range = {range:?} }}]"
     );
-    let target = "optimise.targets=[{ characteristic = \"camber\", at = 0.0, value = -3.0, tolerance = 0.1 }]";
-    let sets = ["--set", &variable, "--set", target];
+    let target = "optimise.targets=[{ characteristic = \"camber\", at = 60.0, value = -3.0, tolerance = 0.1 }]";
+    let smallest = "optimise.good_enough=0.0";
+    let sets = ["--set", &variable, "--set", target, "--set", smallest];
     let called = Called::on("optimise", "macpherson_front", &sets);
     let summary = serde_json::from_str(&called.file("summary.json")).unwrap();
     (called.said(), summary)

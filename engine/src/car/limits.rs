@@ -36,7 +36,7 @@ const MOST_STATES: usize = 80;
 pub struct RayLimits {
     /// State in which the first wheel lifts, if a wheel lifts.
     pub lift: Option<Lift>,
-    /// Acceleration up to which equilibria exist, g, exact up to 2e-6.
+    /// Largest acceleration with an equilibrium, g, exact up to 2e-6.
     pub end: f64,
     /// Reason why there is no equilibrium beyond `end`; `None` if equilibria exist up to 5 g.
     pub why: Option<NoEquilibrium>,
@@ -158,23 +158,23 @@ impl CarSolver<'_> {
         let steps = (MOST / STEP) as usize;
         for step in 1..=steps {
             let g = step as f64 * STEP;
-            let next = self.solve_beside(&ray.at(g), &at.found);
-            let leaves = !matches!(&next, Some(found) if found.lifted == [false; 4]);
+            let next = self.solve_from(&ray.at(g), &at.found);
+            let leaves = !matches!(&next, Ok(found) if found.lifted == [false; 4]);
             if leaves && at.is_down() {
                 at = self.last_down(&ray, at, g);
                 lift = lift.or_else(|| self.lift(&ray, &at));
             }
-            let Some(found) = next else {
-                match self.end(&ray, at, g) {
-                    Ok(last) => at = last,
-                    Err((end, why)) => {
-                        let why = Some(why);
+            match next {
+                Ok(found) => at = At { g, found },
+                Err(why) => {
+                    let (last, why) = self.end(&ray, at, g, why);
+                    if why.is_some() {
+                        let end = last.g;
                         return Some(RayLimits { lift, end, why });
                     }
+                    at = last;
                 }
-                continue;
-            };
-            at = At { g, found };
+            }
         }
         Some(RayLimits {
             lift,
@@ -253,10 +253,16 @@ impl CarSolver<'_> {
         })
     }
 
-    /// Follows the states from `from` to the acceleration `beyond`, to which one step of Newton's method does not lead. Returns the
-    /// state at `beyond`. If the equilibria end before, returns the last acceleration with an equilibrium, and the reason.
-    fn end(&mut self, ray: &Ray<'_>, from: At, beyond: f64) -> Result<At, (f64, NoEquilibrium)> {
-        let (mut low, mut high) = (from, beyond);
+    /// Finds the last state below an acceleration that seems to have no equilibrium. Also returns the reason why
+    /// equilibria end there. The reason is `None` if a search from that state finds an equilibrium at the acceleration.
+    fn end(
+        &mut self,
+        ray: &Ray<'_>,
+        from: At,
+        beyond: f64,
+        why: NoEquilibrium,
+    ) -> (At, Option<NoEquilibrium>) {
+        let (mut low, mut high, mut why) = (from, beyond, why);
         for _ in 0..MOST_STATES {
             let is_last = high - low.g <= 1e3 * SAME;
             let g = if is_last { high } else { 0.5 * (low.g + high) };
@@ -264,14 +270,19 @@ impl CarSolver<'_> {
             if found.is_none() && is_last {
                 // Newton's method cannot cross a range without equilibrium. The full search tests whether there is an
                 // equilibrium beyond this range.
-                let searched = self.solve(&ray.at(g));
-                found = Some(searched.map_err(|why| (low.g, why))?);
+                match self.solve(&ray.at(g)) {
+                    Ok(state) => found = Some(state),
+                    Err(reason) => {
+                        why = reason;
+                        break;
+                    }
+                }
             }
             match found {
                 Some(found) => {
                     low = At { g, found };
                     if g == beyond {
-                        return Ok(low);
+                        return (low, None);
                     }
                     if is_last {
                         high = beyond;
@@ -280,8 +291,6 @@ impl CarSolver<'_> {
                 None => high = g,
             }
         }
-        let searched = self.solve(&ray.at(beyond));
-        let found = searched.map_err(|why| (low.g, why))?;
-        Ok(At { g: beyond, found })
+        (low, Some(why))
     }
 }

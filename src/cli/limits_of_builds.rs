@@ -69,12 +69,12 @@ pub(super) fn run(
         };
         let left = if margin >= 0.0 {
             format!(
-                "Nearest travel limit{where_reached}: at least {} {unit} away",
+                "Nearest travel limit{where_reached}: at least {} {unit} of wheel travel away",
                 brief(margin)
             )
         } else {
             format!(
-                "The motion goes up to {} {unit} beyond the travel limit",
+                "The motion goes up to {} {unit} of wheel travel beyond the travel limit",
                 brief(-margin)
             )
         };

@@ -10,8 +10,9 @@ use crate::checked::{AllMotions, NamedCurves, not_solved};
 use crate::in_motions::InMotion;
 use crate::optimise::{Control, Tuning, tune};
 use crate::report::{
-    FrontRecord, PriceRecord, Record, TuningSummary, counted, curves_csv, further_in_words,
-    history_csv, shown_side_effects, side_effects_table, variable_plausibility,
+    FrontRecord, HOLDING_NOTE, HoldingRecord, PriceRecord, Record, TuningSummary, counted,
+    curves_csv, further_in_words, history_csv, holding_table, shown_holding, shown_side_effects,
+    side_effects_table, variable_plausibility,
 };
 use crate::rig::RigTests;
 use crate::side_effects::{SideEffect, side_effects};
@@ -34,14 +35,12 @@ pub(super) fn say_outcome(
     output.table_for_programs("misfit", || summary.misfit_table());
     if summary.has_design() {
         output.table("targets", &summary.targets_table())?;
-        output.text_only(&format!(
-            "\n  off: largest deviation from the target values{}, in the unit of the target\n",
-            summary.over_builds(" over")
-        ))?;
+        output.text_only(&format!("\n  {}\n", summary.deviations_in_words()))?;
         for (_, column, by) in summary.missed() {
             output.say(&format!("  missed: {column}, by up to {by}\n"))?;
         }
         output.text_only("\n")?;
+        say_holding(output, summary.holding.as_deref().unwrap_or_default())?;
         output.table("variables", &summary.variables_table())?;
     }
     if let Some(table) = summary.constraints_table().filter(|_| summary.has_design()) {
@@ -50,6 +49,22 @@ pub(super) fn say_outcome(
     }
     say_side_effects(output, &summary.side_effects)?;
     output.say_remarks(summary.remarks())
+}
+
+/// Prints the bounds of variables that keep missed targets from their goals.
+pub(super) fn say_holding(output: &Output, records: &[HoldingRecord]) -> Result<(), Stop> {
+    if records.is_empty() {
+        return Ok(());
+    }
+    output.table_for_programs("holding_bounds", || holding_table(records));
+    let (shown, more) = shown_holding(records);
+    output.text_only(&holding_table(&shown).text(terminal::width()))?;
+    output.text_only(&format!("\n  {HOLDING_NOTE}\n"))?;
+    if more > 0 {
+        let words = counted(more, "further row");
+        output.text_only(&format!("  {words} in summary.json\n"))?;
+    }
+    output.text_only("\n")
 }
 
 /// Prints the side effects of the tuning, flagged ones first.
@@ -130,7 +145,13 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     // The nominal design is solved first, so that an error in it is known before any file is written.
     let fault = |why| Stop::in_file(path, why);
     let before = Solved::with_targets(&study).map_err(fault)?;
-    let record = || Solved::record("optimise", &[("before", "curves_before.csv", &before)]);
+    let record = || {
+        let motions = InMotion::all(&[("before", &study)], true)?.into_iter();
+        Ok(Record {
+            motions: motions.map(|own| own.record).collect(),
+            ..Solved::record("optimise", &[("before", "curves_before.csv", &before)])?
+        })
+    };
     let report = ReportOptions::open(curves, &study, "optimise", record)?;
     let output = Output::open(arguments, &study, "optimise")?;
     let of_wheel = |why| design_fault(&study, path, &why).after_its_input();

@@ -4,9 +4,10 @@ use super::CurveArguments;
 use super::exit::{Exit, Stop};
 use super::output::Output;
 use super::report::ReportOptions;
+use super::terminal;
 use crate::checked::{AllMotions, NamedCurves};
 use crate::in_motions::InMotion;
-use crate::report::{Record, counted, curves_csv};
+use crate::report::{Record, SolveSummary, counted, curves_csv};
 use crate::solved::Solved;
 use crate::study::{CarStudy, Study};
 
@@ -53,6 +54,11 @@ pub(super) fn run(curves: &CurveArguments) -> Result<Exit, Stop> {
     output.table_for_programs("stations", || stations);
     output.table("outputs", &ranges)?;
     output.table_for_programs("not_solved", || not_solved);
+    say_motions(
+        &output,
+        summary.of_solve().expect("of a solve"),
+        &of_motions,
+    )?;
     let motions = AllMotions {
         own: solved.curves(),
         named: &of_motions,
@@ -69,9 +75,27 @@ pub(super) fn run(curves: &CurveArguments) -> Result<Exit, Stop> {
         for failure in motion.failures(study.wheel()) {
             output.say_failure(&format!("\n{failure}\n"))?;
         }
-        let stations = counted(motion.curves.stations.len(), "station");
-        output.say(&format!("\nmotion {}: {stations}\n", motion.name))?;
     }
     output.print_files(&files)?;
     Ok(Exit::of(complete))
+}
+
+/// Prints the ranges of the outputs over the named motions.
+fn say_motions(
+    output: &Output,
+    summary: &SolveSummary,
+    motions: &[NamedCurves],
+) -> Result<(), Stop> {
+    if motions.is_empty() {
+        return Ok(());
+    }
+    let named = motions.iter().map(|own| (own.name.as_str(), &own.curves));
+    output.table_for_programs("motions", || summary.motions_table(named));
+    for motion in motions {
+        let stations = counted(motion.curves.stations.len(), "station");
+        output.text_only(&format!("\nmotion {}: {stations}\n\n", motion.name))?;
+        let table = summary.table_of_motion(&motion.curves);
+        output.text_only(&table.text(terminal::width()))?;
+    }
+    Ok(())
 }

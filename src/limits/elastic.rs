@@ -4,6 +4,7 @@
 //! load ends at the largest load that the suspension can carry. The table also shows the limits of the mechanism with rigid
 //! parts.
 
+use super::margin::travel_left_in_words;
 use super::row::{LOST, LimitRow, Row};
 use super::{Found, travel_rows};
 use crate::axle::Axle;
@@ -164,16 +165,7 @@ pub(super) fn of_wheel(
         rows.push(rack_row(suspension, RIGID).of(study, range));
     }
     let unit = suspension.length_unit.symbol();
-    let note = left.map(|left| {
-        if left >= 0.0 {
-            format!("Nearest travel limit: {} {unit} away.", brief(left))
-        } else {
-            format!(
-                "The motion goes {} {unit} beyond the travel limit.",
-                brief(-left)
-            )
-        }
-    });
+    let note = left.map(|left| travel_left_in_words(left, unit, ""));
     Ok((rows, note.into_iter().collect()))
 }
 

@@ -6,7 +6,7 @@ use crate::derive::MotionPoint;
 use crate::mechanism::{DesignFault, Toggle};
 use crate::model;
 use crate::plan::Plan;
-use crate::report::{as_written, brief};
+use crate::report::{as_written, brief, to_digits};
 use crate::solve::Solver;
 use crate::study::Study;
 use std::ops::ControlFlow;
@@ -26,15 +26,15 @@ pub(super) struct Ranges<'r> {
     pub(super) rockers: &'r [RockerRange],
 }
 
-/// Describes the margins of the study's motion: its distance to a singular pose, to the travel limits, and to the toggles of
-/// rockers.
+/// Describes the margins of the study's motion, one note for each: wheel travel to the travel limits and to the toggles of rockers,
+/// and moves of the hardpoints to a singular pose.
 pub(super) fn margin(
     study: &Study,
     plan: &Plan,
     solver: &mut Solver,
     ranges: Ranges,
     moved: &Curves,
-) -> Result<String, DesignFault> {
+) -> Result<Vec<String>, DesignFault> {
     let unit = study.wheel().length_unit.symbol();
     let drive = plan.drive.in_kernel();
     let values = plan.station_order.values();
@@ -63,15 +63,10 @@ pub(super) fn margin(
         ),
     };
     if reached == 0 {
-        return Ok("The mechanism cannot reach any station of the study's motion.".to_owned());
+        let words = "The mechanism cannot reach any station of the study's motion.";
+        return Ok(vec![words.to_owned()]);
     }
-    let mut text = format!(
-        "{stations} the wheel's links stay about {} {unit} or more away from a toggle or a turning point of the path. \
-         This is an estimate from the conditioning of their equations. The distance is smallest at {} {}.",
-        brief(distance),
-        plan.drive.name(),
-        as_written(plan.drive.printed(at))
-    );
+    let mut notes = Vec::new();
     if drive == model::Drive::Travel {
         let by_rack = || ranges.by_rack.iter().map(|(_, range)| range);
         let where_reached = if by_rack().any(Range::is_empty) {
@@ -80,20 +75,32 @@ pub(super) fn margin(
             ""
         };
         let left = travel_left(by_rack(), values);
-        text += &if left >= 0.0 {
-            format!(
-                " Nearest travel limit{where_reached}: {} {unit} away.",
-                brief(left)
-            )
-        } else {
-            format!(
-                " The motion goes {} {unit} beyond the travel limit{where_reached}.",
-                brief(-left)
-            )
-        };
+        notes.push(travel_left_in_words(left, unit, where_reached));
     }
-    text += &toggles(ranges.rockers, moved, unit);
-    Ok(text)
+    notes.extend(Some(toggles(ranges.rockers, moved, unit)).filter(|text| !text.is_empty()));
+    notes.push(format!(
+        "{stations} the hardpoints can move by about {} {unit} or more before the wheel's links reach a toggle or a turning \
+         point of the path. This is an estimate from the conditioning of their equations. It is smallest at {} {} {}.",
+        brief(to_digits(distance, 3)),
+        plan.drive.name(),
+        as_written(plan.drive.printed(at)),
+        plan.drive.unit(study.wheel().length_unit)
+    ));
+    Ok(notes)
+}
+
+/// Sentence about the wheel travel between the motion and the nearest travel limit. `left` is negative if the motion goes beyond
+/// the limit.
+pub(super) fn travel_left_in_words(left: f64, unit: &str, where_reached: &str) -> String {
+    if left >= 0.0 {
+        let left = brief(left);
+        format!("Nearest travel limit{where_reached}: {left} {unit} of wheel travel away.")
+    } else {
+        let beyond = brief(-left);
+        format!(
+            "The motion goes {beyond} {unit} of wheel travel beyond the travel limit{where_reached}."
+        )
+    }
 }
 
 /// Sentences about the toggles of rockers at the ends of the travel. The rocker of the pushrod also moves the lever of the
@@ -103,7 +110,7 @@ fn toggles(rockers: &[RockerRange], moved: &Curves, unit: &str) -> String {
     let least = travels().fold(0.0, f64::min);
     let most = travels().fold(0.0, f64::max);
     let mut named = Vec::new();
-    let mut text = String::new();
+    let mut sentences = Vec::new();
     for range in rockers {
         for (is_upper, toggle) in [(false, range.lower), (true, range.upper)] {
             let Some(Toggle { travel, rod }) = toggle else {
@@ -124,8 +131,10 @@ fn toggles(rockers: &[RockerRange], moved: &Curves, unit: &str) -> String {
                 "within the motion".to_owned()
             };
             let travel = brief(travel);
-            text += &format!(" The {rod} reaches its toggle at travel {travel} {unit}, {place}.");
+            sentences.push(format!(
+                "The {rod} reaches its toggle at travel {travel} {unit}, {place}."
+            ));
         }
     }
-    text
+    sentences.join(" ")
 }

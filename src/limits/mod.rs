@@ -56,8 +56,8 @@ impl LimitTable {
                     None => {
                         let mut limits = WheelLimits::of(own).map_err(fault)?;
                         let solved = Solved::of(&alone)?;
-                        let note = limits.note(study, &solved.curves).map_err(fault)?;
-                        ((limits.rows(study), note.into_iter().collect()), solved)
+                        let notes = limits.notes(study, &solved.curves).map_err(fault)?;
+                        ((limits.rows(study), notes), solved)
                     }
                 }
             }
@@ -124,16 +124,16 @@ impl<'s> WheelLimits<'s> {
         })
     }
 
-    /// Note on the distance between the motion with these curves and the limits. `None` for the drive of Attia's paper.
-    fn note(&mut self, study: &Study, moved: &Curves) -> Result<Option<String>, DesignFault> {
+    /// Notes on the distances between the motion with these curves and the limits. Empty for the drive of Attia's paper.
+    fn notes(&mut self, study: &Study, moved: &Curves) -> Result<Vec<String>, DesignFault> {
         if study.motion().drive == Drive::PaperTheta {
-            return Ok(None);
+            return Ok(Vec::new());
         }
         let ranges = Ranges {
             by_rack: &self.by_rack,
             rockers: &self.limits.rockers,
         };
-        margin(study, &self.plan, &mut self.solver, ranges, moved).map(Some)
+        margin(study, &self.plan, &mut self.solver, ranges, moved)
     }
 
     fn rows(&self, study: &Study) -> Vec<LimitRow> {

@@ -11,7 +11,7 @@ use super::common_motion::{CommonMotion, TIME};
 use super::curve_table::CurveTable;
 use super::files::csv_of_rows;
 use super::record::{Record, readable_unit};
-use super::table::{Cell, Table};
+use super::table::{Cell, Column, Table};
 use super::{counted, optional, resolution};
 use crate::model::{FrameConvention, LengthUnit};
 pub use kc::{ComparedKc, KcComparison};
@@ -313,15 +313,21 @@ impl Comparison {
     /// from the first design.
     pub fn table(&self) -> Table {
         let moving = self.moving();
-        let header = ["output", "of", "at design", "min", "max"].map(str::to_owned);
-        let header = header
-            .into_iter()
-            .chain(["largest difference", "at"].map(str::to_owned));
-        // If only one column varies, this column is enough to give the position.
-        let further = moving[1..]
+        let header = [
+            "output",
+            "of",
+            "at design",
+            "min",
+            "max",
+            "largest difference",
+        ];
+        // The columns that vary are enough to give the position.
+        let mut places = moving
             .iter()
             .map(|k| format!("at {}", self.motion[*k].column));
-        let mut table = Table::with_columns(header.chain(further));
+        let first = places.next().map(|title| Column::named(title, "at"));
+        let header = header.into_iter().map(Column::from).chain(first);
+        let mut table = Table::with_columns(header.chain(places.map(Column::from)));
         // A motion over time has no design position.
         let mut columns = self.own_outputs.iter().map(|output| &output.column);
         let is_over_time =

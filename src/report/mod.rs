@@ -119,8 +119,9 @@ pub use tolerance_summary::{
     RankingRecord, RejectRecord, ToleranceSummary, VALUES_NOTE, ValueRecord, rejected,
 };
 pub use tuning_summary::{
-    ConstraintStatus, SlightEffectRecord, StartSummary, TuningSummary, contradiction_in_words,
-    interrupted_in_words, misfit_in_words, misfit_table, starts_in_words, starts_table,
+    ConstraintStatus, HOLDING_NOTE, HoldingRecord, SlightEffectRecord, StartSummary, TuningSummary,
+    contradiction_in_words, holding_table, interrupted_in_words, misfit_in_words, misfit_table,
+    shown_holding, starts_in_words, starts_table,
 };
 pub use yields::YieldRecord;
 

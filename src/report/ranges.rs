@@ -34,19 +34,44 @@ impl Range {
         }
     }
 
+    /// Value in the design position, if this is the range of the column with this name.
+    pub(super) fn at_design_of(&self, column: &str) -> Option<f64> {
+        self.at_design.filter(|_| self.output == column)
+    }
+
     /// Table of the ranges. CSV and JSON also have a column with the unit.
     pub(super) fn table(ranges: &[Range]) -> Table {
-        let unit = Column::for_programs("unit");
-        let columns = ["output", "at design", "min", "max"].map(Column::from);
-        let mut table = Table::with_columns(columns.into_iter().chain([unit]));
+        let mut table = Table::with_columns(Range::columns());
         for range in ranges {
-            let values = [range.at_design, range.min, range.max];
-            let mut row = vec![Cell::from(range.output.as_str())];
-            row.extend(Cell::figures(values, &range.unit));
-            row.push(range.unit.as_str().into());
-            table.push_row(row);
+            table.push_row(range.cells());
         }
         table
+    }
+
+    /// Machine-readable table of the ranges over several motions, each with its name.
+    pub(super) fn table_of_motions(motions: &[(&str, Vec<Range>)]) -> Table {
+        let mut table =
+            Table::with_columns([Column::from("motion")].into_iter().chain(Range::columns()));
+        for (motion, ranges) in motions {
+            for range in ranges {
+                let name = [Cell::from(*motion)].into_iter();
+                table.push_row(name.chain(range.cells()));
+            }
+        }
+        table
+    }
+
+    fn columns() -> impl Iterator<Item = Column> {
+        let unit = Column::for_programs("unit");
+        let columns = ["output", "at design", "min", "max"].map(Column::from);
+        columns.into_iter().chain([unit])
+    }
+
+    fn cells(&self) -> impl Iterator<Item = Cell> {
+        let values = [self.at_design, self.min, self.max];
+        let name = [Cell::from(self.output.as_str())].into_iter();
+        let unit = Cell::from(self.unit.as_str());
+        name.chain(Cell::figures(values, &self.unit)).chain([unit])
     }
 }
 

@@ -58,6 +58,14 @@ impl Summary {
             Summary::Optimise(_) | Summary::Tolerance(_) => None,
         }
     }
+
+    /// Summary of a solve. `None` for another command.
+    pub fn of_solve(&self) -> Option<&SolveSummary> {
+        match self {
+            Summary::Solve(solve) => Some(solve),
+            Summary::Optimise(_) | Summary::Tolerance(_) => None,
+        }
+    }
 }
 
 impl Run {

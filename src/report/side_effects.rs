@@ -10,8 +10,23 @@ const DIGITS: f64 = 3.0;
 /// Largest number of rows on the terminal, unless more are flagged.
 const MOST_ROWS: usize = 10;
 
-/// Decimals for the values of a side effect: one more than the first digit of its tolerance needs. Without a tolerance, the largest
-/// value has three significant digits.
+/// Decimals for values with this tolerance: one more than the first digit of the tolerance needs.
+pub(super) fn decimals_beside(tolerance: f64) -> usize {
+    (1.0 + (-tolerance.log10()).ceil()).clamp(0.0, 9.0) as usize
+}
+
+/// Range of values in words: `-1.5 .. 2.0`. A single value if both ends have the same digits.
+pub(super) fn range_in_words(ends: [f64; 2], decimals: usize) -> String {
+    let [low, high] = ends.map(|end| with_decimals(end, decimals));
+    if low == high {
+        low
+    } else {
+        format!("{low} .. {high}")
+    }
+}
+
+/// Decimals for the values of a side effect, as in [`decimals_beside`]. Without a tolerance, the largest value has three
+/// significant digits.
 fn decimals(effect: &SideEffect) -> usize {
     let ends = [
         effect.before_min,
@@ -24,7 +39,7 @@ fn decimals(effect: &SideEffect) -> usize {
         .flatten()
         .fold(0.0, |most: f64, v| most.max(v.abs()));
     let decimals = match effect.tolerance {
-        Some(tolerance) => 1.0 + (-tolerance.log10()).ceil(),
+        Some(tolerance) => return decimals_beside(tolerance),
         None if magnitude > 0.0 => DIGITS - 1.0 - magnitude.log10().floor(),
         None => 0.0,
     };
@@ -117,14 +132,7 @@ pub fn side_effects_table(effects: &[SideEffect]) -> Table {
     for effect in effects {
         let decimals = decimals(effect);
         let range = |ends: [Option<f64>; 2]| match ends {
-            [Some(low), Some(high)] => {
-                let [low, high] = [low, high].map(|end| with_decimals(end, decimals));
-                Cell::from(if low == high {
-                    low
-                } else {
-                    format!("{low} .. {high}")
-                })
-            }
+            [Some(low), Some(high)] => Cell::from(range_in_words([low, high], decimals)),
             _ => Cell::from("no value"),
         };
         let tolerance = effect.tolerance.map(in_three_digits);

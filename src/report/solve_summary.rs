@@ -101,10 +101,6 @@ impl SolveSummary {
                 station?.value(column)
             }
         };
-        let outputs = curves.columns.iter().enumerate().map(|(k, column)| {
-            let values = curves.stations.iter().filter_map(move |s| s.value(k));
-            Range::of([&column.name, &column.unit], at_design(k), values)
-        });
         SolveSummary {
             command: "solve".to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -115,7 +111,7 @@ impl SolveSummary {
             solved: curves.stations.len() - curves.failed(),
             completeness: Completeness::of(curves),
             failed: failed.collect(),
-            outputs: outputs.collect(),
+            outputs: ranges(curves, at_design),
             condition: ConditionSummary::of(curves),
             certificate: CertificateSummary::of(curves),
             work: study.axle().is_none().then_some(curves.work),
@@ -131,6 +127,25 @@ impl SolveSummary {
     /// Table with the range of every output.
     pub fn table(&self) -> Table {
         Range::table(&self.outputs)
+    }
+
+    /// Table with the range of every output over a named motion. `curves` has the curves over this motion.
+    pub fn table_of_motion(&self, curves: &Curves) -> Table {
+        Range::table(&self.ranges_of_motion(curves))
+    }
+
+    /// Machine-readable table with the ranges over all named motions.
+    pub fn motions_table<'c>(&self, motions: impl Iterator<Item = (&'c str, &'c Curves)>) -> Table {
+        let ranges = motions.map(|(name, curves)| (name, self.ranges_of_motion(curves)));
+        Range::table_of_motions(&ranges.collect::<Vec<_>>())
+    }
+
+    fn ranges_of_motion(&self, curves: &Curves) -> Vec<Range> {
+        // A motion need not contain the design position, whose values are the same in all motions.
+        ranges(curves, |column| {
+            let name = &curves.columns[column].name;
+            self.outputs.iter().find_map(|own| own.at_design_of(name))
+        })
     }
 
     /// Table of the values at the design position. `design` has only this station.
@@ -186,6 +201,15 @@ impl SolveSummary {
             None => format!("{}: {}, {stations}", self.study, self.topology),
         }
     }
+}
+
+/// Range of each column of curves. `at_design` returns the value of a column in the design position.
+fn ranges(curves: &Curves, at_design: impl Fn(usize) -> Option<f64>) -> Vec<Range> {
+    let ranges = curves.columns.iter().enumerate().map(|(k, column)| {
+        let values = curves.stations.iter().filter_map(move |s| s.value(k));
+        Range::of([&column.name, &column.unit], at_design(k), values)
+    });
+    ranges.collect()
 }
 
 /// True if all given coordinates are 0 at a station. False for a motion over time.

@@ -398,7 +398,7 @@ fn gradients<const N: usize>(
     let mut found = Vec::new();
     // For a rigid axle, derivatives are with respect to the points of the left half. The points of the right half move
     // with them.
-    let is_own = axle.right.is_some() && !axle.is_rigid();
+    let is_own = axle.own_right().is_some();
     let values = columns.iter().enumerate().filter(|(_, c)| c.by.is_none());
     let sought = values.filter_map(|(column, c)| Some((column, c.sought()?)));
     let (of, sought): (Vec<_>, Vec<_>) = sought.unzip();

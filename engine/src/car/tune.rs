@@ -14,9 +14,9 @@ use super::moves::CarVariable;
 use super::objective::{Objective, Problem};
 use super::{Car, CarQuantity, Case};
 use crate::optimise::{
-    Bounds, Constrained, Control, Fit, LeastSquares, Limit, Linearisation, Multistart, Options,
-    Price, Residuals, Unmoved, Without, constrained_multistart, is_satisfied_from, multistart,
-    smallest_conflict, starts_without_fixed, unmoved_constraints,
+    Bounds, Constrained, Control, Fit, HoldingBound, LeastSquares, Limit, Linearisation, Minimum,
+    Multistart, Options, Price, Residuals, Unmoved, Without, constrained_multistart,
+    is_satisfied_from, multistart, smallest_conflict, starts_without_fixed, unmoved_constraints,
 };
 use crate::study::{Optimise, Vehicle};
 use nalgebra::DVector;
@@ -118,6 +118,9 @@ pub struct CarTuning {
     /// Price of each constraint: reduction of the misfit per unit by which the limit moves outwards. The constraints
     /// are numbered as in `contradiction`.
     pub prices: Vec<Price>,
+    /// Bounds of variables that hold the misfit, the most effective first. The targets are numbered as in `unmoved`. `None` if the
+    /// tuning did not end at a minimum of the misfit.
+    pub holding: Option<Vec<HoldingBound>>,
     /// Indices of constraints that cannot all be satisfied together. The indices run over the cases, the front rig and
     /// the rear rig. Without any one of these constraints, the others could be satisfied. Empty if all constraints can
     /// be satisfied together.
@@ -188,14 +191,17 @@ pub fn tune(
         unmoved: Unmoved::default(),
         unmoved_constraints: Vec::new(),
         prices: Vec::new(),
+        holding: None,
         contradiction,
         starts: found,
     };
     if let Some(fit) = tuning.starts.best_fit() {
-        let objective = objective();
+        let mut objective = objective();
+        let holding = holding_bounds(&mut objective, fit, &bounds);
         let unmoved = unmoved(&objective, &tuning.starts, fit, at_start.as_ref(), &bounds);
         let (prices, still) = limits(&objective, fit);
         (tuning.unmoved, tuning.prices, tuning.unmoved_constraints) = (unmoved, prices, still);
+        tuning.holding = holding;
     }
     Ok(tuning)
 }
@@ -226,6 +232,17 @@ fn unmoved(
         bounds,
     };
     residuals.unmoved(&rms, &fit.evaluation)
+}
+
+/// Finds the bounds that hold the misfit, under the conditions of [`CarTuning::holding`].
+fn holding_bounds(
+    objective: &mut Objective<'_>,
+    fit: &Fit,
+    bounds: &Bounds,
+) -> Option<Vec<HoldingBound>> {
+    let of_rows = objective.targets_of_rows().into_iter();
+    let of_rows: Vec<usize> = of_rows.map(|(target, _)| target).collect();
+    Minimum::of(fit, &of_rows, bounds, objective)
 }
 
 /// Returns the price of each constraint (reduction of the misfit per unit by which the limit moves outwards). Also

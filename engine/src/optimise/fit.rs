@@ -217,6 +217,9 @@ pub struct Fit {
     pub history: Vec<Iteration>,
     /// State of the constraints, if there are any.
     pub constraints: Option<ConstraintState>,
+    /// Minimum of the misfit that a search for a smaller change left. `None` without such a search, and if a misfit at or above
+    /// this minimum is good enough.
+    pub left: Option<DVector<f64>>,
 }
 
 /// State of constraints at the end of a run.

@@ -322,6 +322,18 @@ impl TargetLayout {
         }
     }
 
+    /// Returns the layout whose residuals are the values of the targets' measures themselves.
+    pub(super) fn of_values(mut self) -> Self {
+        let legs = self.legs.iter_mut().flat_map(|leg| &mut leg.targets);
+        let beside = self.beside.iter_mut().flat_map(Beside::goals_mut);
+        let beside = beside.map(|goals| &mut goals.samples);
+        for sample in legs.chain(beside).flatten() {
+            (sample.wanted.low, sample.wanted.high) = (0.0, 0.0);
+            sample.scale = 1.0;
+        }
+        self
+    }
+
     /// Highest order of the derivatives with respect to the drive that a target or a constraint reads.
     pub fn rate_order(&self) -> usize {
         self.rate_order

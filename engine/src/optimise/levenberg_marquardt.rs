@@ -124,6 +124,7 @@ impl<'a> LevenbergMarquardt<'a> {
             termination,
             history,
             constraints: None,
+            left: None,
         }
     }
 

@@ -29,6 +29,7 @@ mod fit;
 mod fit_record;
 mod fixed;
 mod front;
+mod holding;
 mod identifiability;
 mod lane_builds;
 mod lane_parts;
@@ -74,6 +75,8 @@ pub use constrained::{Assessment, Constrained, ConstrainedFit, Shape, constraine
 pub use fit::{ConstraintState, Control, Fit, Iteration, ProgressCallback, Termination, fit};
 pub use fit_record::ArgminState;
 pub(crate) use fixed::{Without, starts_without_fixed};
+pub use holding::HoldingBound;
+pub(crate) use holding::Minimum;
 pub use identifiability::{Direction, Identifiability};
 pub use layout::{Deviation, Margin, RowLabel, TargetLayout, VIOLATED};
 pub use levenberg_marquardt::LevenbergMarquardt;

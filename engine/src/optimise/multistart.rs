@@ -2,7 +2,7 @@
 
 use super::fit::fit;
 use super::{
-    Bounds, Constrained, Control, Fit, Infeasible, LeastSquares, Options, Termination,
+    Bounds, Constrained, Control, Fit, Infeasible, LeastSquares, Options, Termination, VIOLATED,
     constrained_fit,
 };
 use crate::sweep::sobol;
@@ -13,6 +13,10 @@ use std::ops::Range;
 /// Relative difference up to which misfits count as equal. Runs that end at the same minimum agree to about
 /// [`Options::reduction_below`].
 const SAME_MISFIT: f64 = 1e-9;
+
+/// Relative difference up to which violations of constraints count as equal. A smaller violation by less than [`VIOLATED`] counts
+/// as equal, too.
+const SAME_VIOLATION: f64 = 1e-6;
 
 /// One start and its outcome.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,11 +107,15 @@ fn nearest_of_least(
     nearest(starts, good, distance, SAME_MISFIT)
 }
 
-/// Index of the start whose result has the smallest violation of the constraints.
+/// Index of the start with the smallest violation of the constraints. Among equal violations, the smallest misfit wins.
 pub(super) fn least_violation(starts: &[Start]) -> Option<usize> {
-    let by_violation =
-        |a: &(usize, &Fit), b: &(usize, &Fit)| a.1.violation().total_cmp(&b.1.violation());
-    fits(starts).min_by(by_violation).map(|(index, _)| index)
+    let violations = fits(starts).map(|(_, fit)| fit.violation());
+    let least = violations.min_by(f64::total_cmp)?;
+    let is_least =
+        |(_, fit): &(usize, &Fit)| fit.violation() <= least + VIOLATED.max(SAME_VIOLATION * least);
+    let equal = fits(starts).filter(is_least);
+    let best = equal.min_by(|a, b| a.1.misfit().total_cmp(&b.1.misfit()));
+    best.map(|(index, _)| index)
 }
 
 /// Runs the starts with these numbers in parallel. After a request to stop, only the first start still runs.
@@ -181,7 +189,7 @@ pub(super) fn nearest(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::optimise::test_problems::{Function, freudenstein_roth, vector, written};
+    use crate::optimise::test_problems::{Function, freudenstein_roth, stated, vector, written};
 
     fn freudenstein_roth_from(starts: usize, threads: usize) -> Multistart {
         let problem = || written(freudenstein_roth, &[0.5, -2.0]);
@@ -208,6 +216,36 @@ mod tests {
         let several = freudenstein_roth_from(8, 2);
         assert!((&several.best_fit().unwrap().x - vector(&[5.0, 4.0])).amax() < 1e-9);
         assert_eq!(several.starts[0], one.starts[0]);
+    }
+
+    /// Two rows contradict each other, so every start ends with the same violation. A residual of the second variable is left, and
+    /// the starts end with different misfits. The result is the start with the smallest misfit, not the first start.
+    #[test]
+    fn among_equal_violations_the_smallest_misfit_is_kept() {
+        let at = |x: &[f64]| {
+            let goal = vec![(x[1] - 3.0, vec![0.0, 1.0])];
+            let at_least = (1.0 - x[0], vec![-1.0, 0.0]);
+            let at_most = (x[0] + 1.0, vec![1.0, 0.0]);
+            [goal, vec![], vec![at_least, at_most]]
+        };
+        let found = constrained_multistart(
+            || stated(&[0.0; 2], 0, f64::INFINITY, at),
+            &Bounds::new(&[[-5.0, 5.0], [-2.0, 2.0]]).unwrap(),
+            &vector(&[0.0, -1.0]),
+            8,
+            3,
+            &Options::default(),
+            Control::default(),
+        );
+        let violations: Vec<f64> = fits(&found.starts).map(|(_, f)| f.violation()).collect();
+        assert!(
+            violations.iter().all(|v| (v - 1.0).abs() < 1e-9),
+            "{violations:?}"
+        );
+        let misfits: Vec<f64> = fits(&found.starts).map(|(_, f)| f.misfit()).collect();
+        let least = misfits.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(misfits[0] > least, "{misfits:?}");
+        assert_eq!(found.best_fit().unwrap().misfit(), least);
     }
 
     #[test]

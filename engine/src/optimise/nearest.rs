@@ -184,6 +184,7 @@ impl Tuner<'_> {
             left: (ALL_RUNS * level.options.max_evaluations as f64).max(1.0) as u64,
         };
         let most = search.distance.of(&fit.x);
+        fit.left = fit.minimum().filter(|_| !level.is_good_enough).cloned();
         let known = fit.constraints.is_none().then_some(&fit.evaluation);
         let near = search.options(level.misfit.max(NEAR_LEVEL));
         search.run(&fit.x, level.misfit, known, &near);

@@ -14,8 +14,8 @@ use super::verdict::{Limit, Price, Residuals, Unmoved, unmoved_constraints};
 use super::yield_search::{ExpectedYield, tune_for_yield};
 use super::{
     Assessment, Bounds, Constrained, ConstrainedFit, ConstraintState, Control, Deviation, Fit,
-    Identifiability, Infeasible, LeastSquares, Linearisation, Margin, Multistart, Objective,
-    Options, StandardErrors, TargetLayout, Termination, moved_design,
+    HoldingBound, Identifiability, Infeasible, LeastSquares, Linearisation, Margin, Minimum,
+    Multistart, Objective, Options, StandardErrors, TargetLayout, Termination, moved_design,
 };
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
@@ -37,6 +37,9 @@ const TRIED_OUT: usize = 8;
 pub struct Tuning {
     /// Misfit and deviations of the study's own design, or the reason why they cannot be computed.
     pub before: Result<Fulfilment, Infeasible>,
+    /// Smallest and largest value of each target at its stations in the study's own design, in the unit of the target's measure.
+    /// Values of a robust tuning apply to the nominal design. `None` if a value cannot be computed.
+    pub values: Option<Vec<[f64; 2]>>,
     /// All starts, and the index of the best.
     pub starts: Multistart,
     /// Best design. `None` if no start succeeded.
@@ -76,6 +79,11 @@ pub struct Best {
     pub identifiability: Identifiability,
     /// Outcome for each constraint.
     pub constraints: Vec<ConstraintOutcome>,
+    /// Smallest and largest value of each target at its stations, as in [`Tuning::values`].
+    pub values: Option<Vec<[f64; 2]>>,
+    /// Bounds of variables that hold the misfit, the most effective first. `None` if the tuning did not end at a minimum of the
+    /// misfit, or near one.
+    pub holding: Option<Vec<HoldingBound>>,
     /// Standard errors of the variables. `None` unless the targets are measurements, there are no constraints, and the fit
     /// ended at a minimum. Also `None` if there are too few residuals.
     pub errors: Option<StandardErrors>,
@@ -225,6 +233,7 @@ impl<'a> Tuner<'a> {
         let unmoved = unmoved.map(|(best, fit)| self.unmoved(best, &fit.evaluation, &seen));
         Ok(Tuning {
             before,
+            values: self.values(&self.design),
             unmoved_constraints: starts
                 .best_fit()
                 .map_or(Vec::new(), |fit| self.unmoved_constraints(fit)),
@@ -253,6 +262,7 @@ impl<'a> Tuner<'a> {
         }
         fit.active_bounds = self.bounds.active_bounds(&found.x);
         fit.x.clone_from(&found.x);
+        fit.left = None;
         fit.residual = Some(found.imbalance);
         let end = found.termination.clone().checked(found.imbalance);
         fit.termination = if end.at_minimum() {
@@ -311,8 +321,32 @@ impl<'a> Tuner<'a> {
             after: self.fulfilment(&fit.evaluation),
             identifiability: self.identifiability(fit),
             constraints: self.outcomes(fit),
+            values: self.values(&fit.x),
+            holding: self.holding_bounds(fit),
             errors: self.errors(fit),
         }
+    }
+
+    /// Smallest and largest value of each target at its stations, in the nominal design moved to `x`.
+    fn values(&self, x: &DVector<f64>) -> Option<Vec<[f64; 2]>> {
+        let nominal = self.optimise.nominal();
+        let layout = TargetLayout::of(&nominal, self.vehicle).of_values();
+        let mut problem = self.problem_of(&nominal, &layout);
+        let mut values = Linearisation::new(layout.residuals(), x.len());
+        LeastSquares::evaluate(&mut problem, x, &mut values).ok()?;
+        values.check().ok()?;
+        let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; nominal.targets.len()];
+        for (target, value) in layout.targets_of_rows().into_iter().zip(&values.residuals) {
+            let [low, high] = &mut ranges[target];
+            (*low, *high) = (low.min(*value), high.max(*value));
+        }
+        Some(ranges)
+    }
+
+    /// Finds the bounds that hold the misfit, under the conditions of [`Best::holding`].
+    fn holding_bounds(&self, fit: &Fit) -> Option<Vec<HoldingBound>> {
+        let of_rows = self.layout.targets_of_rows();
+        Minimum::of(fit, &of_rows, &self.bounds, &mut self.problem())
     }
 
     /// Returns the directions that the targets determine at a fit. Tests the directions without effect on the targets by

@@ -38,7 +38,7 @@ pub use draw::normal_quantile;
 pub use estimate::{Estimate, HOLDS, Remainder, with_rounding};
 pub use expansion::Expansion;
 pub use histogram::{BINS, Histogram};
-pub use monte_carlo::{MonteCarlo, Rejected, Spread, monte_carlo, monte_carlo_in};
+pub use monte_carlo::{FEWEST, MonteCarlo, Rejected, Spread, monte_carlo, monte_carlo_in};
 pub use yields::{BandYield, Forecast, Ranking, Yields, rank};
 
 use crate::assembly::SetUpError;

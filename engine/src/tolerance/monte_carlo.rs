@@ -311,7 +311,7 @@ pub(super) fn moments([n, s1, s2, s3, s4]: [f64; 5]) -> [f64; 3] {
 }
 
 /// Fewest builds with a standard error of the standard deviation.
-pub(super) const FEWEST: u64 = 4;
+pub const FEWEST: u64 = 4;
 
 /// Unbiased estimate of the variance of s^2 for `n` builds, from the second and the fourth central moment of the builds. NaN with
 /// fewer than [`FEWEST`] builds.

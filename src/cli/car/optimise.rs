@@ -1,7 +1,7 @@
 //! `hardpoint optimise` of a car.
 
 use super::super::exit::{Exit, Stop};
-use super::super::optimise::say_side_effects;
+use super::super::optimise::{say_holding, say_side_effects};
 use super::super::output::{Output, pool};
 use super::super::{CurveArguments, interrupt};
 use super::{headline, keep, open, page, solver};
@@ -195,6 +195,7 @@ impl TuningResults<'_> {
         if !missed.is_empty() {
             output.text_only("\n")?;
         }
+        say_holding(output, &verdict.holding().unwrap_or_default())?;
         if let Some(table) = car_constraints_table(&self.constraints) {
             output.table("constraints", &table)?;
             output.text_only("\n")?;

@@ -1,6 +1,7 @@
 //! End of a sweep or of a shard: summary, studies of selected designs and the page.
 
 use super::*;
+use crate::report::Table;
 
 /// Prints the progress of one shard while the sweep is unfinished.
 pub(super) fn finish_shard(
@@ -81,27 +82,44 @@ pub(in crate::cli) fn finish(
         output.table("not_solved", &failures)?;
         output.text_only("\n")?;
     }
-    if statistics.designs > 0 || !output.is_text() {
-        output.table("outputs", &summary.outputs_table())?;
-    }
-    output.say_remarks(summary.of_which())?;
-    output.table_for_programs("effects", || summary.effects_table());
-    output.say_remarks(summary.notes())?;
+    say_results(output, record, &summary)?;
+    let files: Vec<&str> = files.iter().map(String::as_str).collect();
+    output.print_files(&files)?;
+    Ok(Exit::of(summary.is_complete()))
+}
+
+/// Prints the best designs, then the main effects, then the ranges of the outputs.
+fn say_results(output: &Output, record: &SweepRecord, summary: &SweepSummary) -> Result<(), Stop> {
+    let say = |heading: &str, table: &Table| {
+        if table.is_empty() {
+            return Ok(());
+        }
+        let table = table.text(terminal::width());
+        output.text_only(&format!("{heading}:\n\n{table}\n"))
+    };
     let best = summary.best_table();
-    if !best.is_empty() {
-        output.text_only("\nBest designs by misfit (in multiples of the tolerance):\n\n")?;
-    }
-    if !(output.is_text() && best.is_empty()) {
-        output.table("best", &best)?;
-    }
-    if let Some(count) = summary.on_front().filter(|_| statistics.designs > 0) {
+    say(
+        "Best designs by misfit (in multiples of the tolerance)",
+        &best,
+    )?;
+    if let Some(count) = summary.on_front().filter(|_| summary.has_designs()) {
         output.say(&format!(
-            "\nOn the Pareto front of {} targets: {}\n",
+            "On the Pareto front of {} targets: {}\n\n",
             record.targets.len(),
             counted(count, "design")
         ))?;
     }
-    let files: Vec<&str> = files.iter().map(String::as_str).collect();
-    output.print_files(&files)?;
-    Ok(Exit::of(summary.is_complete()))
+    say(
+        summary.main_effects_heading(),
+        &summary.main_effects_table(),
+    )?;
+    let ranges = summary.ranges_table();
+    if summary.has_designs() || !output.is_text() {
+        output.text_only("Ranges of the outputs:\n\n")?;
+        output.table("outputs", &ranges)?;
+    }
+    output.table_for_programs("effects", || summary.effects_table());
+    output.table_for_programs("best", || best);
+    output.say_remarks(summary.of_which())?;
+    output.say_remarks(summary.notes())
 }

@@ -202,12 +202,6 @@ fn is_changed(first: Option<f64>, other: Option<f64>, in_same_units: bool) -> bo
     }
 }
 
-/// True if the right wheel of an axle has hardpoints of its own. A rigid axle lists the points of both halves as one wheel.
-fn has_own_right_points(car: &Car, axle: usize) -> bool {
-    let axle = &car.axles[axle];
-    axle.right.is_some() && !axle.is_rigid()
-}
-
 /// Position of a wheel's point in the kernel's frame of this wheel, in `unit`. The wheel is the index of its axle and its side.
 /// `None` if the wheel has no point of this name.
 fn place_of(
@@ -244,7 +238,7 @@ fn changes(cars: &[&Car]) -> Vec<Change> {
     }
     for axle in [0, 1] {
         for side in Side::ALL {
-            if side == Side::Right && cars.iter().all(|car| !has_own_right_points(car, axle)) {
+            if side == Side::Right && cars.iter().all(|car| car.axles[axle].own_right().is_none()) {
                 continue;
             }
             let prefix = match side {

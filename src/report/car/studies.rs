@@ -103,7 +103,7 @@ pub fn settings_of_car(
         };
         let left = of("suspension.hardpoints", &axle.left);
         let name = axle.left.mechanism.name(at.point);
-        let right = axle.right.as_ref().filter(|_| !axle.is_rigid());
+        let right = axle.own_right();
         let right = right.filter(|_| gives(rights[at.axle].as_ref(), "hardpoints", name));
         let right = right.map(|wheel| of("axle.right.hardpoints", wheel));
         for setting in [left].into_iter().chain(right) {

@@ -253,7 +253,8 @@ impl CarToleranceSummary {
             let linear = LinearResult {
                 holds: value.linear_holds,
                 second_order: value.second_order,
-                is_computed: value.nominal.is_some() && value.builds > 0,
+                has_nominal: value.nominal.is_some(),
+                builds: value.builds,
                 scatters: value.scatters,
             };
             let figure = |v: Option<f64>| Cell::from(v.map(|v| Cell::figure(v, &value.unit)));

@@ -5,8 +5,9 @@ use super::tuning::car_constraint_names;
 use crate::axle::Law;
 use crate::car::{AxleEnd, AxleResult, CarQuantity, CarTuning};
 use crate::report::tuning_summary::{
-    ConstraintStatus, SlightEffectRecord, contradiction_in_words, least_violation_in_words,
-    price_in_words, unmoved_constraint_in_words, unmoved_in_words, violation_in_words,
+    ConstraintStatus, HoldingRecord, Missed, Moved, SlightEffectRecord, contradiction_in_words,
+    least_violation_in_words, not_held, price_in_words, unmoved_constraint_in_words,
+    unmoved_in_words, violation_in_words,
 };
 use crate::study::CarStudy;
 use serde_json::{Value, json};
@@ -48,6 +49,52 @@ impl CarVerdict<'_> {
         car_constraint_names(self.constraints, &self.tuning.unmoved_constraints)
     }
 
+    /// Bounds of variables that keep missed targets from their goals. `None` if they are not known.
+    pub fn holding(&self) -> Option<Vec<HoldingRecord>> {
+        let found = self.tuning.holding.as_ref()?;
+        let variables = &self.study.optimise.as_ref()?.variables;
+        let in_words = |unit: &str| unit.replace("_per_", "/");
+        let missed = |number: usize| {
+            let target = &self.targets[number];
+            target.missed_by()?;
+            // The value of a target of an axle alone is the root mean square deviation itself.
+            let of_case = || Some(target.deviation?.abs() * target.tolerance);
+            Some(Missed {
+                name: target.full_name(),
+                rms: target.curve.map_or_else(of_case, |_| target.values[1])?,
+                unit: in_words(target.unit()),
+            })
+        };
+        let moved = |number: usize| {
+            let own = &variables[number];
+            Moved {
+                name: own.moves.label(&self.study.car),
+                unit: in_words(&own.moves.unit(&self.study.car)),
+                range: own.range,
+            }
+        };
+        Some(HoldingRecord::all(self.targets.len(), found, missed, moved))
+    }
+
+    /// Sentences about missed targets that no bound of a variable holds.
+    fn not_held(&self) -> Vec<String> {
+        let Some(records) = self.holding() else {
+            return Vec::new();
+        };
+        let unmoved = &self.tuning.unmoved;
+        let is_movable = |number: &usize| {
+            let is_slight = unmoved.slightly.iter().any(|own| own.target == *number);
+            !is_slight && !unmoved.targets.contains(number)
+        };
+        let missed = (0..self.targets.len()).filter(|k| self.targets[*k].missed_by().is_some());
+        let names = missed.filter(is_movable);
+        let names: Vec<String> = names.map(|k| self.targets[k].full_name()).collect();
+        not_held(
+            &names.iter().map(String::as_str).collect::<Vec<_>>(),
+            &records,
+        )
+    }
+
     /// Lines about targets that are missed by more than their tolerance.
     pub fn missed(&self) -> Vec<String> {
         let missed = self.targets.iter().filter_map(|target| {
@@ -62,6 +109,7 @@ impl CarVerdict<'_> {
         let unmoved = self.unmoved().into_iter();
         let mut remarks: Vec<String> = unmoved.map(|name| unmoved_in_words(&name, None)).collect();
         remarks.extend(self.hardly_moved().iter().map(SlightEffectRecord::in_words));
+        remarks.extend(self.not_held());
         let ends = AxleEnd::ALL.into_iter();
         remarks.extend(ends.filter_map(|end| self.fixed_spring_force(end)));
         let unmoved = self.unmoved_constraints().into_iter();
@@ -114,6 +162,7 @@ impl CarVerdict<'_> {
         json!({
             "unmoved": self.unmoved(),
             "hardly_moved": self.hardly_moved(),
+            "holding": self.holding(),
             "unmoved_constraints": self.unmoved_constraints(),
         })
     }

@@ -87,6 +87,24 @@ impl<'r> Charted<'r> {
         }
     }
 
+    /// Curves over the named motions, with the names of the motions. Their tables follow those of the study's own motion.
+    pub(in crate::report) fn of_named(
+        record: &'r Record,
+        whole: &'r [CurveTable],
+    ) -> Vec<(&'r str, Self)> {
+        let mut first_table = record.motion.designs.len();
+        let named = record.motions.iter().map(|named| {
+            let own = Charted {
+                motion: &named.motion,
+                first_table,
+                ..Charted::of(record, whole)
+            };
+            first_table += named.motion.designs.len();
+            (named.name.as_str(), own)
+        });
+        named.collect()
+    }
+
     /// Tables of the designs.
     fn tables<'t>(&self, all: &'t [CurveTable]) -> &'t [CurveTable] {
         let last = (self.first_table + self.motion.designs.len()).min(all.len());

@@ -70,28 +70,20 @@ pub(super) fn figures(
 
 /// Charts of every named motion, each below a heading with its name.
 pub(super) fn of_motions(run: &Run, missed: &[(&str, String)], charts: &mut Charts) -> String {
-    let record = &run.record;
-    let mut first_table = record.motion.designs.len();
     let mut sections = String::new();
-    for (number, named) in record.motions.iter().enumerate() {
-        let of = Charted {
-            command: &record.command,
-            motion: &named.motion,
-            first_table,
-            whole: &run.curves,
-        };
-        first_table += named.motion.designs.len();
+    let motions = Charted::of_named(&run.record, &run.curves);
+    for (number, (name, of)) in motions.into_iter().enumerate() {
         // The name of a target ends with the name of its motion.
         let own = missed.iter().filter_map(|(target, by)| {
             let (column, motion) = target.split_once(", ")?;
-            (motion == named.name).then(|| (column, by.clone()))
+            (motion == name).then(|| (column, by.clone()))
         });
         let own: Vec<_> = own.collect();
         let plots = format!("motion-plots-{number}");
         sections += &format!(
             include_str!("motion.html"),
-            name = html(&named.name),
-            controls = controls(&named.motion, &plots),
+            name = html(name),
+            controls = controls(of.motion, &plots),
             plots = plots,
             figures = figures(of, &own, charts, |_, _, _| Vec::new()),
         );

@@ -1,8 +1,7 @@
 //! Opening screen of a tuned design: the result before the details.
 
-use super::escape::html;
+use super::escape::{html, prose};
 use super::table::table;
-use super::tuning_sections::deviations_in_words;
 use crate::SideEffect;
 use crate::curves::Placement;
 use crate::report::record::{DesignRecord, Record};
@@ -49,7 +48,7 @@ pub(super) fn opening(tuning: &TuningSummary, record: &Record) -> String {
 "#,
         verdict = html(&verdict(tuning)),
         bounds = bounds(tuning),
-        deviations = deviations_in_words(tuning),
+        deviations = prose(&tuning.deviations_in_words()),
         effects = effects(&tuning.side_effects),
         margins = margins(tuning),
     )

@@ -10,8 +10,8 @@ use super::tuning_charts::prices_chart;
 use crate::SideEffect;
 use crate::report::record::Record;
 use crate::report::{
-    ToleranceSummary, TuningSummary, VALUES_NOTE, further_in_words, side_effects_in_words,
-    side_effects_table, visible_side_effects,
+    HOLDING_NOTE, ToleranceSummary, TuningSummary, VALUES_NOTE, further_in_words, holding_table,
+    side_effects_in_words, side_effects_table, visible_side_effects,
 };
 
 /// Sections of an optimisation: targets, side effects, variables, constraints and convergence history.
@@ -36,11 +36,11 @@ pub(super) fn tuning_sections(
     let unmet: Vec<usize> = tuning.missed().iter().map(|(row, ..)| *row).collect();
     format!(
         include_str!("tuning.html"),
-        deviations = deviations_in_words(tuning),
+        deviations = prose(&tuning.deviations_in_words()),
         targets = table(&tuning.targets_table(), |row| unmet
             .contains(&row)
             .then_some("unmet")),
-        missed = missed_in_words(&missed(tuning)),
+        missed = missed_in_words(&missed(tuning)) + &holding(tuning),
         variables = tuning.variables_table().html(),
         constraints = constraints(tuning),
         unseen = unseen,
@@ -58,11 +58,18 @@ pub(super) fn tuning_sections(
     )
 }
 
-/// Meaning of the deviations in the table of the targets.
-pub(super) fn deviations_in_words(tuning: &TuningSummary) -> String {
+/// Table of the bounds that keep missed targets from their goals. Empty without such bounds.
+fn holding(tuning: &TuningSummary) -> String {
+    let records = tuning.holding.as_deref().unwrap_or_default();
+    if records.is_empty() {
+        return String::new();
+    }
+    let note =
+        format!("Bounds of variables that keep missed targets from their goals: {HOLDING_NOTE}.");
     format!(
-        "Largest deviations from the targets{}, in the unit of each target.",
-        tuning.over_builds(" over")
+        "<p class=\"note\">{}</p>{}",
+        prose(&note),
+        holding_table(records).html()
     )
 }
 

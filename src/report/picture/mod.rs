@@ -8,6 +8,7 @@ mod view;
 use super::chart::{
     ChartGroup, Charted, Layout, Lettering, SIZE, chart_groups, charts_over, picture_style,
 };
+use super::curve_table::CurveTable;
 use super::record::Record;
 use super::run::{Run, Summary};
 use super::scene::Sight;
@@ -51,14 +52,95 @@ const LETTERS: &str = ".letters{fill:#3d454d}.letters.label{fill:#1b1f24}.axis-t
 
 /// Names of the pictures of a run with this record.
 pub fn picture_names(record: &Record) -> Vec<String> {
-    let groups = chart_groups(&record.motion.outputs);
-    let mut names = file_names(&groups);
-    names.extend((!names.is_empty()).then(|| OVERVIEW.to_owned()));
+    let motions = MotionCharts::all(record, &[]);
+    let mut names: Vec<String> = Vec::new();
+    for motion in &motions {
+        names.extend(motion.names.iter().cloned());
+        names.extend(motion.overview_name());
+    }
     names.push(MECHANISM.to_owned());
     names.extend((record.command == "optimise").then(|| TUNING.to_owned()));
     let files = |name: &String| ["svg", "png"].map(|kind| format!("{name}.{kind}"));
     let files = names.iter().flat_map(files);
     files.chain([LAYOUTS.to_owned()]).collect()
+}
+
+/// Charts of one motion.
+struct MotionCharts<'r> {
+    /// Name of the motion. Empty for the study's own motion.
+    motion: &'r str,
+    of: Charted<'r>,
+    groups: Vec<ChartGroup<'r>>,
+    /// Names of the charts' files, without extension. The names of a named motion begin with its name.
+    names: Vec<String>,
+}
+
+impl<'r> MotionCharts<'r> {
+    /// Charts of the study's own motion, then of its named motions. `tables` has the tables of all motions.
+    fn all(record: &'r Record, tables: &'r [CurveTable]) -> Vec<Self> {
+        let mut taken = Vec::new();
+        let own = iter::once(("", Charted::of(record, tables)));
+        let motions = own.chain(Charted::of_named(record, tables));
+        let charts = motions.map(|(motion, of)| {
+            let groups = chart_groups(&of.motion.outputs);
+            let names = groups.iter().map(|group| in_motion(motion, &group.key));
+            MotionCharts {
+                motion,
+                of,
+                names: names.map(|name| free_name(name, &mut taken)).collect(),
+                groups,
+            }
+        });
+        charts.collect()
+    }
+
+    /// Name of the picture with several outputs. `None` without outputs.
+    fn overview_name(&self) -> Option<String> {
+        (!self.groups.is_empty()).then(|| in_motion(self.motion, OVERVIEW))
+    }
+
+    /// Layouts of all charts. `tables` has the tables of all motions.
+    fn layouts(&self, tables: &[CurveTable]) -> Vec<Layout> {
+        let groups = self.groups.iter();
+        groups.map(|group| self.layout(group, tables)).collect()
+    }
+
+    /// Chart of a group of outputs over the usual column of its horizontal axis. A chart of a named motion begins with the name of
+    /// the motion.
+    fn layout(&self, group: &ChartGroup<'_>, tables: &[CurveTable]) -> Layout {
+        let abscissa = self.of.motion.usual_abscissa(group.column());
+        let mut chart = charts_over(self.of, tables, group, abscissa);
+        chart.key = in_motion(self.motion, &group.key);
+        let layout = chart.layout(tables);
+        match self.motion {
+            "" => layout,
+            motion => layout.named(&format!("motion {motion}: ")),
+        }
+    }
+
+    /// True if a target or a band applies to an output of the group.
+    fn has_target(&self, group: &ChartGroup<'_>) -> bool {
+        let targets = self.of.motion.targets.iter().map(|t| &t.column);
+        let mut columns = targets.chain(self.of.motion.bands.iter().map(|b| &b.column));
+        columns.any(|column| group.outputs.iter().any(|o| o.column == *column))
+    }
+
+    /// Picture of each chart, and the overview. `layouts` has the layouts of the charts.
+    fn sheets(&self, layouts: &[Layout]) -> Vec<Sheet<'r>> {
+        let alone =
+            |(name, layout): (&String, &Layout)| Sheet::of_charts(name.clone(), [layout.clone()]);
+        let mut sheets: Vec<Sheet> = self.names.iter().zip(layouts).map(alone).collect();
+        let numbered = self.groups.iter().zip(layouts);
+        let chosen = numbered.filter(|(group, _)| self.has_target(group));
+        let mut chosen: Vec<&Layout> = chosen.map(|(_, layout)| layout).collect();
+        if chosen.is_empty() {
+            chosen = layouts.iter().collect();
+        }
+        let charts = chosen.into_iter().take(MOST_PANELS).cloned();
+        let overview = self.overview_name();
+        sheets.extend(overview.map(|name| Sheet::of_charts(name, charts)));
+        sheets
+    }
 }
 
 /// Content of a cell of a picture.
@@ -100,7 +182,7 @@ impl<'r> Sheet<'r> {
         }
     }
 
-    /// Picture of a tuning: mechanism, all targets, and all side effects beyond their tolerances. It shows the study's own motion.
+    /// Picture of a tuning: mechanism, all targets, and all side effects beyond their tolerances.
     fn tuning(run: &'r Run) -> Self {
         let record = &run.record;
         let flagged: Vec<String> = match &run.summary {
@@ -110,17 +192,21 @@ impl<'r> Sheet<'r> {
             }
             Summary::Solve(_) | Summary::Tolerance(_) => Vec::new(),
         };
-        let groups = chart_groups(&record.motion.outputs);
-        let wanted = |group: &&ChartGroup| has_target(record, group);
+        let motions = MotionCharts::all(record, &run.curves);
+        let layout = |of: &MotionCharts, group: &ChartGroup| of.layout(group, &run.curves);
+        let targets = motions.iter().flat_map(|of| {
+            let wanted = of.groups.iter().filter(|group| of.has_target(group));
+            wanted.map(|group| layout(of, group))
+        });
         // The columns of an axle begin with the name of the wheel. The names of side effects do not.
+        let own = &motions[0];
         let is_flagged = |group: &&ChartGroup| {
             let column = group.column().trim_start_matches("left_");
             let column = column.trim_start_matches("right_");
-            !wanted(group) && flagged.iter().any(|name| name == column)
+            !own.has_target(group) && flagged.iter().any(|name| name == column)
         };
-        let targets = groups.iter().filter(wanted).map(|group| chart(run, group));
-        let effects = groups.iter().filter(is_flagged);
-        let effects = effects.map(|group| chart(run, group).named("side effect: "));
+        let effects = own.groups.iter().filter(is_flagged);
+        let effects = effects.map(|group| layout(own, group).named("side effect: "));
         let charts: Vec<Layout> = targets.chain(effects).collect();
         let rest = COLUMNS - charts.len() % COLUMNS;
         let views = Sight::ALL.into_iter().take(rest);
@@ -180,13 +266,6 @@ impl<'r> Sheet<'r> {
     }
 }
 
-/// True if a target or a band applies to an output of the group.
-fn has_target(record: &Record, group: &ChartGroup<'_>) -> bool {
-    let targets = record.motion.targets.iter().map(|t| &t.column);
-    let mut columns = targets.chain(record.motion.bands.iter().map(|b| &b.column));
-    columns.any(|column| group.outputs.iter().any(|o| o.column == *column))
-}
-
 /// Content of `charts.json`.
 #[derive(Serialize)]
 struct Layouts<'a> {
@@ -199,26 +278,20 @@ struct Layouts<'a> {
 ///
 /// - one for each output, or for the same output of both wheels;
 /// - `overview` with the outputs that have targets, or with all outputs if there are no targets;
+/// - the same pictures for each named motion; their names begin with the name of the motion;
 /// - `mechanism`;
 /// - for a tuning also `tuning`.
 ///
 /// `charts.json` has the layouts of all charts.
 pub fn pictures(run: &Run) -> Vec<Picture> {
     let record = &run.record;
-    let groups = chart_groups(&record.motion.outputs);
-    let layouts: Vec<Layout> = groups.iter().map(|group| chart(run, group)).collect();
-    let alone = |(name, layout): (String, &Layout)| Sheet::of_charts(name, [layout.clone()]);
-    let named = file_names(&groups).into_iter().zip(&layouts);
-    let mut sheets: Vec<Sheet> = named.map(alone).collect();
-    let numbered = groups.iter().zip(&layouts);
-    let chosen = numbered.filter(|(group, _)| has_target(record, group));
-    let mut chosen: Vec<&Layout> = chosen.map(|(_, layout)| layout).collect();
-    if chosen.is_empty() {
-        chosen = layouts.iter().collect();
-    }
-    if !chosen.is_empty() {
-        let charts = chosen.into_iter().take(MOST_PANELS).cloned();
-        sheets.push(Sheet::of_charts(OVERVIEW.to_owned(), charts));
+    let motions = MotionCharts::all(record, &run.curves);
+    let mut sheets = Vec::new();
+    let mut layouts = Vec::new();
+    for motion in &motions {
+        let own = motion.layouts(&run.curves);
+        sheets.extend(motion.sheets(&own));
+        layouts.extend(own);
     }
     sheets.push(Sheet::mechanism(record));
     if record.command == "optimise" {
@@ -227,11 +300,10 @@ pub fn pictures(run: &Run) -> Vec<Picture> {
     let outlines = Lettering::outlines();
     let files = sheets.iter().flat_map(|sheet| sheet.files(&outlines));
     let data = Layouts {
-        tables: record
-            .motion
-            .designs
+        tables: motions
             .iter()
-            .map(|d| d.curves.as_str())
+            .flat_map(|motion| &motion.of.motion.designs)
+            .map(|design| design.curves.as_str())
             .collect(),
         charts: layouts.iter().collect(),
     };
@@ -242,31 +314,23 @@ pub fn pictures(run: &Run) -> Vec<Picture> {
     files.chain([json]).collect()
 }
 
-/// Chart of a group of outputs over the usual column of its horizontal axis.
-fn chart(run: &Run, group: &ChartGroup<'_>) -> Layout {
-    let record = &run.record;
-    let abscissa = record.motion.usual_abscissa(group.column());
-    let chart = charts_over(
-        Charted::of(record, &run.curves),
-        &run.curves,
-        group,
-        abscissa,
-    );
-    chart.layout(&run.curves)
+/// Name of a chart of a motion. The chart of a named motion begins with the name of the motion.
+fn in_motion(motion: &str, chart: &str) -> String {
+    match motion {
+        "" => chart.to_owned(),
+        motion => format!("{motion}_{chart}"),
+    }
 }
 
-/// Distinct file names of charts. Names that differ only in letter case count as equal.
-fn file_names(groups: &[ChartGroup<'_>]) -> Vec<String> {
-    let mut taken: Vec<String> = Vec::new();
-    let mut free = |name: String| {
-        let numbered = (2..).map(|number| format!("{name}_{number}"));
-        let mut all = iter::once(name.clone()).chain(numbered);
-        let name = all.find(|name| !taken.contains(&name.to_lowercase()));
-        let name = name.expect("there is always another number");
-        taken.push(name.to_lowercase());
-        name
-    };
-    groups.iter().map(|g| free(file_name(&g.key))).collect()
+/// File name of a chart that differs from the names in `taken`. Names that differ only in letter case count as equal.
+fn free_name(chart: String, taken: &mut Vec<String>) -> String {
+    let name = file_name(&chart);
+    let numbered = (2..).map(|number| format!("{name}_{number}"));
+    let mut all = iter::once(name.clone()).chain(numbered);
+    let name = all.find(|name| !taken.contains(&name.to_lowercase()));
+    let name = name.expect("there is always another number");
+    taken.push(name.to_lowercase());
+    name
 }
 
 /// File name for a column. Names of points may contain any characters.

@@ -160,6 +160,11 @@ impl SweepSummary {
         self.done == self.designs
     }
 
+    /// True if at least one design was evaluated.
+    pub fn has_designs(&self) -> bool {
+        self.done > 0
+    }
+
     /// Remarks on the outputs, one per line.
     pub fn notes(&self) -> &[String] {
         &self.notes
@@ -194,19 +199,50 @@ impl SweepSummary {
         table
     }
 
+    /// Table of the variables with the largest effects on each output. Empty if the effects are not known.
+    pub fn main_effects_table(&self) -> Table {
+        let mut table = Table::new(["output", "main effects"]);
+        for output in &self.outputs {
+            let words = output.what_matters();
+            if !words.is_empty() {
+                table.push([Cell::from(output.column.as_str()), words.into()]);
+            }
+        }
+        table
+    }
+
+    /// Heading of [`SweepSummary::main_effects_table`], which explains its numbers.
+    pub fn main_effects_heading(&self) -> &'static str {
+        let mut effects = self.outputs.iter().flat_map(|output| &output.effects);
+        if effects.any(|effect| effect.share.is_some()) {
+            "What matters most: shares of the variables in the variance of each output"
+        } else {
+            "What matters most: change of each output from the lower to the upper end of a variable's range"
+        }
+    }
+
+    /// Table with the range of every output.
+    pub fn ranges_table(&self) -> Table {
+        self.table_of_outputs(false)
+    }
+
     /// Table with the range of every output, and the variables with the largest effect on it.
     pub fn outputs_table(&self) -> Table {
+        self.table_of_outputs(true)
+    }
+
+    fn table_of_outputs(&self, with_effects: bool) -> Table {
         let columns = ["output", "at design", "min", "max"].map(Column::from);
-        let words = Column::for_readers("main effects");
+        let words = with_effects.then(|| Column::for_readers("main effects"));
         let programs = ["unit", "count", "mean", "standard deviation", "r2"];
         let programs = programs.map(Column::for_programs);
-        let mut table = Table::with_columns(columns.into_iter().chain([words]).chain(programs));
+        let mut table = Table::with_columns(columns.into_iter().chain(words).chain(programs));
         for output in &self.outputs {
             let values = [output.at_design, output.min, output.max];
             let mut row = vec![Cell::from(output.column.as_str())];
             row.extend(Cell::figures(values, &output.unit));
-            row.extend([output.what_matters().into(), output.unit.as_str().into()]);
-            row.push(output.count.into());
+            row.extend(with_effects.then(|| output.what_matters().into()));
+            row.extend([output.unit.as_str().into(), output.count.into()]);
             row.extend([output.mean, output.standard_deviation, output.r2].map(Cell::from));
             table.push_row(row);
         }

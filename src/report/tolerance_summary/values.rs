@@ -5,7 +5,7 @@ use super::super::given_columns::GivenColumns;
 use super::super::shortest;
 use crate::model::Axis;
 use crate::study::AxleStudy;
-use crate::tolerance::{Expansion, HOLDS, MonteCarlo, PERCENTILES, Problem};
+use crate::tolerance::{Expansion, FEWEST, HOLDS, MonteCarlo, PERCENTILES, Problem};
 use serde::{Deserialize, Serialize};
 
 /// Scatter of an output at one position, in the unit of the output.
@@ -71,8 +71,10 @@ pub(in crate::report) struct LinearResult {
     pub holds: Option<bool>,
     /// Second-order term, as a fraction of the first-order variance. `None` if it is unknown.
     pub second_order: Option<f64>,
-    /// True if the nominal design and at least one build have the value.
-    pub is_computed: bool,
+    /// True if the nominal design has the value.
+    pub has_nominal: bool,
+    /// Number of builds that have the value.
+    pub builds: u64,
     /// False if the builds differ only by rounding errors.
     pub scatters: bool,
 }
@@ -84,8 +86,9 @@ impl LinearResult {
             Some(true) => "yes",
             Some(false) if self.second_order.is_some_and(|s| s >= HOLDS) => "no: curved",
             Some(false) => "no: builds differ",
-            None if !self.is_computed => "",
+            None if !self.has_nominal || self.builds == 0 => "",
             None if !self.scatters => "does not scatter",
+            None if self.builds < FEWEST => "too few builds",
             None => "not known",
         }
     }
@@ -119,7 +122,8 @@ impl ValueRecord {
         LinearResult {
             holds: self.linear_holds,
             second_order: self.second_order,
-            is_computed: self.nominal.is_some() && self.builds > 0,
+            has_nominal: self.nominal.is_some(),
+            builds: self.builds,
             scatters: self.scatters,
         }
     }

@@ -1,11 +1,14 @@
 //! Summary of a tuning.
 
+mod holding;
 mod of_tuning;
 mod starts;
 mod tables;
 mod verdict;
 mod words;
 
+pub use holding::{HOLDING_NOTE, HoldingRecord, holding_table, shown_holding};
+pub(in crate::report) use holding::{Missed, Moved, not_held};
 pub(in crate::report) use of_tuning::wanted;
 pub use starts::{StartSummary, starts_in_words, starts_table};
 pub use tables::misfit_table;
@@ -20,7 +23,7 @@ use super::accuracy::{CertificateSummary, ConditionSummary};
 use super::choices::{FrontPoint, FrontRecord, PriceRecord};
 use super::figure::{as_written, brief, to_digits, with_decimals, with_plus};
 use super::fitted::FittedOffset;
-use super::side_effects::side_effects_in_words;
+use super::side_effects::{decimals_beside, range_in_words, side_effects_in_words};
 use super::table::{Cell, Column, Table};
 use super::text::counted;
 use super::yields::YieldRecord;
@@ -82,6 +85,10 @@ pub struct TuningSummary {
     /// Missed targets that the variables hardly change.
     #[serde(default)]
     hardly_moved: Vec<SlightEffectRecord>,
+    /// Bounds of variables that keep missed targets from their goals. `None` if they are not known, because the tuning did not end
+    /// at a minimum of the misfit.
+    #[serde(default)]
+    pub holding: Option<Vec<HoldingRecord>>,
     /// Violated constraints that no variable changes.
     #[serde(default)]
     unmoved_constraints: Vec<String>,
@@ -184,6 +191,12 @@ struct TargetSummary {
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     between_curves: bool,
     weight: f64,
+    /// Smallest and largest value at the stations of the target before and after the tuning, in the unit of the tolerance. For a
+    /// robust tuning: values of the nominal design.
+    #[serde(default)]
+    values_before: Option<[f64; 2]>,
+    #[serde(default)]
+    values_after: Option<[f64; 2]>,
     before: Option<DeviationSummary>,
     after: Option<DeviationSummary>,
 }
@@ -398,6 +411,8 @@ mod tests {
             wanted: [Some(-2.6), Some(-0.4)],
             between_curves,
             weight: 1.0,
+            values_before: None,
+            values_after: None,
             before: None,
             after: None,
         };

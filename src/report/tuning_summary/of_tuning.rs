@@ -49,6 +49,7 @@ impl TuningSummary {
             hardly_moved: SlightEffectRecord::all(&tuning.unmoved.slightly, |number| {
                 target(&number)
             }),
+            holding: source.holding(),
             unmoved_constraints: tuning.unmoved_constraints.iter().map(constraint).collect(),
             contradiction: tuning.contradiction.iter().map(constraint).collect(),
             added_stations: source.added_stations(),
@@ -261,18 +262,48 @@ impl TunedStudy<'_> {
                     worst_rack: suspension.frame.sign(Axis::Y) * d.worst_rack + 0.0,
                 }
             };
+            let values = |all: Option<&[[f64; 2]]>| {
+                let [one, other] = all?[k].map(|value| value * target.of.factor() + 0.0);
+                Some([one.min(other), one.max(other)])
+            };
             TargetSummary {
                 output: self.name(target),
                 tolerance: target.tolerance * target.of.factor().abs(),
                 wanted: wanted(target),
                 between_curves: is_between_curves(target),
                 weight: target.weight,
+                values_before: values(self.tuning.values.as_deref()),
+                values_after: values(self.tuning.best.as_ref().and_then(|b| b.values.as_deref())),
                 before: self.tuning.before.as_ref().ok().map(deviation),
                 after: self.tuning.best.as_ref().map(|b| deviation(&b.after)),
             }
         };
         let targets = self.optimise.targets.iter().enumerate();
         targets.map(summary).collect()
+    }
+
+    /// Bounds of variables that keep missed targets from their goals. `None` if they are not known.
+    fn holding(&self) -> Option<Vec<HoldingRecord>> {
+        let best = self.tuning.best.as_ref()?;
+        let length = self.study.wheel().length_unit;
+        let missed = |number: usize| {
+            let (target, found) = (&self.optimise.targets[number], best.after.targets[number]);
+            (found.worst.abs() > 1.0).then(|| Missed {
+                name: self.name(target),
+                rms: found.rms * target.tolerance * target.of.factor().abs(),
+                unit: target.of.unit.suffix(length).replace("_per_", "/"),
+            })
+        };
+        let moved = |number: usize| {
+            let own = self.variable(number, &self.optimise.variables[number]);
+            Moved {
+                name: format!("{}.{}", own.hardpoint, own.way()),
+                unit: own.unit,
+                range: own.range,
+            }
+        };
+        let (targets, found) = (self.optimise.targets.len(), best.holding.as_ref()?);
+        Some(HoldingRecord::all(targets, found, missed, moved))
     }
 
     fn starts(&self) -> Vec<StartSummary> {

@@ -132,12 +132,14 @@ impl TuningSummary {
         table
     }
 
-    /// Table of the targets before and after. The text shows the largest deviation in the unit of the target, next to its
-    /// tolerance. CSV and JSON have all deviations as multiples of the tolerance.
+    /// Table of the targets before and after. The text shows the range of the values and the largest deviation in the unit of the
+    /// target. CSV and JSON have all deviations as multiples of the tolerance.
     pub fn targets_table(&self) -> Table {
         let columns = [
             Column::from("target"),
             Column::for_readers("wanted"),
+            Column::for_readers("before"),
+            Column::for_readers("after"),
             "tolerance".into(),
             Column::for_readers("off before"),
             Column::for_readers("off after"),
@@ -153,6 +155,10 @@ impl TuningSummary {
             "at unit",
             "wanted from",
             "wanted to",
+            "before min",
+            "before max",
+            "after min",
+            "after max",
         ];
         let programs = programs.map(Column::for_programs);
         let mut table = Table::with_columns(columns.into_iter().chain(programs));
@@ -163,9 +169,21 @@ impl TuningSummary {
                 let worst = d.map(|d| d.worst_in_unit.unwrap_or(d.worst * t.tolerance));
                 Cell::by(worst, |worst| to_hundredth_of(worst, t.tolerance))
             };
+            // The column of the deviations has more digits.
+            let decimals = match decimals_beside(t.tolerance) {
+                0 => 0,
+                fine => (fine - 1).max(1),
+            };
+            let range = |values: Option<[f64; 2]>| {
+                Cell::from(values.map(|ends| range_in_words(ends, decimals)))
+            };
+            let end =
+                |values: Option<[f64; 2]>, end: usize| Cell::from(values.map(|ends| ends[end]));
             table.push([
                 Cell::from(t.output.as_str()),
                 t.wanted_in_words().into(),
+                range(t.values_before),
+                range(t.values_after),
                 t.tolerance.into(),
                 off(before),
                 off(after),
@@ -179,6 +197,10 @@ impl TuningSummary {
                 unit.into(),
                 t.wanted[0].into(),
                 t.wanted[1].into(),
+                end(t.values_before, 0),
+                end(t.values_before, 1),
+                end(t.values_after, 0),
+                end(t.values_after, 1),
             ]);
         }
         table

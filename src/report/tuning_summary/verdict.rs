@@ -69,6 +69,11 @@ impl SlightEffectRecord {
         effects.iter().map(record).collect()
     }
 
+    /// True if the record is about this target.
+    pub(in crate::report) fn is_about(&self, target: &str) -> bool {
+        self.target == target
+    }
+
     /// Sentences about the target.
     pub fn in_words(&self) -> String {
         format!(

@@ -39,6 +39,14 @@ impl TuningSummary {
             remarks.push(unmoved_in_words(target, key));
         }
         remarks.extend(self.hardly_moved.iter().map(SlightEffectRecord::in_words));
+        if let Some(records) = &self.holding {
+            let missed = self.missed();
+            let hardly = |target: &str| self.hardly_moved.iter().any(|own| own.is_about(target));
+            let missed = missed.iter().map(|(_, target, _)| *target);
+            let missed = missed
+                .filter(|target| !self.unmoved.iter().any(|own| own == target) && !hardly(target));
+            remarks.extend(not_held(&missed.collect::<Vec<_>>(), records));
+        }
         for constraint in &self.unmoved_constraints {
             remarks.push(unmoved_constraint_in_words(constraint));
         }
@@ -165,6 +173,19 @@ impl TuningSummary {
     pub fn starts_in_words(&self) -> Option<String> {
         let words = starts_in_words(&self.starts, self.best_start, self.misfit_after?)?;
         Some(words + "; history.csv and summary.json have all starts")
+    }
+
+    /// Meaning of the columns in the table of the targets.
+    pub fn deviations_in_words(&self) -> String {
+        let builds = self.over_builds(" over");
+        let values = if builds.is_empty() {
+            "values at the stations of the target"
+        } else {
+            "values of the nominal design"
+        };
+        format!(
+            "before, after: {values}; off: largest deviation from the target{builds}; all in the unit of the target"
+        )
     }
 
     /// Result of the tuning in one or two sentences.

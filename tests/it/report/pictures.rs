@@ -45,6 +45,36 @@ fn there_is_one_for_each_output_and_an_overview() {
     assert_eq!(overview.matches("class=\"band\"").count(), 3 + 2);
 }
 
+/// Each named motion has a picture of every output, and an overview with the outputs that have targets in this motion. The names of
+/// the pictures begin with the name of the motion. `charts.json` names the table with the curves of each chart.
+#[test]
+fn named_motions_have_pictures() {
+    let sets = ["--set", "optimise.max_iterations=2"];
+    let text = study("macpherson_steering.toml");
+    for command in ["solve", "optimise"] {
+        let run = Run::of(command, "steering", &text, &sets);
+        let picture = |name: &str| fs::read_to_string(run.plots().join(name)).unwrap();
+        for name in ["camber_deg", "left_lock_camber_deg", "left_lock_overview"] {
+            assert!(run.plots().join(format!("{name}.png")).is_file(), "{name}");
+            let title = picture(&format!("{name}.svg"));
+            assert_eq!(
+                title.contains("left_lock: "),
+                name.contains("left_lock"),
+                "{name}"
+            );
+        }
+        assert_ne!(
+            picture("camber_deg.svg"),
+            picture("left_lock_camber_deg.svg")
+        );
+        let layouts: Value = serde_json::from_str(&picture("charts.json")).unwrap();
+        let tables = layouts["tables"].as_array().unwrap();
+        assert_eq!(tables.last().unwrap(), "curves_left_lock.csv");
+        let (_, columns) = run.csv("curves_left_lock.csv");
+        assert_eq!(columns[0].len(), 9);
+    }
+}
+
 #[test]
 fn a_failed_station_breaks_the_line() {
     let run = Run::of("solve", "far", &study("macpherson_solve.toml"), &TOO_FAR);
@@ -356,8 +386,9 @@ fn every_sample_has_all_pictures_and_its_names_are_at_their_points() {
         for kind in ["svg", "png"] {
             let files = fs::read_dir(directory.path()).unwrap();
             let files = files.filter(|f| f.as_ref().unwrap().path().extension().unwrap() == kind);
-            // The other pictures are the overview and the mechanism.
-            let others = 1 + usize::from(!charts.is_empty());
+            // The other pictures are the mechanism, and an overview for each motion.
+            let motions = 1 + text.matches("\n[motions.").count();
+            let others = 1 + if charts.is_empty() { 0 } else { motions };
             assert_eq!(files.count(), charts.len() + others, "{name}, {kind}");
         }
         let mechanism = fs::read_to_string(directory.path().join("mechanism.svg")).unwrap();

@@ -3,6 +3,7 @@
 mod escapes;
 mod formats;
 mod quiet;
+mod results;
 mod width;
 mod words;
 

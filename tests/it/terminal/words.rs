@@ -54,7 +54,11 @@ fn quantities_of_an_axle_say_so() {
 #[test]
 fn targets_are_off_by_what_the_curves_say() {
     let called = Called::on("optimise", "macpherson_bump_steer", &[]);
-    assert!(called.said().contains("off before"), "{}", called.said());
+    let said = called.said();
+    assert!(
+        said.contains("off: largest deviation from the target"),
+        "{said}"
+    );
     let summary: Value = serde_json::from_str(&called.file("summary.json")).unwrap();
     let target = &summary["targets"][0];
     let number = |value: &Value| value.as_f64().unwrap();

@@ -105,6 +105,7 @@ impl ConstrainedFit {
                 alternatives: self.alternatives.filter(|_| is_minimum),
                 culprits: self.culprits,
             }),
+            left: None,
         }
     }
 }

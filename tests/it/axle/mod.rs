@@ -10,7 +10,7 @@ mod drawings;
 mod gradients;
 mod independent;
 mod independent_values;
-mod lanes;
+pub(crate) mod lanes;
 mod limits;
 mod loads;
 mod named_motions;

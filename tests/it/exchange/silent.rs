@@ -1,16 +1,14 @@
 //! Tests of files whose values an import or export could lose or change without a message.
 
 use super::{Said, file, imported};
-use hardpoint::exchange::{
-    FileUnit, ImportOptions, Imported, Outgoing, import, into_subsystem, read_points,
-};
-use hardpoint::model::{AxlePosition, LengthUnit, Side, Topology};
+use hardpoint::exchange::{FileUnit, Imported, Outgoing, into_subsystem};
+use hardpoint::model::{AxlePosition, LengthUnit, Side};
 use hardpoint::study::Study;
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-const SUBSYSTEM: &str = "\
+/// Hardpoints of a double wishbone as a subsystem file.
+pub(super) const SUBSYSTEM: &str = "\
 [HARDPOINT]
 {hardpoint_name   symmetry  x_value y_value z_value}
  'lca_front' 'left/right' -160.0 -380.0 190.0
@@ -33,21 +31,14 @@ fn bus(rate: f64) -> String {
 }
 
 fn with_bushings(path: &Path, side: Side, unit: Option<LengthUnit>) -> Imported {
-    let none = BTreeMap::new();
-    let options = ImportOptions {
-        topology: Topology::named("double_wishbone").unwrap(),
+    let said = Said {
         unit: unit.map(Into::into),
-        frame: None,
-        axes: None,
         side: Some(side),
-        axle: None,
-        half_track: None,
         radius: Some(0.31),
         bushings: true,
-        names: &none,
-        bodies: &none,
+        ..Said::default()
     };
-    import(&read_points(path, None, None).unwrap(), &options).unwrap()
+    imported(path, "double_wishbone", &said).unwrap()
 }
 
 /// First rate of the study's first bushing: along the axis of the pivots.

@@ -1,5 +1,6 @@
 //! Tests of every topology against independent solutions and against its hardpoints.
 
+mod bell_cranks;
 mod double_wishbone;
 mod five_link;
 mod general_closure;

@@ -1,5 +1,6 @@
 //! Tests of the results of `hardpoint bench`, but not of its times: the errors are the same on every machine.
 
+use crate::support::study;
 use assert_cmd::Command;
 use hardpoint::bench::accuracy::{Accuracy, Family, Measurement};
 use hardpoint::bench::effects::Effects;
@@ -7,8 +8,6 @@ use hardpoint::bench::throughput::Throughput;
 use hardpoint::bench::{Clock, Unmeasurable};
 use hardpoint::number::Width;
 use hardpoint::report::accuracy_picture;
-use hardpoint::study::Study;
-use std::path::Path;
 use std::time::Duration;
 
 /// Clock that runs each measured task as few times as possible.
@@ -16,14 +15,6 @@ const NO_TIME: Clock = Clock {
     samples: 1,
     shortest: Duration::ZERO,
 };
-
-fn study(name: &str, overrides: &[&str]) -> Study {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("studies")
-        .join(name);
-    let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
-    Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"))
-}
 
 fn of<'a>(accuracy: &'a Accuracy, family: Family, method: &str) -> Vec<&'a Measurement> {
     let all = accuracy.measurements.iter();
@@ -241,7 +232,6 @@ fn the_command_writes_table_picture_and_circumstances() {
 /// each row, the rate per second agrees with the time.
 #[test]
 fn cars_and_equilibria_are_timed() {
-    let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
     for (kind, study, jobs) in [
         (
             "cars",
@@ -277,7 +267,7 @@ fn cars_and_equilibria_are_timed() {
             ],
         ),
     ] {
-        let study = studies.join(study);
+        let study = crate::support::studies().join(study);
         let study = study.to_str().unwrap();
         let said = hardpoint(&["bench", kind, study, "--out", "-", "--samples", "1"]).success();
         let csv = String::from_utf8(said.get_output().stdout.clone()).unwrap();

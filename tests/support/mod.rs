@@ -15,6 +15,7 @@ use hardpoint::model::{
 };
 use hardpoint::number::{Jet, Vector3};
 use hardpoint::solve::{Solver, StationOrder};
+use hardpoint::study::Study;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -40,6 +41,12 @@ pub fn studies() -> &'static Path {
 pub fn sample(name: &str) -> String {
     let path = studies().join(name);
     std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+/// Sample study with some of its keys changed.
+pub fn study(name: &str, overrides: &[&str]) -> Study {
+    let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
+    Study::read(&studies().join(name), &overrides).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// A printed text on one line, with single spaces.

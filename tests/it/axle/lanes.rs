@@ -14,10 +14,7 @@ const FIVE_LINK: &str = "five_link_axle_rear.toml";
 
 /// Axle of a sample with some scattered points, and with every quantity that is available in SIMD lanes.
 fn study(name: &str, right: &str, motion: &str, by: f64) -> Study {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("studies")
-        .join(name);
-    let text = std::fs::read_to_string(path).unwrap();
+    let text = crate::support::sample(name);
     let head = text.split("[motion]").next().unwrap();
     let head = head.replace("right = \"mirrored\"", right);
     let points: &[(&str, &str)] = match name {

@@ -1,12 +1,8 @@
 //! Tests of commands on studies of cars.
 
-use crate::support::one_line;
+use crate::support::{one_line, studies};
 use std::fs;
 use std::path::Path;
-
-pub(super) fn studies() -> std::path::PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("studies")
-}
 
 pub(super) fn hardpoint(directory: &Path, arguments: &[&str]) -> assert_cmd::assert::Assert {
     let mut command = assert_cmd::Command::cargo_bin("hardpoint").unwrap();

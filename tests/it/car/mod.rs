@@ -26,10 +26,11 @@ mod units;
 mod verdict;
 
 use crate::support::random::Random;
+use hardpoint::Unit;
 use hardpoint::axle::{Axle, BumpStop, ForceCurve, Law, Setup, SpringLaw};
 use hardpoint::car::{
-    Air, AirForce, Car, Case, LateralShares, Longitudinal, LongitudinalShares, Masses, Moves,
-    PointMove, Tyre, TyreAxes,
+    Air, AirForce, Car, CarQuantity, Case, LateralShares, Longitudinal, LongitudinalShares, Masses,
+    Moves, PointMove, Tyre, TyreAxes,
 };
 use hardpoint::characteristics::Constants;
 use hardpoint::model::{Axis, LengthUnit, MassUnit, PointId, Suspension};
@@ -206,6 +207,14 @@ fn random_case(random: &mut Random, most: [f64; 3]) -> Case {
     case
 }
 
+/// Usual size of a result in its printed unit: forces and torques are thousands, other results are about 1.
+fn usual_size(quantity: CarQuantity) -> f64 {
+    match quantity.info().unit {
+        Unit::Force | Unit::Torque | Unit::TorquePerAngle => 1e3,
+        _ => 1.0,
+    }
+}
+
 /// Asserts that the first-order standard deviations of the results equal slopes of the results. Central differences between
 /// two built cars give the slopes. `study` adds a law of scatter for the part to the study. More than `least` results scatter.
 fn assert_scatter_is_slope(part: &str, study: impl Fn(&str) -> CarStudy, least: usize) {
@@ -226,11 +235,12 @@ fn assert_scatter_is_slope(part: &str, study: impl Fn(&str) -> CarStudy, least: 
     for (place, expansion) in expansion.iter().enumerate() {
         let slope = (values[1][place] - values[0][place]) / (2.0 * h);
         let sigma = expansion.sigma();
-        // Error of central differences, plus rounding of values of a few thousand newtons.
         let error = (sigma - slope.abs()).abs();
         let result = &problem.request.results[place];
+        // Error of central differences, plus rounding errors.
+        let rounding = 1e-9 * usual_size(result.quantity);
         assert!(
-            error < 1e-4 * sigma + 1e-6,
+            error < 1e-4 * sigma + rounding,
             "{part}, {result:?}: {sigma} {slope}"
         );
         scatter += usize::from(sigma > 1e-4);
@@ -256,7 +266,7 @@ pub fn reference() -> Value {
 
 /// Car of the sample study `formula_student_car.toml`.
 fn formula_student_car() -> Car {
-    let path = commands::studies().join("formula_student_car.toml");
+    let path = crate::support::studies().join("formula_student_car.toml");
     CarStudy::read(&path, &[]).unwrap().car
 }
 

@@ -12,12 +12,11 @@ use hardpoint::model::{Axis, PointId, Side};
 use hardpoint::number::Vector3;
 use hardpoint::study::CarStudy;
 use nalgebra::{DMatrix, DVector};
-use std::path::Path;
 
 type V = Vector3<f64>;
 
 fn car() -> Car {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/off_road_car.toml");
+    let path = crate::support::studies().join("off_road_car.toml");
     CarStudy::read(&path, &[]).unwrap().car
 }
 
@@ -340,7 +339,7 @@ fn the_roll_centre_is_that_of_the_axle() {
 /// A gear angle to the left steers both wheels to the left. The inner wheel steers more than the outer wheel.
 #[test]
 fn the_gear_steers_both_wheels() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/off_road_car.toml");
+    let path = crate::support::studies().join("off_road_car.toml");
     let study = CarStudy::read(&path, &[]).unwrap();
     let mut solver = CarSolver::new(&study.car).unwrap();
     let mut steer = |name: &str| {
@@ -362,7 +361,7 @@ fn the_gear_steers_both_wheels() {
 /// as the tyre's radius. The rods between steering gear and knuckles keep their lengths.
 #[test]
 fn a_drawing_shows_the_steered_wheels() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/off_road_car.toml");
+    let path = crate::support::studies().join("off_road_car.toml");
     let study = CarStudy::read(&path, &[]).unwrap();
     let mechanism = &study.car.axles[0].left.mechanism;
     let mut solver = CarSolver::new(&study.car).unwrap();
@@ -397,7 +396,7 @@ fn a_drawing_shows_the_steered_wheels() {
 /// differences of cars that are assembled and solved.
 #[test]
 fn first_order_of_parts_is_that_of_built_cars() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/off_road_car.toml");
+    let path = crate::support::studies().join("off_road_car.toml");
     for part in [
         r#"axle="front",length="tie_rod""#,
         r#"axle="front",hardpoint="kingpin_upper",axis="y",side="right""#,

@@ -12,8 +12,7 @@ use std::path::Path;
 #[test]
 fn five_links_of_a_solid_axle_are_refused() {
     let directory = tempfile::tempdir().unwrap();
-    let text =
-        std::fs::read_to_string(support::studies().join("solid_axle_five_links.toml")).unwrap();
+    let text = crate::support::sample("solid_axle_five_links.toml");
     let five = Study::elastic_from_text("five", &text, Path::new(""));
     let five = five.unwrap_or_else(|errors| panic!("{}", errors.render(false)));
     let rows = point_rows(&Outgoing::of(&five, None, None));

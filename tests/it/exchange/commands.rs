@@ -15,9 +15,7 @@ pub(super) fn text(bytes: &[u8]) -> String {
 }
 
 pub(super) fn sample(name: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("studies")
-        .join(name);
+    let path = crate::support::studies().join(name);
     path.to_str().unwrap().to_owned()
 }
 

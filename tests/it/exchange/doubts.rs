@@ -2,7 +2,6 @@
 
 use super::commands::{hardpoint, path, text};
 use hardpoint::model::Topology;
-use std::path::Path;
 
 /// `check` warns of mistakes that an import would refuse: columns in another order, and a wheel at the centre plane.
 #[test]
@@ -59,8 +58,8 @@ fn check_doubts_axes_and_a_wheel_at_the_centre_plane() {
 fn joints_in_impossible_positions_are_named() {
     use hardpoint::study::Study;
     let doubts = |text: &str| -> Vec<String> {
-        let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
-        let study = Study::from_text("study", text, &directory).unwrap();
+        let directory = crate::support::studies();
+        let study = Study::from_text("study", text, directory).unwrap();
         hardpoint::report::study_doubts(&study).unwrap_or_default()
     };
     for name in ["double_wishbone", "five_link", "macpherson"] {

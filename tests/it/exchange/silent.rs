@@ -78,7 +78,7 @@ fn bushings_have_the_unit_and_the_side_of_the_wheel() {
 #[test]
 fn rows_without_quotes_are_replaced() {
     let study = Study::read(
-        &Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/double_wishbone_solve.toml"),
+        &crate::support::studies().join("double_wishbone_solve.toml"),
         &[],
     )
     .unwrap();
@@ -308,7 +308,7 @@ fn names_of_a_map_are_read_in_memory() {
 #[test]
 fn the_name_of_a_study_in_memory_is_no_path() {
     let directory = tempfile::tempdir().unwrap();
-    let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+    let samples = crate::support::studies();
     let own = samples.join("double_wishbone_front.toml");
     let study = Study::read(&own, &[]).unwrap();
     let run = directory.path().join("run");

@@ -77,7 +77,7 @@ fn a_vehicle_of_chrono_is_a_car_that_is_solved() {
     let car = car_of(&path, Some(0.31)).unwrap();
     assert_eq!(car.missing, Vec::<String>::new());
     let study = kept(directory.path(), &car);
-    // The axle farther forward is the front axle. Points are those of the file plus the position of the axle.
+    // The axle farther forward is the front axle. A point is the point of the file plus the position of the axle.
     let at = |axle: usize, name: &str| {
         let suspension = study.axles[axle].wheel();
         let place = suspension.design[suspension.mechanism.point(name).unwrap().0];

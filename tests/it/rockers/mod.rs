@@ -15,8 +15,7 @@ use std::fs;
 use std::path::Path;
 
 fn sample() -> String {
-    let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
-    fs::read_to_string(studies.join("double_wishbone_pushrod.toml")).unwrap()
+    crate::support::sample("double_wishbone_pushrod.toml")
 }
 
 fn read(text: &str) -> Result<Study, StudyErrors> {
@@ -281,7 +280,7 @@ fn sweeps_and_solves_agree() {
 /// The tuning of the sample meets its target curves.
 #[test]
 fn a_rocker_is_tuned_to_a_rising_rate() {
-    let study = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/double_wishbone_rocker.toml");
+    let study = crate::support::studies().join("double_wishbone_rocker.toml");
     let directory = tempfile::tempdir().unwrap();
     let mut command = Command::cargo_bin("hardpoint").unwrap();
     command
@@ -438,7 +437,7 @@ fn mistakes_are_named() {
         }
     }
     // Outputs that need a rocker are refused without one.
-    let plain = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/double_wishbone_solve.toml");
+    let plain = crate::support::studies().join("double_wishbone_solve.toml");
     for (name, needs) in [
         ("rocker_angle", "a rocker with its pushrod or pullrod"),
         (
@@ -478,7 +477,7 @@ fn every_topology_takes_an_anti_roll_bar() {
         ("five_link", "knuckle"),
         ("semi_trailing_arm", "arm"),
     ] {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("studies/{name}_solve.toml"));
+        let path = crate::support::studies().join(format!("{name}_solve.toml"));
         let mut overrides = bar.to_vec();
         overrides.push(format!("suspension.bodies.drop_link_outer=\"{body}\""));
         let study = Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{name}: {e}"));

@@ -124,8 +124,7 @@ pub fn assert_builds_are_written_builds(study: &Study, x: &[f64], read: impl Fn(
 
 /// Left wheel of a strut axle.
 fn wheel() -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_axle_front.toml");
-    let text = std::fs::read_to_string(path).unwrap();
+    let text = crate::support::sample("macpherson_axle_front.toml");
     text.split("[axle]").next().unwrap().to_owned()
 }
 

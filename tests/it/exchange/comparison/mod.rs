@@ -5,20 +5,12 @@ mod frames;
 mod stations;
 mod units;
 
-use crate::support::larger;
+use crate::support::{larger, sample};
 use assert_cmd::Command;
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::Path;
 
 const FRAMES: [&str; 2] = ["sae_j670", "x_rear"];
-
-fn sample(name: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("studies")
-        .join(name);
-    fs::read_to_string(path).unwrap()
-}
 
 /// Runs a command in a directory. Returns standard output and standard error.
 fn run(directory: &Path, arguments: &[&str], code: i32) -> [String; 2] {

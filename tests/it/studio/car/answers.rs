@@ -6,8 +6,8 @@ use crate::studio::tuning::tuned;
 use crate::studio::{columns, solved};
 use serde_json::{Value, json};
 
-/// The test moves points of both axles, including wheel centres. Each number of the page then equals that of the saved
-/// files, bit for bit. The table of load cases also equals them.
+/// The test moves points of both axles, including wheel centres. Each number of the page then equals the number
+/// from the saved files, bit for bit. The table of load cases has the same numbers.
 #[test]
 fn answers_are_those_of_solve() {
     for name in ["car", "formula_student_car"] {

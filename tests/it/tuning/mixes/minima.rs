@@ -4,7 +4,7 @@ use super::{Kind, Mix};
 use crate::tuning::minima::{Random, slsqp};
 use nalgebra::DVector;
 
-/// Compares misfits of this program with those of the crate `slsqp` from the same design. Each case has constraints
+/// Compares misfits of this program with misfits of the crate `slsqp` from the same design. Each case has constraints
 /// that no variable affects, or dependent constraints. This program may end with a higher misfit only if `slsqp` ends
 /// in another minimum. Then this program, started from that minimum, stays there.
 fn against_slsqp(seed: u64, numbers: std::ops::Range<u64>) {
@@ -44,7 +44,7 @@ fn against_slsqp(seed: u64, numbers: std::ops::Range<u64>) {
     assert!(compared > 0);
 }
 
-/// In forty cases of seed 5, no misfit of this program is above that of `slsqp`, unless `slsqp` ends in another minimum.
+/// In forty cases of seed 5, no misfit of this program is above the misfit of `slsqp`, unless `slsqp` ends in another minimum.
 #[test]
 fn no_misfit_is_above_that_of_slsqp() {
     against_slsqp(5, 0..40);

@@ -11,7 +11,6 @@ use constraints::constraints;
 use hardpoint::curves::Curves;
 use hardpoint::optimise::{Control, Fit, Tuning, tune};
 use hardpoint::study::{Optimise, Study};
-use std::path::Path;
 
 const FILES: [&str; 4] = [
     "macpherson_front.toml",
@@ -79,8 +78,7 @@ pub(super) struct Mix {
 }
 
 fn read(file: &str, overrides: &[String]) -> Option<Study> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
-    Study::read(&path.join(file), overrides).ok()
+    Study::read(&crate::support::studies().join(file), overrides).ok()
 }
 
 /// Curve as a study writes it.

@@ -8,6 +8,7 @@ mod free_bodies;
 mod limits;
 mod maps;
 mod mechanics;
+mod mistakes;
 mod moves;
 mod page;
 mod reference;

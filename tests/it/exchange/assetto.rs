@@ -2,7 +2,7 @@
 
 use super::{Said, at, car_of, close, file, imported, runs, study};
 use crate::support;
-use hardpoint::exchange::{Outgoing, suspensions_ini, suspensions_ini_of_car};
+use hardpoint::exchange::{Imported, Outgoing, suspensions_ini, suspensions_ini_of_car};
 use hardpoint::model::{AxlePosition, Frame, LengthUnit, Side};
 use hardpoint::study::{CarStudy, Study};
 
@@ -41,24 +41,25 @@ WBCAR_STEER=0.42,-0.08,-0.18
 WBTYRE_STEER=0.09,-0.09,-0.14
 ";
 
+const AT_FRONT: Option<AxlePosition> = Some(AxlePosition::Front);
+const AT_REAR: Option<AxlePosition> = Some(AxlePosition::Rear);
+
+/// Imports one axle of a text.
+fn axle_of(text: &str, topology: &str, axle: Option<AxlePosition>) -> Result<Imported, String> {
+    let directory = tempfile::tempdir().unwrap();
+    let said = Said {
+        axle,
+        ..Said::default()
+    };
+    let path = file(&directory, "suspensions.ini", text.as_bytes());
+    imported(&path, topology, &said)
+}
+
 #[test]
 fn both_axles_of_assetto_corsa_are_read() {
-    let directory = tempfile::tempdir().unwrap();
-    let read = |text: &str, topology: &str, axle: Option<AxlePosition>| {
-        let said = Said {
-            axle,
-            ..Said::default()
-        };
-        imported(
-            &file(&directory, "suspensions.ini", text.as_bytes()),
-            topology,
-            &said,
-        )
-    };
-    let (front, rear) = (Some(AxlePosition::Front), Some(AxlePosition::Rear));
-    let refused = read(CAR, "double_wishbone", None).unwrap_err();
+    let refused = axle_of(CAR, "double_wishbone", None).unwrap_err();
     assert!(refused.contains("--axle front or --axle rear"), "{refused}");
-    let wishbones = read(CAR, "double_wishbone", front).unwrap();
+    let wishbones = axle_of(CAR, "double_wishbone", AT_FRONT).unwrap();
     assert_eq!(
         (wishbones.side, wishbones.unit),
         (Side::Left, LengthUnit::Metre)
@@ -82,11 +83,11 @@ fn both_axles_of_assetto_corsa_are_read() {
     );
     assert!(wishbones.left_out.join(" ").contains("TOE_OUT"));
     let study = runs(&wishbones);
-    assert_eq!(study.wheel().vehicle.position, front);
+    assert_eq!(study.wheel().vehicle.position, AT_FRONT);
 
-    let refused = read(CAR, "double_wishbone", rear).unwrap_err();
+    let refused = axle_of(CAR, "double_wishbone", AT_REAR).unwrap_err();
     assert!(refused.contains("--topology macpherson"), "{refused}");
-    let strut = read(CAR, "macpherson", rear).unwrap();
+    let strut = axle_of(CAR, "macpherson", AT_REAR).unwrap();
     close(
         at(&strut, "strut_top"),
         [-2.45 - 0.02, 0.74 - 0.2, 0.45],
@@ -98,12 +99,15 @@ fn both_axles_of_assetto_corsa_are_read() {
         "wheel_centre",
     );
     runs(&strut);
+}
 
+#[test]
+fn axles_of_assetto_corsa_need_their_version_and_track() {
     // The first version of the format has no rim offset.
-    let first = read(
+    let first = axle_of(
         &CAR.replace("VERSION=2", "VERSION=1"),
         "double_wishbone",
-        front,
+        AT_FRONT,
     )
     .unwrap();
     close(
@@ -114,34 +118,37 @@ fn both_axles_of_assetto_corsa_are_read() {
     // Without a track the wheel centre is at the origin.
     let without = CAR.replace("TRACK=1.5\n", "");
     assert!(
-        read(&without, "double_wishbone", front)
+        axle_of(&without, "double_wishbone", AT_FRONT)
             .unwrap_err()
             .contains("--half-track")
     );
+}
 
+#[test]
+fn wrong_axles_of_assetto_corsa_are_refused() {
     for (from, to, axle, expected) in [
-        ("TYPE=STRUT", "TYPE=AXLE", rear, "--topology solid_axle"),
-        ("TYPE=STRUT", "TYPE=ML", rear, "multilink"),
-        ("TYPE=STRUT", "TYPE=COSMIC", rear, "TYPE is \"COSMIC\""),
+        ("TYPE=STRUT", "TYPE=AXLE", AT_REAR, "--topology solid_axle"),
+        ("TYPE=STRUT", "TYPE=ML", AT_REAR, "multilink"),
+        ("TYPE=STRUT", "TYPE=COSMIC", AT_REAR, "TYPE is \"COSMIC\""),
         (
             "0.38,0.12,-0.17",
             "0.38,0.12",
-            front,
+            AT_FRONT,
             "line 12: WBCAR_TOP_REAR",
         ),
         (
             "TRACK=1.5\n",
             "TRACK=wide\n",
-            front,
+            AT_FRONT,
             "expected a number, found \"wide\"",
         ),
-        ("WBCAR_STEER=0.44,-0.03,0.1", "", front, "tie_rod_inner"),
+        ("WBCAR_STEER=0.44,-0.03,0.1", "", AT_FRONT, "tie_rod_inner"),
     ] {
-        let refused = read(&CAR.replacen(from, to, 1), "double_wishbone", axle).unwrap_err();
+        let refused = axle_of(&CAR.replacen(from, to, 1), "double_wishbone", axle).unwrap_err();
         assert!(refused.contains(expected), "{expected}: {refused}");
     }
     for text in ["[PHYSICS]\nX=1\n", "x", "{"] {
-        let refused = read(text, "double_wishbone", None).unwrap_err();
+        let refused = axle_of(text, "double_wishbone", None).unwrap_err();
         assert!(
             refused.contains("[FRONT] and [REAR]") && !refused.contains("JSON"),
             "{refused}"

@@ -173,6 +173,25 @@ fn a_run_has_its_own_curves() {
     assert!(!said.contains("sheet"), "{said}");
 }
 
+/// Exports the points of a source as a table. Returns the points, and the messages.
+fn export(source: &str, more: &[&str]) -> (BTreeMap<String, [f64; 3]>, String) {
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("points.csv");
+    let to = ["export", source, "--to", "csv", "--force", "--out"];
+    let (_, said) = run(&[&to[..], &[file.to_str().unwrap()], more].concat(), 0);
+    (points(&file), said)
+}
+
+/// Coordinates of a study as an export writes them.
+fn coordinates(study: &Study) -> BTreeMap<String, [f64; 3]> {
+    let outgoing = Outgoing::of(study, None, None);
+    let side = study.wheel().frame.meaning().1;
+    let points = outgoing
+        .points(side)
+        .map(|(name, _, position)| (name.to_owned(), position));
+    points.collect()
+}
+
 /// Rounding changes only coordinates that a tuning may move or has moved. With `--round-all` it changes all
 /// coordinates.
 #[test]
@@ -195,28 +214,6 @@ fn rounding_moves_what_was_tuned() {
         0,
     );
     let tuned = Study::read(&Path::new(out).join("optimised.toml"), &[]).unwrap();
-    let export = |source: &str, more: &[&str]| {
-        let file = directory.path().join("points.csv");
-        let to = [
-            "export",
-            source,
-            "--to",
-            "csv",
-            "--force",
-            "--out",
-            file.to_str().unwrap(),
-        ];
-        let (_, said) = run(&[&to[..], more].concat(), 0);
-        (points(&file), said)
-    };
-    let coordinates = |study: &Study| {
-        let outgoing = Outgoing::of(study, None, None);
-        let side = study.wheel().frame.meaning().1;
-        let points = outgoing
-            .points(side)
-            .map(|(name, _, position)| (name.to_owned(), position));
-        points.collect::<BTreeMap<_, _>>()
-    };
     let [before, after] = [&study, &tuned].map(coordinates);
     let variables = &study.optimise.as_ref().unwrap().variables;
     let may_move = |name: &str| {
@@ -256,7 +253,11 @@ fn rounding_moves_what_was_tuned() {
     }
     let (rounded, _) = export(out, &["--round", "7", "--round-all"]);
     assert!(rounded.values().flatten().all(|x| (x / 7.0).fract() == 0.0));
-    // In a study without a tuning, only the points that `--set` has moved are rounded.
+}
+
+/// In a study without a tuning, only the points that `--set` has moved are rounded.
+#[test]
+fn rounding_moves_what_was_set() {
     let plain = studies().join("macpherson_solve.toml");
     let plain = plain.to_str().unwrap();
     let (same, said) = export(plain, &["--round", "7"]);

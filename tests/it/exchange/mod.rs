@@ -13,6 +13,7 @@ mod comparison;
 mod doubts;
 mod export_commands;
 mod exports;
+mod geometry;
 mod hostile;
 mod live_axles;
 mod optimum;

@@ -90,13 +90,16 @@ fn optimum(rod: &str, bar: &str) -> Vec<Vec<Value>> {
     rows
 }
 
+fn page(name: &str, rows: Vec<Vec<Value>>) -> Page {
+    Page {
+        name: name.to_owned(),
+        rows,
+    }
+}
+
 #[test]
 fn workbooks_of_optimum_kinematics_are_read() {
     let directory = tempfile::tempdir().unwrap();
-    let page = |name: &str, rows| Page {
-        name: name.to_owned(),
-        rows,
-    };
     let book = workbook(&[page("Front Suspension", optimum("UpperAArm", "Rocker"))]);
     let path = file(&directory, "car.xlsx", &book);
     // Calculated by hand: a toe-out of 0.25 is a toe-in of -0.25. The wheel centre is one radius above the contact
@@ -156,6 +159,11 @@ fn workbooks_of_optimum_kinematics_are_read() {
         );
         runs(&read);
     }
+}
+
+#[test]
+fn rods_of_optimum_kinematics_keep_their_bodies() {
+    let directory = tempfile::tempdir().unwrap();
     let on_upright = workbook(&[page("Front", optimum("Upright", "LowerAArm"))]);
     let path = file(&directory, "upright.xlsx", &on_upright);
     let text = imported(&path, "double_wishbone", &Said::default()).unwrap();
@@ -164,7 +172,12 @@ fn workbooks_of_optimum_kinematics_are_read() {
         text.contains("pullrod_outer = \"knuckle\"") && !text.contains("drop_link_outer = \""),
         "{text}"
     );
-    // The workbook has two sheets; `--axle` chooses one.
+}
+
+/// The workbook has two sheets; `--axle` chooses one.
+#[test]
+fn one_sheet_of_optimum_kinematics_is_chosen() {
+    let directory = tempfile::tempdir().unwrap();
     let two = workbook(&[
         page("Front Suspension", optimum("UpperAArm", "Rocker")),
         page("Rear Suspension", optimum("Upright", "Rocker")),

@@ -12,7 +12,7 @@ mod trial;
 
 use crate::support::larger;
 use crate::support::small_steps::SmallSteps;
-use hardpoint::curves::{Curves, Proof, Status, curves};
+use hardpoint::curves::{Curves, Proof, Station, Status, curves};
 use hardpoint::derive::MotionPoint;
 use hardpoint::mechanism::{DesignFault, Failure, LimitCause, Pose};
 use hardpoint::model::Constraint;
@@ -143,7 +143,6 @@ fn examine(number: u64, tally: &mut Tally) {
             value: *value,
             rack: trial.rack,
         };
-        let station = &certified.stations[k];
         match found.as_ref().expect("every station is visited") {
             Ok(pose) => {
                 tally.solved += 1;
@@ -161,49 +160,75 @@ fn examine(number: u64, tally: &mut Tally) {
                     Some(_) => tally.proved += 1,
                     None => tally.ordinary_unproved += trial.ordinary as usize,
                 }
-                match (small_steps.follow(&point), proof) {
-                    // Both poses differ from a solution by rounding errors only, and the certificate allows only one solution so
-                    // close. So both poses belong to the same solution.
-                    (Some(slow), Some(proof)) => {
-                        let apart = apart(pose, &slow, size);
-                        assert!(apart <= proof.uniqueness, "{number}: {apart:e} {proof:?}");
-                        tally.followed += 1;
-                    }
-                    (None, Some(_)) => tally.lost += 1,
-                    (Some(slow), None) => {
-                        let same = apart(pose, &slow, size) <= 1e-6 * size;
-                        // A degenerate design may have another assembly within a millionth of the suspension size. Only a
-                        // certificate can distinguish them.
-                        assert!(same || !trial.ordinary, "{number}");
-                        tally.parted += !same as usize;
-                    }
-                    (None, None) => (),
-                }
+                let slow = small_steps.follow(&point);
+                let apart = slow.map(|slow| apart(pose, &slow, size));
+                compare_with_small_steps(number, &trial, apart, proof, size, tally);
             }
             Err(failure) => {
-                assert!(!failure.to_string().is_empty());
-                assert_eq!(
-                    station.status,
-                    Status::Failed((*failure).into()),
-                    "{number}"
-                );
-                assert!(station.proof.is_none() && station.values.iter().all(Result::is_err));
-                let (limit, asked, cause) = match failure {
-                    Failure::Unreachable { limit, cause, .. } => (limit, value, cause),
-                    Failure::RackUnreachable { limit, cause } => (limit, &trial.rack, cause),
-                    other => panic!("{number} {other}"),
-                };
-                assert!(
-                    limit.is_finite() && limit.abs() <= asked.abs(),
-                    "{number} {failure:?} {asked}"
-                );
-                tally.unreachable += 1;
-                let unresolved = *cause == LimitCause::Unresolved;
-                tally.unresolved += unresolved as usize;
-                tally.ordinary_unresolved += (unresolved && trial.ordinary) as usize;
+                let station = &certified.stations[k];
+                examine_failure(number, &trial, *value, failure, station, tally);
             }
         }
     }
+}
+
+/// Compares a pose with the one that small steps reach. `apart` is the distance of the two poses, if small steps reach one.
+fn compare_with_small_steps(
+    number: u64,
+    trial: &Trial,
+    apart: Option<f64>,
+    proof: Option<Proof>,
+    size: f64,
+    tally: &mut Tally,
+) {
+    match (apart, proof) {
+        // Both poses differ from a solution by rounding errors only, and the certificate allows only one solution so
+        // close. So both poses belong to the same solution.
+        (Some(apart), Some(proof)) => {
+            assert!(apart <= proof.uniqueness, "{number}: {apart:e} {proof:?}");
+            tally.followed += 1;
+        }
+        (None, Some(_)) => tally.lost += 1,
+        (Some(apart), None) => {
+            let same = apart <= 1e-6 * size;
+            // A degenerate design may have another assembly within a millionth of the suspension size. Only a
+            // certificate can distinguish them.
+            assert!(same || !trial.ordinary, "{number}");
+            tally.parted += !same as usize;
+        }
+        (None, None) => (),
+    }
+}
+
+/// Checks a station without a pose: the program gives a reason, a limit before the requested value, and no values.
+fn examine_failure(
+    number: u64,
+    trial: &Trial,
+    value: f64,
+    failure: &Failure,
+    station: &Station,
+    tally: &mut Tally,
+) {
+    assert!(!failure.to_string().is_empty());
+    assert_eq!(
+        station.status,
+        Status::Failed((*failure).into()),
+        "{number}"
+    );
+    assert!(station.proof.is_none() && station.values.iter().all(Result::is_err));
+    let (limit, asked, cause) = match failure {
+        Failure::Unreachable { limit, cause, .. } => (limit, value, cause),
+        Failure::RackUnreachable { limit, cause } => (limit, trial.rack, cause),
+        other => panic!("{number} {other}"),
+    };
+    assert!(
+        limit.is_finite() && limit.abs() <= asked.abs(),
+        "{number} {failure:?} {asked}"
+    );
+    tally.unreachable += 1;
+    let unresolved = *cause == LimitCause::Unresolved;
+    tally.unresolved += unresolved as usize;
+    tally.ordinary_unresolved += (unresolved && trial.ordinary) as usize;
 }
 
 /// Checks a study with `certify = true` at a station with a pose. The program must give the values of this pose and a

@@ -23,6 +23,14 @@ pub(super) const RECORDED: &str = "(() => { \
     const places = points.map(({ name }, p) => [name, design[p]]); \
     return step && JSON.stringify([step.places, step.edits]) === JSON.stringify([places, edits]); })()";
 
+/// Saves the page's edits, and confirms the question whether to save them.
+pub(super) fn save_edits(browser: &Browser) {
+    browser.click("#save");
+    browser.wait("document.querySelector('#dialog[open] button[value=yes]')");
+    browser.click("#dialog button[value=yes]");
+    browser.wait("document.getElementById('banner').textContent.includes('saved')");
+}
+
 pub(super) fn handle(view: &str, point: &str) -> String {
     format!("[data-view={view}] .handle[data-name={point}]:not([data-other])")
 }

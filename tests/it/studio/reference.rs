@@ -1,7 +1,7 @@
 //! Tests of the reference state, with which the page compares the current design. The reference is the file as opened
 //! or last saved, with its rates and targets.
 
-use super::browser::{READY, RECORDED, SETTLED};
+use super::browser::{READY, RECORDED, SETTLED, save_edits};
 use super::webdriver::Browser;
 use super::{Served, sample};
 use serde_json::json;
@@ -58,10 +58,7 @@ fn a_changed_rate_is_compared_with_the_file() {
 
     let save = || {
         browser.run("document.getElementById('banner').textContent = ''");
-        browser.click("#save");
-        browser.wait("document.querySelector('#dialog[open] button[value=yes]')");
-        browser.click("#dialog button[value=yes]");
-        browser.wait("document.getElementById('banner').textContent.includes('study.toml saved')");
+        save_edits(&browser);
     };
     save();
     let saved = moved.split(' ').next().unwrap();
@@ -131,10 +128,7 @@ fn an_undo_past_a_save_survives_a_reload() {
     };
     let save = || {
         browser.run("document.getElementById('banner').textContent = ''");
-        browser.click("#save");
-        browser.wait("document.querySelector('#dialog[open] button[value=yes]')");
-        browser.click("#dialog button[value=yes]");
-        browser.wait("document.getElementById('banner').textContent.includes('study.toml saved')");
+        save_edits(&browser);
     };
     browser.open(&served.address);
     browser.wait(READY);

@@ -7,8 +7,9 @@ use crate::support::{Worst, larger};
 use hardpoint::analyse::{Load, Reaction, Support};
 use hardpoint::bench::DoubleDouble as Dd;
 use hardpoint::characteristics::{Characteristic as C, Constants, Quantity, WheelReading};
-use hardpoint::derive::DesignSeries;
-use hardpoint::model::{Body, PointId, RockerId, Suspension};
+use hardpoint::derive::{DesignSeries, Linearised, MotionPoint};
+use hardpoint::mechanism::Pose;
+use hardpoint::model::{Body, Mechanism, PointId, RockerId, Suspension};
 use hardpoint::number::{Jet, Real, Scalar, Vector3};
 
 const STUDY: &str = "double_wishbone_pushrod";
@@ -92,155 +93,235 @@ fn points_of_rockers_agree_with_thirty_digits() {
 /// Compared outputs, as functions that the test can compute exactly: the spring length, and tangents of half the
 /// angles.
 const REPORTED: [C; 3] = [C::SpringLength, C::RockerAngle, C::AntiRollBarAngle];
+/// Step of the difference quotients of the exact solution.
+const H: f64 = 1e-4;
 
-/// Compares angles and spring length with thirty digits: values, rates, and the sensitivities of values and rates to
-/// every hardpoint. Then compares the motion ratios, because these are the same rates, computed by another method.
-#[test]
-fn angles_lengths_and_ratios_agree_with_thirty_digits() {
-    const H: f64 = 1e-4;
+/// Exact values of the compared outputs after more travel: the length, and tangents of half the angles with the signs of
+/// the catalogue.
+fn exact_values(
+    truth: &Truth<'_>,
+    mechanism: &Mechanism,
+    design: &[Vector3<Dd>],
+    more: f64,
+) -> Vector3<Dd> {
+    let pose = truth.pose(design, more, 0.0);
+    let place = |id| super::truth::place(mechanism, design, &pose, id);
+    let u = |k: usize| {
+        let rocker = &mechanism.rockers[k];
+        let [a, b, i, o] =
+            [rocker.first, rocker.second, rocker.inner, rocker.outer].map(|p| design[p.0]);
+        let pushed = (b - a).cross(i - a).dot(i - o).sign();
+        half_tangent(mechanism, design, &pose, rocker) * pushed
+    };
+    let spring = mechanism.spring.unwrap();
+    let length = (place(spring.upper) - place(spring.lower)).norm();
+    Vector3::new(length, u(0), u(1))
+}
+
+/// Exact values and rates of the compared outputs.
+fn exact_curve(
+    truth: &Truth<'_>,
+    mechanism: &Mechanism,
+    design: &[Vector3<Dd>],
+) -> [Vector3<Dd>; 2] {
+    let values = |more: f64| exact_values(truth, mechanism, design, more);
+    [values(0.0), slope(PLACES.map(|k| values(k * H)), H)]
+}
+
+/// Exact derivatives of values and rates with respect to every coordinate.
+fn exact_slopes(
+    truth: &Truth<'_>,
+    mechanism: &Mechanism,
+    exact: &[Vector3<Dd>],
+) -> Vec<[Vector3<Dd>; 2]> {
+    let by_coordinate = |moved: usize| {
+        let curves = PLACES.map(|k| {
+            let mut design = exact.to_vec();
+            let mut p = design[moved / 3].to_array();
+            p[moved % 3] = p[moved % 3] + Dd::from(k * H);
+            design[moved / 3] = Vector3::from(p);
+            exact_curve(truth, mechanism, &design)
+        });
+        [0, 1].map(|order| slope(curves.map(|c| c[order]), H))
+    };
+    (0..3 * exact.len()).map(by_coordinate).collect()
+}
+
+/// tan(angle/2) of a Taylor series of an angle. A length stays a length.
+fn half(k: usize, jet: Jet<f64, 3>) -> Jet<f64, 3> {
+    match k {
+        0 => jet,
+        _ => {
+            let (sine, cosine) = jet.sin_cos();
+            sine / (Jet::constant(1.0) + cosine)
+        }
+    }
+}
+
+/// Series of the compared outputs.
+fn found_values(view: &WheelReading<3>, linearised: &Linearised<'_, 3>) -> [Jet<f64, 3>; 3] {
+    REPORTED.map(|c| view.value(&linearised.at, Quantity::Characteristic(c)))
+}
+
+/// Gradients of an output with respect to every hardpoint: of its value, and of its derivatives up to an order.
+fn found_gradients(
+    view: &WheelReading<3>,
+    linearised: &Linearised<'_, 3>,
+    c: C,
+    highest: usize,
+    points: usize,
+) -> Vec<Vec<Vector3<f64>>> {
+    let mut all = vec![vec![Vector3::default(); points]; highest + 1];
+    let mut buffer = vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); points];
+    view.gradients(
+        linearised,
+        Quantity::Characteristic(c),
+        highest,
+        &mut buffer,
+        &mut |order, PointId(p), g| all[order][p] = g,
+    );
+    all
+}
+
+/// Largest errors of angles and spring length.
+#[derive(Default, Debug)]
+struct AngleErrors {
+    values: Worst,
+    rates: Worst,
+    by_point: [Worst; 2],
+}
+
+impl AngleErrors {
+    fn compare_values(&mut self, found: &[Jet<f64, 3>; 3], wanted: [Vector3<Dd>; 2]) {
+        let scales = [200.0, 1.0, 1.0];
+        for (k, jet) in found.iter().enumerate() {
+            let jet = half(k, *jet);
+            let error = |found: f64, wanted: Vector3<Dd>| {
+                (Dd::from(found) - wanted.to_array()[k]).value() / scales[k]
+            };
+            self.values.note(error(jet[0], wanted[0]));
+            self.rates.note(100.0 * error(jet[1], wanted[1]));
+        }
+    }
+
+    /// Compares the gradients of the output `k` with exact derivatives.
+    fn compare_gradients(
+        &mut self,
+        k: usize,
+        found: &Jet<f64, 3>,
+        gradients: &[Vec<Vector3<f64>>],
+        wanted: &[[Vector3<Dd>; 2]],
+    ) {
+        let largest = |order: usize| {
+            let sizes = wanted.iter().map(|t| t[order].to_array()[k].value().abs());
+            sizes.fold(0.0, larger)
+        };
+        for (moved, wanted) in wanted.iter().enumerate() {
+            let (p, axis) = (moved / 3, moved % 3);
+            let [g, h] = [0, 1].map(|order| gradients[order][p].to_array()[axis]);
+            // With u = tan(a/2), the derivative of u with respect to a parameter p is u_p = (1 + u^2)
+            // a_p/2. The rate follows by one more derivative.
+            let found = match k {
+                0 => [g, h],
+                _ => {
+                    let u = half(k, *found);
+                    let s = 0.5 * (1.0 + u[0] * u[0]);
+                    [s * g, s * h + u[0] * u[1] * g]
+                }
+            };
+            for order in 0..2 {
+                let wanted = wanted[order].to_array()[k].value();
+                self.by_point[order].note((found[order] - wanted) / largest(order));
+            }
+        }
+    }
+}
+
+/// Linearises each variant at two random designs and travels, and passes the results on: the name of the variant, its
+/// suspension with the random design, the station with its pose, the reading, and the linearised configuration.
+fn for_each_variant(
+    read: &mut dyn FnMut(
+        &str,
+        &Suspension,
+        (MotionPoint<f64>, &Pose<f64>),
+        &WheelReading<3>,
+        &Linearised<'_, 3>,
+    ),
+) {
     let mut random = Random(24);
-    for (name, suspension) in variants() {
-        let mechanism = &suspension.mechanism;
-        let spring = mechanism.spring.unwrap();
-        let (mut values, mut rates) = (Worst::default(), Worst::default());
-        let (mut by_point, mut ratios) = ([Worst::default(); 2], Worst::default());
+    for (name, mut suspension) in variants() {
+        let nominal = suspension.design.clone();
         for _ in 0..2 {
-            let design = random.scattered(&suspension.design, 8.0);
-            let (value, rack) = (30.0 * random.signed(), 15.0 * random.signed());
-            let point = travel(value, rack);
-            let design_series = DesignSeries::<3>::new(mechanism, &design);
-            at(mechanism, &design, point, |solver, pose| {
+            suspension.design = random.scattered(&nominal, 8.0);
+            let point = travel(30.0 * random.signed(), 15.0 * random.signed());
+            let (mechanism, design) = (&suspension.mechanism, &suspension.design);
+            let design_series = DesignSeries::<3>::new(mechanism, design);
+            at(mechanism, design, point, |solver, pose| {
                 let linearised = solver
                     .linearised(&design_series, pose, &point.along_drive())
                     .unwrap();
                 let view = WheelReading::of(&linearised.at, Constants::of(&suspension));
-                let truth = Truth::around(mechanism, &design, pose, value, rack);
-                let exact: Vec<_> = design.iter().copied().map(lift).collect();
-                // Length, and tangents of half the angles with the signs of the catalogue.
-                let read = |design: &[Vector3<Dd>], more: f64| {
-                    let pose = truth.pose(design, more, 0.0);
-                    let place = |id| super::truth::place(mechanism, design, &pose, id);
-                    let u = |k: usize| {
-                        let rocker = &mechanism.rockers[k];
-                        let [a, b, i, o] =
-                            [rocker.first, rocker.second, rocker.inner, rocker.outer]
-                                .map(|p| design[p.0]);
-                        let pushed = (b - a).cross(i - a).dot(i - o).sign();
-                        half_tangent(mechanism, design, &pose, rocker) * pushed
-                    };
-                    let length = (place(spring.upper) - place(spring.lower)).norm();
-                    Vector3::new(length, u(0), u(1))
-                };
-                let curve = |design: &[Vector3<Dd>]| {
-                    [
-                        read(design, 0.0),
-                        slope(PLACES.map(|k| read(design, k * H)), H),
-                    ]
-                };
-                let [wanted, wanted_rate] = curve(&exact);
-                let scales = [200.0, 1.0, 1.0];
-                // tan(angle/2) of a Taylor series.
-                let half = |k: usize, jet: Jet<f64, 3>| match k {
-                    0 => jet,
-                    _ => {
-                        let (sine, cosine) = jet.sin_cos();
-                        sine / (Jet::constant(1.0) + cosine)
-                    }
-                };
-                let found: Vec<Jet<f64, 3>> = REPORTED
-                    .iter()
-                    .map(|c| view.value(&linearised.at, Quantity::Characteristic(*c)))
-                    .collect();
-                for (k, jet) in found.iter().enumerate() {
-                    let jet = half(k, *jet);
-                    let error = |found: f64, wanted: Vector3<Dd>| {
-                        (Dd::from(found) - wanted.to_array()[k]).value() / scales[k]
-                    };
-                    values.note(error(jet[0], wanted));
-                    rates.note(100.0 * error(jet[1], wanted_rate));
-                }
-
-                // Takes the derivative with respect to every coordinate.
-                let points = design.len();
-                let mut truths = Vec::new();
-                for moved in 0..3 * points {
-                    let curves = PLACES.map(|k| {
-                        let mut design = exact.clone();
-                        let mut p = design[moved / 3].to_array();
-                        p[moved % 3] = p[moved % 3] + Dd::from(k * H);
-                        design[moved / 3] = Vector3::from(p);
-                        curve(&design)
-                    });
-                    truths.push([0, 1].map(|order| slope(curves.map(|c| c[order]), H)));
-                }
-                let mut buffer = vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); points];
-                let mut gradient = |c: C, highest: usize| {
-                    let mut all = vec![vec![Vector3::default(); points]; highest + 1];
-                    let quantity = Quantity::Characteristic(c);
-                    view.gradients(
-                        &linearised,
-                        quantity,
-                        highest,
-                        &mut buffer,
-                        &mut |order, PointId(p), g| all[order][p] = g,
-                    );
-                    all
-                };
-                for (k, c) in REPORTED.into_iter().enumerate() {
-                    let all = gradient(c, 1);
-                    let largest = |order: usize| {
-                        let sizes = truths.iter().map(|t| t[order].to_array()[k].value().abs());
-                        sizes.fold(0.0, larger)
-                    };
-                    for (moved, truth) in truths.iter().enumerate() {
-                        let (p, axis) = (moved / 3, moved % 3);
-                        let [g, h] = [0, 1].map(|order| all[order][p].to_array()[axis]);
-                        // With u = tan(a/2), the derivative of u with respect to a parameter p is u_p = (1 + u^2)
-                        // a_p/2. The rate follows by one more derivative.
-                        let found = match k {
-                            0 => [g, h],
-                            _ => {
-                                let u = half(k, found[k]);
-                                let s = 0.5 * (1.0 + u[0] * u[0]);
-                                [s * g, s * h + u[0] * u[1] * g]
-                            }
-                        };
-                        for order in 0..2 {
-                            let wanted = truth[order].to_array()[k].value();
-                            by_point[order].note((found[order] - wanted) / largest(order));
-                        }
-                    }
-                }
-
-                // The drive is the travel, so the wheel centre rises by 1 per unit of the drive in every design. Rates
-                // along the drive are therefore motion ratios.
-                for (ratio, of, sign) in [
-                    (C::MotionRatio, 0, -1.0),
-                    (C::AntiRollBarMotionRatio, 2, 1.0),
-                ] {
-                    let jet = view.value(&linearised.at, Quantity::Characteristic(ratio));
-                    let scale = found[of][1].abs();
-                    ratios.note((jet[0] - sign * found[of][1]) / scale);
-                    ratios.note((jet[1] - sign * 2.0 * found[of][2]) / scale);
-                    let rate = gradient(REPORTED[of], 1);
-                    let own = gradient(ratio, 0);
-                    let largest = rate[1].iter().map(|g| g.norm()).fold(0.0, larger);
-                    for (a, b) in own[0].iter().zip(&rate[1]) {
-                        ratios.note((*a - *b * sign).norm() / largest);
-                    }
-                }
+                read(name, &suspension, (point, pose), &view, &linearised);
             })
             .unwrap()
             .unwrap();
         }
-        println!(
-            "{name}: values {:.1e}, rates {:.1e}, sensitivities {:.1e} and {:.1e}, ratios {:.1e}",
-            values.0, rates.0, by_point[0].0, by_point[1].0, ratios.0
-        );
+    }
+}
+
+/// Compares angles and spring length with thirty digits: values, rates, and the sensitivities of values and rates to
+/// every hardpoint.
+#[test]
+fn angles_and_lengths_agree_with_thirty_digits() {
+    for_each_variant(&mut |name, suspension, (point, pose), view, linearised| {
+        let (mechanism, design) = (&suspension.mechanism, &suspension.design);
+        let mut errors = AngleErrors::default();
+        let truth = Truth::around(mechanism, design, pose, point.value, point.rack);
+        let exact: Vec<_> = design.iter().copied().map(lift).collect();
+        let found = found_values(view, linearised);
+        errors.compare_values(&found, exact_curve(&truth, mechanism, &exact));
+        let wanted = exact_slopes(&truth, mechanism, &exact);
+        for (k, c) in REPORTED.into_iter().enumerate() {
+            let gradients = found_gradients(view, linearised, c, 1, design.len());
+            errors.compare_gradients(k, &found[k], &gradients, &wanted);
+        }
+        println!("{name}: {errors:?}");
+        let AngleErrors {
+            values,
+            rates,
+            by_point,
+        } = errors;
         assert!(values.0 < 1e-13 && rates.0 < 1e-11, "{name}");
         assert!(by_point.iter().all(|e| e.0 < 1e-10), "{name}: {by_point:?}");
+    });
+}
+
+/// The motion ratios are the rates of spring length and bar angle, computed by another method. The drive is the travel,
+/// so the wheel centre rises by 1 per unit of the drive in every design.
+#[test]
+fn motion_ratios_are_rates() {
+    for_each_variant(&mut |name, suspension, _, view, linearised| {
+        let points = suspension.design.len();
+        let found = found_values(view, linearised);
+        let mut ratios = Worst::default();
+        for (ratio, of, sign) in [
+            (C::MotionRatio, 0, -1.0),
+            (C::AntiRollBarMotionRatio, 2, 1.0),
+        ] {
+            let jet = view.value(&linearised.at, Quantity::Characteristic(ratio));
+            let scale = found[of][1].abs();
+            ratios.note((jet[0] - sign * found[of][1]) / scale);
+            ratios.note((jet[1] - sign * 2.0 * found[of][2]) / scale);
+            let rate = found_gradients(view, linearised, REPORTED[of], 1, points);
+            let own = found_gradients(view, linearised, ratio, 0, points);
+            let largest = rate[1].iter().map(|g| g.norm()).fold(0.0, larger);
+            for (a, b) in own[0].iter().zip(&rate[1]) {
+                ratios.note((*a - *b * sign).norm() / largest);
+            }
+        }
+        println!("{name}: {ratios:?}");
         assert!(ratios.0 < 1e-11, "{name}: {ratios:?}");
-    }
+    });
 }
 
 /// The lower arm is in equilibrium about its hinge, under the forces of pushrod and ball joint. The rocker is in

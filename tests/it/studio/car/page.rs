@@ -1,7 +1,7 @@
 //! Tests of the page of a car in a real browser.
 
 use super::{as_it_is, read, served};
-use crate::studio::browser::{READY, SETTLED};
+use crate::studio::browser::{READY, SETTLED, save_edits};
 use crate::studio::webdriver::Browser;
 use crate::studio::{Served, columns, sample, solved};
 use serde_json::Value;
@@ -95,10 +95,7 @@ fn a_car_is_dragged_edited_tuned_and_saved() {
     browser.wait("document.getElementById('accept') === null");
     browser.wait(SETTLED);
     browser.wait("studio.state.answer.misfit.value < 0.1");
-    browser.click("#save");
-    browser.wait("document.querySelector('dialog button[value=yes]') !== null");
-    browser.click("dialog button[value=yes]");
-    browser.wait("document.getElementById('banner').textContent.includes('saved')");
+    save_edits(&browser);
     browser.wait(SETTLED);
     for name in ["car_front.toml", "car_rear.toml"] {
         assert_ne!(read(&served, name), sample(name));
@@ -146,10 +143,7 @@ fn a_result_of_a_case_gets_a_target() {
     browser.wait(&format!("{count} === {}", before + 1));
     let is_marked = "document.querySelectorAll('#cases [data-column=roll_deg] td')[1].classList.contains('target')";
     browser.wait(is_marked);
-    browser.click("#save");
-    browser.wait("document.querySelector('dialog button[value=yes]') !== null");
-    browser.click("dialog button[value=yes]");
-    browser.wait("document.getElementById('banner').textContent.includes('saved')");
+    save_edits(&browser);
     let text = served.text();
     let target = text
         .lines()

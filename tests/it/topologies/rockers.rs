@@ -237,17 +237,19 @@ impl AngleErrors {
     }
 }
 
-/// Linearises each variant at two random designs and travels, and passes the results on: the name of the variant, its
-/// suspension with the random design, the station with its pose, the reading, and the linearised configuration.
-fn for_each_variant(
-    read: &mut dyn FnMut(
-        &str,
-        &Suspension,
-        (MotionPoint<f64>, &Pose<f64>),
-        &WheelReading<3>,
-        &Linearised<'_, 3>,
-    ),
-) {
+/// Variant with a random design at a random station.
+struct Solved<'a> {
+    /// Name of the variant.
+    name: &'a str,
+    suspension: &'a Suspension,
+    point: MotionPoint<f64>,
+    pose: &'a Pose<f64>,
+    view: &'a WheelReading<3>,
+    linearised: &'a Linearised<'a, 3>,
+}
+
+/// Linearises each variant at two random designs and stations, and passes the results on.
+fn for_each_variant(mut read: impl FnMut(Solved<'_>)) {
     let mut random = Random(24);
     for (name, mut suspension) in variants() {
         let nominal = suspension.design.clone();
@@ -261,7 +263,14 @@ fn for_each_variant(
                     .linearised(&design_series, pose, &point.along_drive())
                     .unwrap();
                 let view = WheelReading::of(&linearised.at, Constants::of(&suspension));
-                read(name, &suspension, (point, pose), &view, &linearised);
+                read(Solved {
+                    name,
+                    suspension: &suspension,
+                    point,
+                    pose,
+                    view: &view,
+                    linearised: &linearised,
+                });
             })
             .unwrap()
             .unwrap();
@@ -273,7 +282,15 @@ fn for_each_variant(
 /// every hardpoint.
 #[test]
 fn angles_and_lengths_agree_with_thirty_digits() {
-    for_each_variant(&mut |name, suspension, (point, pose), view, linearised| {
+    for_each_variant(|solved| {
+        let Solved {
+            name,
+            suspension,
+            point,
+            pose,
+            view,
+            linearised,
+        } = solved;
         let (mechanism, design) = (&suspension.mechanism, &suspension.design);
         let mut errors = AngleErrors::default();
         let truth = Truth::around(mechanism, design, pose, point.value, point.rack);
@@ -300,8 +317,14 @@ fn angles_and_lengths_agree_with_thirty_digits() {
 /// so the wheel centre rises by 1 per unit of the drive in every design.
 #[test]
 fn motion_ratios_are_rates() {
-    for_each_variant(&mut |name, suspension, _, view, linearised| {
-        let points = suspension.design.len();
+    for_each_variant(|solved| {
+        let Solved {
+            name,
+            view,
+            linearised,
+            ..
+        } = solved;
+        let points = solved.suspension.design.len();
         let found = found_values(view, linearised);
         let mut ratios = Worst::default();
         for (ratio, of, sign) in [

@@ -253,6 +253,9 @@ def draw(root, count, seed):
     faults, taken = {}, set()
     while len(faults) < count:
         folder = order[len(faults) % len(order)]
+        if not pools[folder]:
+            sys.exit(f"error: MUTANTS_COUNT={count} is too large: after {len(faults)} faults, the sources of "
+                     f"\"{folder}\" have no further fault")
         path, lines, *said = pools[folder].pop()
         if taken.isdisjoint((path, line) for line in lines):
             taken.update((path, line) for line in lines)

@@ -27,7 +27,7 @@ pub(super) struct ExportArguments {
     /// Unit of lengths in the file: mm, m or in [default: the unit of the format or of the study]
     #[arg(long, value_parser = unit)]
     pub(super) unit: Option<LengthUnit>,
-    /// Axes of the file: iso8855, sae_j670 or x_rear [default: the study's, or those of the format]
+    /// Axes of the file: iso8855, sae_j670 or x_rear [default: the axes of the study or of the format]
     #[arg(long, value_parser = frame)]
     pub(super) frame: Option<FrameConvention>,
     /// Round the moved or tuned coordinates so that each is a multiple of this length (in the file's unit), with the smallest

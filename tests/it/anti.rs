@@ -8,7 +8,6 @@ use hardpoint::curves::curves;
 use hardpoint::number::Vector3;
 use hardpoint::plan::Plan;
 use hardpoint::study::Study;
-use std::path::Path;
 
 const WHEELBASE: f64 = 2650.0;
 const CG_HEIGHT: f64 = 540.0;
@@ -88,7 +87,7 @@ const CASES: &[Case] = &[
 
 /// Sample study with a spindle that is neither horizontal nor lateral, so that camber and toe affect the results.
 fn study(topology: &str, more: &[String]) -> Study {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+    let path = crate::support::studies();
     let mut set = vec![
         "suspension.hardpoints.wheel_centre=[0.0, 760.0, 300.0]".to_owned(),
         "suspension.hardpoints.spindle_inner=[-3.0, 660.0, 295.0]".to_owned(),
@@ -163,7 +162,7 @@ fn the_spring_feels_what_the_percentages_leave_to_it() {
 /// If a study requests an anti-effect that the axle does not have, the program refuses it and names the available ones.
 #[test]
 fn an_axle_is_told_what_it_does_not_have() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_solve.toml");
+    let path = crate::support::studies().join("macpherson_solve.toml");
     for (axle, asked, said) in [
         (
             "position=\"front\", drive_torque=\"shafts\", drive_share_front=0.0",

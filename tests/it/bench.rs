@@ -1,5 +1,6 @@
 //! Tests of the results of `hardpoint bench`, but not of its times: the errors are the same on every machine.
 
+use crate::support::study;
 use assert_cmd::Command;
 use hardpoint::bench::accuracy::{Accuracy, Family, Measurement};
 use hardpoint::bench::effects::Effects;
@@ -7,8 +8,6 @@ use hardpoint::bench::throughput::Throughput;
 use hardpoint::bench::{Clock, Unmeasurable};
 use hardpoint::number::Width;
 use hardpoint::report::accuracy_picture;
-use hardpoint::study::Study;
-use std::path::Path;
 use std::time::Duration;
 
 /// Clock that runs each measured task as few times as possible.
@@ -16,14 +15,6 @@ const NO_TIME: Clock = Clock {
     samples: 1,
     shortest: Duration::ZERO,
 };
-
-fn study(name: &str, overrides: &[&str]) -> Study {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("studies")
-        .join(name);
-    let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
-    Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"))
-}
 
 fn of<'a>(accuracy: &'a Accuracy, family: Family, method: &str) -> Vec<&'a Measurement> {
     let all = accuracy.measurements.iter();
@@ -40,20 +31,10 @@ fn error(measurements: &[&Measurement], setting: &str) -> f64 {
     found.unwrap_or_else(|| panic!("{setting}")).error
 }
 
-#[test]
-fn errors_are_what_arithmetic_and_method_promise() {
-    let accuracy = Accuracy::measure(
-        study("macpherson_front.toml", &[]).one_wheel().unwrap(),
-        &NO_TIME,
-    )
-    .unwrap();
-    for m in &accuracy.measurements {
-        assert!(m.error.is_finite(), "{m:?}");
-    }
-
-    // The closed form runs in single, double and twice double precision, with 7, 16 and 31 digits. Errors are relative to
-    // a few hundred millimetres.
-    let rounding = |name: &str| error(&of(&accuracy, Family::Pose, name), "rounding");
+/// The closed form runs in single, double and twice double precision, with 7, 16 and 31 digits. Errors are relative to a few
+/// hundred millimetres.
+fn assert_rounding(accuracy: &Accuracy) {
+    let rounding = |name: &str| error(&of(accuracy, Family::Pose, name), "rounding");
     let [single, double, twice] =
         ["f32", "f64", "double-double"].map(|name| rounding(&format!("closed form, {name}")));
     assert!((1e-7..1e-3).contains(&single), "{single:e}");
@@ -62,10 +43,12 @@ fn errors_are_what_arithmetic_and_method_promise() {
     // Two other formulations give the same poses up to rounding errors: six equations, and point coordinates.
     assert!(rounding("six equations, f64") < 1e-12);
     assert!(rounding("point coordinates (paper)") < 1e-11);
+}
 
-    // With a tolerance that is ten times finer, the error does not increase.
+/// With a tolerance that is ten times finer, the error does not increase.
+fn assert_finer_tolerances(accuracy: &Accuracy) {
     for name in ["closed form, f64", "six equations, f64"] {
-        let errors: Vec<f64> = of(&accuracy, Family::Pose, name)
+        let errors: Vec<f64> = of(accuracy, Family::Pose, name)
             .iter()
             .map(|m| m.error)
             .collect();
@@ -75,10 +58,12 @@ fn errors_are_what_arithmetic_and_method_promise() {
             .map(|pair| pair[1] <= 1.5 * pair[0] + 1e-13);
         assert!(falls.all(|falls| falls), "{errors:?}");
     }
+}
 
-    // With a better starting point, the solver needs fewer iterations for the same error.
+/// With a better starting point, the solver needs fewer iterations for the same error.
+fn assert_better_starts(accuracy: &Accuracy) {
     let evaluations = |name: &str| {
-        let found = of(&accuracy, Family::Start, name);
+        let found = of(accuracy, Family::Start, name);
         let m = found.iter().find(|m| m.setting == "1e-9 m").unwrap();
         m.evaluations.unwrap()
     };
@@ -91,22 +76,26 @@ fn errors_are_what_arithmetic_and_method_promise() {
     let counts = starts.map(evaluations);
     assert!(counts.is_sorted_by(|a, b| a >= b), "{counts:?}");
     assert!(counts[3] + 1.0 < counts[0], "{counts:?}");
+}
 
-    // The error of straight lines falls with the square of the distance between stations, the error of cubics with its
-    // fourth power. The error of polynomials through Chebyshev points falls faster than any power.
+/// The error of straight lines falls with the square of the distance between stations, the error of cubics with its
+/// fourth power. The error of polynomials through Chebyshev points falls faster than any power.
+fn assert_interpolation(accuracy: &Accuracy) {
     let curve = |method: &str, count: usize| {
         let setting = format!("{count} stations");
-        error(&of(&accuracy, Family::Curve, method), &setting)
+        error(&of(accuracy, Family::Curve, method), &setting)
     };
     let gain = |method: &str| curve(method, 33) / curve(method, 65);
     assert!((3.5..4.5).contains(&gain("linear")), "{}", gain("linear"));
     assert!((12.0..20.0).contains(&gain("cubic")), "{}", gain("cubic"));
     assert!(curve("Chebyshev", 17) < 1e-12);
+}
 
-    // The error of difference quotients has a minimum: with longer or shorter steps the error is larger.
-    let analytic = of(&accuracy, Family::Derivative, "analytic")[0].error;
+/// The error of difference quotients has a minimum: with longer or shorter steps the error is larger.
+fn assert_quotients(accuracy: &Accuracy) {
+    let analytic = of(accuracy, Family::Derivative, "analytic")[0].error;
     assert!(analytic < 1e-14, "{analytic:e}");
-    let central = of(&accuracy, Family::Derivative, "central difference");
+    let central = of(accuracy, Family::Derivative, "central difference");
     let best = central
         .iter()
         .map(|m| m.error)
@@ -116,6 +105,23 @@ fn errors_are_what_arithmetic_and_method_promise() {
     // With the best step, difference quotients lose five digits; with the usual step they lose six.
     assert!(best > 1e5 * analytic, "{best:e} {analytic:e}");
     assert!(error(&central, "usual step") > 1e6 * analytic);
+}
+
+#[test]
+fn errors_are_what_arithmetic_and_method_promise() {
+    let accuracy = Accuracy::measure(
+        study("macpherson_front.toml", &[]).one_wheel().unwrap(),
+        &NO_TIME,
+    )
+    .unwrap();
+    for m in &accuracy.measurements {
+        assert!(m.error.is_finite(), "{m:?}");
+    }
+    assert_rounding(&accuracy);
+    assert_finer_tolerances(&accuracy);
+    assert_better_starts(&accuracy);
+    assert_interpolation(&accuracy);
+    assert_quotients(&accuracy);
 
     // Forward and adjoint methods give the same derivative.
     for method in ["forward", "adjoint"] {
@@ -241,7 +247,6 @@ fn the_command_writes_table_picture_and_circumstances() {
 /// each row, the rate per second agrees with the time.
 #[test]
 fn cars_and_equilibria_are_timed() {
-    let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
     for (kind, study, jobs) in [
         (
             "cars",
@@ -277,7 +282,7 @@ fn cars_and_equilibria_are_timed() {
             ],
         ),
     ] {
-        let study = studies.join(study);
+        let study = crate::support::studies().join(study);
         let study = study.to_str().unwrap();
         let said = hardpoint(&["bench", kind, study, "--out", "-", "--samples", "1"]).success();
         let csv = String::from_utf8(said.get_output().stdout.clone()).unwrap();

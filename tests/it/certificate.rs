@@ -5,7 +5,7 @@ use crate::support::{Case, motion, order_to, vector};
 use hardpoint::analyse::Certifier;
 use hardpoint::derive::MotionPoint;
 use hardpoint::mechanism::{Configuration, Failure};
-use hardpoint::model::Drive;
+use hardpoint::model::{Drive, Mechanism};
 use hardpoint::number::Vector3;
 use hardpoint::solve::{Solver, StationOrder};
 use std::ops::ControlFlow;
@@ -179,39 +179,48 @@ fn a_wrong_pose_is_not_proved() {
     assert!(certifier.pose(&pose, &point(0.05)).is_err());
 }
 
-/// The program certifies degenerate designs that are not in the reference, with errors up to the given bound (in metres).
-/// A certificate from interval arithmetic is valid whatever the solver did, so this test needs no second solver.
-#[test]
-fn degenerate_geometries_are_proved() {
-    let nominal = Case::read("nominal");
-    let place = |p: &str| nominal.point(p).0;
-    let solved = |name: &str, design: &[Vector3<f64>], drive, values: &[f64], bound: f64| {
-        let mut solver =
-            Solver::new(&nominal.mechanism, design).unwrap_or_else(|f| panic!("{name}: {f:?}"));
-        let certifier = Certifier::new(&nominal.mechanism, design);
-        for (value, proof) in
-            values
-                .iter()
-                .zip(certified(&mut solver, &certifier, drive, values, 0.0))
-        {
-            println!("{name} {drive:?} {value}: {proof:?}");
-            let error = proof.unwrap_or_else(|f| panic!("{name} {value}: {f}"));
-            assert!(error <= bound, "{name} {value}: {error:e}");
-        }
-    };
-    let travel = [-0.08, 0.05, 0.08];
-    let with = |changes: &[(&str, Vector3<f64>)]| {
-        let mut design = nominal.design.clone();
-        for (p, at) in changes {
-            design[place(p)] = *at;
-        }
-        design
-    };
-    let at = |p: &str| nominal.design[place(p)];
+/// Asserts that every station of a design has a certificate with an error up to the bound (in metres). A certificate from
+/// interval arithmetic is valid whatever the solver did, so no second solver is necessary.
+fn assert_proved(
+    mechanism: &Mechanism,
+    name: &str,
+    design: &[Vector3<f64>],
+    drive: Drive,
+    values: &[f64],
+    bound: f64,
+) {
+    let mut solver = Solver::new(mechanism, design).unwrap_or_else(|f| panic!("{name}: {f:?}"));
+    let certifier = Certifier::new(mechanism, design);
+    let proofs = certified(&mut solver, &certifier, drive, values, 0.0);
+    for (value, proof) in values.iter().zip(proofs) {
+        println!("{name} {drive:?} {value}: {proof:?}");
+        let error = proof.unwrap_or_else(|f| panic!("{name} {value}: {f}"));
+        assert!(error <= bound, "{name} {value}: {error:e}");
+    }
+}
 
+/// Travels of the certified designs, in metres.
+const TRAVELS: [f64; 3] = [-0.08, 0.05, 0.08];
+
+/// Design of a case with some points elsewhere.
+fn with(nominal: &Case, changes: &[(&str, Vector3<f64>)]) -> Vec<Vector3<f64>> {
+    let mut design = nominal.design.clone();
+    for (p, at) in changes {
+        design[nominal.point(p).0] = *at;
+    }
+    design
+}
+
+/// The program certifies numbers that are hard to compute with: an angle near half a turn, large coordinates, and points that
+/// are close together. The reference does not have these designs.
+#[test]
+fn extreme_numbers_are_proved() {
+    let nominal = Case::read("nominal");
+    let at = |p: &str| nominal.design[nominal.point(p).0];
     // At an arm angle within a nanoradian of half a turn, the tangent of the half angle is nearly infinite.
     let half_turn = std::f64::consts::PI - 1e-9;
-    solved(
+    assert_proved(
+        &nominal.mechanism,
         "half turn",
         &nominal.design,
         Drive::ArmAngle,
@@ -222,35 +231,51 @@ fn degenerate_geometries_are_proved() {
     // Far from the origin, coordinates of 1e4 m have a rounding error of 1e4 m times the machine epsilon.
     let away = Vector3::new(1e4, -1e4, 1e4);
     let far: Vec<_> = nominal.design.iter().map(|p| *p + away).collect();
-    solved("1e4 m away", &far, Drive::Travel, &travel, 1e-10);
+    assert_proved(
+        &nominal.mechanism,
+        "1e4 m away",
+        &far,
+        Drive::Travel,
+        &TRAVELS,
+        1e-10,
+    );
 
     // Two strut points are only a micrometre apart. The given doubles define the strut's direction exactly.
     let close = at("p6") + (at("p4") - at("p6")) * (1e-6 / (at("p4") - at("p6")).norm());
-    solved(
+    assert_proved(
+        &nominal.mechanism,
         "strut points",
-        &with(&[("p7", close)]),
+        &with(&nominal, &[("p7", close)]),
         Drive::Travel,
-        &travel,
+        &TRAVELS,
         1e-13,
     );
+}
 
+/// The program certifies degenerate designs that are not in the reference.
+#[test]
+fn degenerate_geometries_are_proved() {
+    let nominal = Case::read("nominal");
+    let at = |p: &str| nominal.design[nominal.point(p).0];
     // The ball joint is on the strut axis: p4, p6 and p7 are in line with it.
     let on_axis = |t: f64| at("p5") + (at("p4") - at("p5")) * t;
-    let design = with(&[("p6", on_axis(0.25)), ("p7", on_axis(0.5))]);
-    solved(
+    let design = with(&nominal, &[("p6", on_axis(0.25)), ("p7", on_axis(0.5))]);
+    assert_proved(
+        &nominal.mechanism,
         "ball joint on the strut axis",
         &design,
         Drive::Travel,
-        &travel,
+        &TRAVELS,
         1e-13,
     );
 
     // All points of the knuckle are in one plane.
     let mut design = nominal.design.clone();
     for p in ["p5", "p6", "p7", "p8", "p10", "p11", "p4"] {
-        design[place(p)].y = 0.7;
+        design[nominal.point(p).0].y = 0.7;
     }
-    solved(
+    assert_proved(
+        &nominal.mechanism,
         "coplanar knuckle",
         &design,
         Drive::Travel,
@@ -259,18 +284,23 @@ fn degenerate_geometries_are_proved() {
     );
 
     // The wheel centre is at the ball joint. In the next case the strut is horizontal, along x.
-    solved(
+    assert_proved(
+        &nominal.mechanism,
         "wheel centre on the ball joint",
-        &with(&[("p10", at("p5"))]),
+        &with(&nominal, &[("p10", at("p5"))]),
         Drive::Travel,
-        &travel,
+        &TRAVELS,
         1e-13,
     );
-    let design = with(&[
-        ("p4", at("p6") + Vector3::new(0.6, 0.0, 0.0)),
-        ("p7", at("p6") + Vector3::new(0.1, 0.0, 0.0)),
-    ]);
-    solved(
+    let design = with(
+        &nominal,
+        &[
+            ("p4", at("p6") + Vector3::new(0.6, 0.0, 0.0)),
+            ("p7", at("p6") + Vector3::new(0.1, 0.0, 0.0)),
+        ],
+    );
+    assert_proved(
+        &nominal.mechanism,
         "strut along x",
         &design,
         Drive::ArmAngle,

@@ -1,15 +1,9 @@
 //! Tests of studies as functions of their design: variables, outputs and failures.
 
+use crate::support::study;
 use hardpoint::model::PointId;
-use hardpoint::study::{DesignTable, Designs, FileFormat, Study, Sweep, SweepVariable};
+use hardpoint::study::{DesignTable, Designs, FileFormat, Sweep, SweepVariable};
 use hardpoint::{DesignFunction, DesignStatus, DesignVariable, FunctionError};
-use std::path::Path;
-
-fn study(name: &str, changes: &[&str]) -> Study {
-    let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
-    let changes: Vec<String> = changes.iter().map(|change| (*change).to_owned()).collect();
-    Study::read(&studies.join(name), &changes).unwrap_or_else(|e| panic!("{e}"))
-}
 
 /// Values of one design, as `values` and `value_and_jacobian` return them, with the status of both calls and the Jacobian.
 fn both_calls(f: &DesignFunction, x: &[f64]) -> ([Vec<f64>; 2], [DesignStatus; 2], Vec<f64>) {

@@ -1,5 +1,6 @@
 //! Tests that the program computes only the effects that a study requests. The test reads the counts of the work done.
 
+use crate::support::study;
 use hardpoint::characteristics::{Characteristic, Constants, Slots, WheelReading};
 use hardpoint::curves::{Curves, curves};
 use hardpoint::derive::{DesignSeries, MotionPoint};
@@ -8,15 +9,6 @@ use hardpoint::model::Drive;
 use hardpoint::plan::Plan;
 use hardpoint::solve::Solver;
 use hardpoint::study::Study;
-use std::path::Path;
-
-fn study(name: &str, overrides: &[&str]) -> Study {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("studies")
-        .join(name);
-    let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
-    Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"))
-}
 
 fn run(study: &Study) -> Curves {
     let found = curves(study.wheel(), &Plan::of(study.one_wheel().unwrap())).unwrap();

@@ -202,7 +202,7 @@ fn a_grid_has_as_many_values_of_every_variable_or_is_refused() {
 
 #[test]
 fn an_axle_has_curves_and_takes_its_outputs_from_its_text() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_axle.toml");
+    let path = crate::support::studies().join("macpherson_axle.toml");
     let study = Study::read(&path, &[]).unwrap();
     let curves = study.curves().unwrap();
     let both = study.axle().unwrap();

@@ -14,10 +14,8 @@ use hardpoint::model::Drive;
 use hardpoint::number::Vector3;
 use hardpoint::plan::Plan;
 use hardpoint::solve::{Acceptance, Rejection, Solver, StationOrder};
-use hardpoint::study::Study;
 use serde_json::Value;
 use std::ops::ControlFlow;
-use std::path::Path;
 
 /// Returns true if a motion with this drive reaches the state from the design position. The reference also lists other
 /// assemblies with the same drive value.
@@ -250,8 +248,7 @@ fn what_has_no_solution_is_refused_with_the_limit() {
 #[test]
 fn estimated_condition_numbers_hold_to_a_factor_of_ten() {
     for name in ["macpherson_solve.toml", "double_wishbone_solve.toml"] {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
-        let suspension = Study::read(&path.join(name), &[]).unwrap().into_wheel();
+        let suspension = crate::support::study(name, &[]).into_wheel();
         let mechanism = &suspension.mechanism;
         let size = suspension.size();
         let (mut least, mut most, mut estimated, mut exact) = (f64::INFINITY, 0.0_f64, 0, 0);
@@ -423,10 +420,8 @@ fn a_nanometre_beyond_a_fold_is_refused() {
 /// these stations for each kind of rejection. The continuation solves the reachable ones.
 #[test]
 fn what_is_left_to_the_continuation_has_a_reason() {
-    let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
     let solved = |name: &str, travel: &str| {
-        let edits = [format!("motion.travel={travel}")];
-        let study = Study::read(&studies.join(name), &edits).unwrap();
+        let study = crate::support::study(name, &[&format!("motion.travel={travel}")]);
         curves(study.wheel(), &Plan::of(study.one_wheel().unwrap())).unwrap()
     };
     let wide = "{ from = -300.0, to = 300.0, steps = 41 }";

@@ -16,9 +16,7 @@ const LOADS: &str = "loads=[
     {name=\"torque\", at=\"wheel_centre\", moment=[0.0, 7e5, 1e5]}]";
 
 fn study(name: &str, overrides: &[String]) -> Study {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("studies")
-        .join(name);
+    let path = crate::support::studies().join(name);
     Study::read(&path, overrides).unwrap_or_else(|e| panic!("{e}"))
 }
 
@@ -267,10 +265,7 @@ fn what_nothing_carries_has_a_status_and_no_values() {
 /// force balances the work of the load.
 #[test]
 fn without_a_spring_the_wheel_is_held() {
-    let text = std::fs::read_to_string(
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/five_link_solve.toml"),
-    )
-    .unwrap();
+    let text = crate::support::sample("five_link_solve.toml");
     let lines: Vec<&str> = text.lines().filter(|l| !l.starts_with("spring_")).collect();
     let text = lines.join("\n").replace(", \"motion_ratio\"", "");
     let loads = "\nloads = [{ name = \"kerb\", at = \"wheel_centre\", force = [0, 0, 1000] }]\n";

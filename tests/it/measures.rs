@@ -4,7 +4,6 @@
 use hardpoint::curves::{Curves, curves};
 use hardpoint::plan::Plan;
 use hardpoint::study::Study;
-use std::fs;
 use std::path::Path;
 
 /// Points of a drive shaft, and of a damper separate from the spring.
@@ -30,8 +29,7 @@ fn study(outputs: &str, travel: &str) -> Study {
 }
 
 fn text(outputs: &str, travel: &str) -> String {
-    let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
-    let sample = fs::read_to_string(studies.join("double_wishbone_pushrod.toml")).unwrap();
+    let sample = crate::support::sample("double_wishbone_pushrod.toml");
     let (design, _) = sample.split_once("[motion]").unwrap();
     format!("{design}{EXTRA}\n[motion]\ntravel = {travel}\n\n[outputs]\n{outputs}")
 }

@@ -367,11 +367,11 @@ fn designs_from_a_file_do_not_stand_in_the_way() {
 #[test]
 fn only_moved_coordinates_are_rewritten() {
     let study = read(FRONT);
-    assert_eq!(study.with_design(&study.wheel().design), FRONT);
+    assert_eq!(study.with_points_of(&study), FRONT);
     let mut design = study.wheel().design.clone();
     let moved = study.wheel().mechanism.point("tie_rod_inner").unwrap();
     design[moved.0].z = 0.1 + 0.2;
-    let text = study.with_design(&design);
+    let text = study.with_points_of(&study.at_design(design));
     let changed: Vec<_> = FRONT
         .lines()
         .zip(text.lines())
@@ -403,7 +403,7 @@ proptest! {
         let design: Vec<_> = study.wheel().design.iter().zip(offsets.chunks_exact(3))
             .map(|(p, o)| Vector3::new(p.x + o[0], p.y + o[1], p.z * (1.0 + o[2] / 100.0)))
             .collect();
-        let again = read(&study.with_design(&design));
+        let again = read(&study.with_points_of(&study.at_design(design.clone())));
         for (read, written) in again.wheel().design.iter().zip(&design) {
             let bits = |v: &Vector3<f64>| v.to_array().map(f64::to_bits);
             prop_assert_eq!(bits(read), bits(written));
@@ -454,7 +454,7 @@ proptest! {
         const VALUES: &[&str] = &["0", "[1, 2]", "{ a = 1 }", "nan", "text", "", "[", "\"", "true", "1=2"];
         let keys: Vec<&str> = path.iter().map(|index| *index.get::<&str>(KEYS)).collect();
         let set = format!("{}={}", keys.join("."), value.get::<&str>(VALUES));
-        let front = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_front.toml");
+        let front = crate::support::studies().join("macpherson_front.toml");
         if let Err(errors) = Study::read(&front, &[set]) {
             prop_assert!(errors.to_string().contains("--set"));
         }

@@ -2,12 +2,11 @@
 
 use hardpoint::optimise::Control;
 use hardpoint::study::Study;
-use std::path::Path;
 
 const DIAMETER: f64 = 430.0;
 
 fn study(name: &str, edits: &[&str]) -> Result<Study, String> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("studies/{name}.toml"));
+    let path = crate::support::studies().join(format!("{name}.toml"));
     let edits: Vec<String> = edits.iter().map(|edit| (*edit).to_owned()).collect();
     Study::read(&path, &edits).map_err(|error| error.to_string())
 }

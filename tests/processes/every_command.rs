@@ -10,7 +10,7 @@ use crate::support::signals;
 use hardpoint::study::{Designs, Study};
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -218,8 +218,8 @@ fn examine(
 }
 
 fn every_command(mutants: std::ops::Range<u64>, long: bool) {
-    let samples: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
-    let mut paths: Vec<_> = fs::read_dir(&samples)
+    let samples = crate::support::studies();
+    let mut paths: Vec<_> = fs::read_dir(samples)
         .unwrap()
         .map(|entry| entry.unwrap().path())
         .filter(|path| path.extension().is_some_and(|e| e == "toml"))
@@ -251,7 +251,7 @@ fn every_command(mutants: std::ops::Range<u64>, long: bool) {
                     if number >= mutants.end {
                         break;
                     }
-                    if let Err(reason) = examine(number, &samples, &bases, &ran, long) {
+                    if let Err(reason) = examine(number, samples, &bases, &ran, long) {
                         let failure = format!("mutant {number}: {reason}");
                         // Also prints immediately, so that a failure is visible before a long run ends.
                         eprintln!("{failure}");
@@ -292,8 +292,7 @@ fn every_command_over_many_mutants() {
 /// Interrupts one command for each number of the range, and prints the worst result of each command.
 #[cfg(target_os = "linux")]
 fn interrupted(tries: std::ops::Range<u64>) {
-    let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
-    let signals = signals::Signals::of(&studies);
+    let signals = signals::Signals::of(crate::support::studies());
     let worst = std::sync::Mutex::new(signals::Worst::new());
     let failures: Vec<String> = tries
         .clone()

@@ -15,8 +15,10 @@ use hardpoint::model::{
 };
 use hardpoint::number::{Jet, Vector3};
 use hardpoint::solve::{Solver, StationOrder};
+use hardpoint::study::Study;
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// True if the processor has SIMD lanes. Without SIMD lanes, the program solves each design alone. Tests that count the
 /// work of lanes then end early. Other tests check the solutions of designs alone.
@@ -28,6 +30,23 @@ pub fn has_lanes() -> bool {
 /// would ignore NaN.
 pub fn larger(a: f64, b: f64) -> f64 {
     if a > b || a.is_nan() { a } else { b }
+}
+
+/// Folder of the sample studies.
+pub fn studies() -> &'static Path {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/studies"))
+}
+
+/// Text of a sample study.
+pub fn sample(name: &str) -> String {
+    let path = studies().join(name);
+    std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+/// Sample study with some of its keys changed.
+pub fn study(name: &str, overrides: &[&str]) -> Study {
+    let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
+    Study::read(&studies().join(name), &overrides).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// A printed text on one line, with single spaces.

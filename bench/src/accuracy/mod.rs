@@ -63,7 +63,8 @@ impl Family {
     }
 }
 
-/// Larger of two errors. If one of them is NaN, the result is NaN, so a failed computation is not hidden.
+/// Larger of two errors. If one of them is NaN, the result is NaN, so a failed computation is not hidden. The engine's
+/// `number::larger` is private and works in SIMD lanes without a test for NaN. It therefore returns NaN also for two infinities.
 fn worse(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }

@@ -67,7 +67,7 @@ impl Motion {
 impl Study {
     /// Makes a study of a suspension. The study covers only the design position and requests no results.
     ///
-    /// Its `text` is empty. Functions that edit the text of a study ([`Study::with_design`]) need a study from a file or
+    /// Its `text` is empty. Functions that edit the text of a study ([`Study::with_points_of`]) need a study from a file or
     /// text.
     pub fn of(suspension: Suspension) -> Self {
         Study {

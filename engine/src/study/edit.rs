@@ -11,13 +11,6 @@ use std::path::{Component, Path};
 use toml_edit::{Array, DocumentMut, Item, Table, TableLike, Value};
 
 impl Study {
-    /// Returns the study's text with the points of another design. `design` is in the kernel's frame (left wheel, x
-    /// forward, y left, z up), indexed by [`PointId`]. Rewrites only coordinates that differ from the text. Reading the
-    /// text again gives exactly the numbers of `design`.
-    pub fn with_design(&self, design: &[Vector3<f64>]) -> String {
-        self.as_written().rewritten(&self.text, design, None)
-    }
-
     /// Returns the study that the text describes. `self` differs from the returned study if the vehicle was changed in
     /// memory. A study without text describes itself.
     ///
@@ -40,7 +33,7 @@ impl Study {
     /// a point `spindle_inner` replaces them, because points define the axis of a build. For a twist beam, the text also
     /// gets the second point of the hinge.
     pub fn with_built(&self, built: &Suspension) -> String {
-        let text = self.with_design(&built.design);
+        let text = self.as_written().rewritten(&self.text, &built.design, None);
         let mechanism = &built.mechanism;
         let given = self.wheel().mechanism.points.len();
         let spindle = mechanism.points.get(given);
@@ -121,7 +114,8 @@ impl Study {
         moved
     }
 
-    /// Returns the text with the points of the study `moved`, including the points of the right wheel.
+    /// Returns the text with the points of the study `moved`, including the points of the right wheel. Rewrites only
+    /// coordinates that differ from the text. Reading the text again gives exactly the numbers of `moved`.
     pub fn with_points_of(&self, moved: &Study) -> String {
         self.text_with_points_of(&self.text, moved)
     }

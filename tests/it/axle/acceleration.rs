@@ -86,10 +86,7 @@ fn second_derivatives_are_the_slopes_of_the_first() {
 fn on_pads_they_are_a_corner_s() {
     let motion = "motion={heave=[-30.0, 10.0, 40.0], rack=8.0}";
     let axle = solved(&[ASKED, motion]);
-    let text = std::fs::read_to_string(
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_axle.toml"),
-    )
-    .unwrap();
+    let text = crate::support::sample("macpherson_axle.toml");
     let (head, _) = text.split_once("[axle]").unwrap();
     let corner = format!(
         "{head}[wheel]\nradius = 300.0\n[motion]\ntravel = [-30.0, 10.0, 40.0]\nrack = 8.0\n[outputs]\n\

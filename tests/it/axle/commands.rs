@@ -85,13 +85,17 @@ fn sample_axles_are_solved_and_written() {
         let (again, _) = run(&["solve", path, "--out", "-"], 0);
         assert_eq!(again, csv);
     }
+}
+
+/// Sensitivities name the side and the hardpoint. Outputs and units have the same names as in the sensitivity file of one wheel.
+#[test]
+fn sensitivities_of_an_axle_have_the_names_of_one_wheel() {
     let sensitivities = folder("five_link_axle_again");
     let path = study("five_link_axle.toml");
     let [path, directory] = [&path, &sensitivities].map(|p| p.to_str().unwrap());
     run(&["solve", path, "--out", directory], 0);
     let csv = fs::read_to_string(sensitivities.join("sensitivities.csv")).unwrap();
     assert!(csv.contains(",roll_steer,left,toe_link_inner,z,"), "{csv}");
-    // Outputs and units have the same names in this file as in the sensitivity file of one wheel.
     let path = study("double_wishbone_solve.toml");
     let (corner, axle) = (folder("corner"), csv);
     let outputs = "outputs={ characteristics = [\"camber\", \"motion_ratio\"], sensitivities = [\"wheel_centre\"] }";

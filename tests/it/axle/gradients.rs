@@ -81,8 +81,7 @@ fn gradients_are_slopes() {
 fn an_axle_is_a_function_of_its_design() {
     use hardpoint::study::Study;
     use hardpoint::{DesignFunction, DesignStatus, DesignVariable};
-    let path =
-        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_axle.toml");
+    let path = crate::support::studies().join("macpherson_axle.toml");
     let few = "motion={ roll = [-1.5, 0.0, 2.0], rack = [0.0, 15.0] }".to_owned();
     let own = "axle.right={ hardpoints = { tie_rod_inner = [-110.0, -332.0, 245.0] } }".to_owned();
     for set in [vec![few.clone()], vec![few, own]] {

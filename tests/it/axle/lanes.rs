@@ -14,10 +14,7 @@ const FIVE_LINK: &str = "five_link_axle_rear.toml";
 
 /// Axle of a sample with some scattered points, and with every quantity that is available in SIMD lanes.
 fn study(name: &str, right: &str, motion: &str, by: f64) -> Study {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("studies")
-        .join(name);
-    let text = std::fs::read_to_string(path).unwrap();
+    let text = crate::support::sample(name);
     let head = text.split("[motion]").next().unwrap();
     let head = head.replace("right = \"mirrored\"", right);
     let points: &[(&str, &str)] = match name {
@@ -47,8 +44,13 @@ fn study(name: &str, right: &str, motion: &str, by: f64) -> Study {
          samples = {DESIGNS}\nseed = 5\nvariables = [{}]\n",
         variables.join(", ")
     );
+    with_all_quantities(&text)
+}
+
+/// Study of an axle, read from its text, with every quantity that SIMD lanes can compute.
+pub(crate) fn with_all_quantities(text: &str) -> Study {
     let mut study =
-        Study::from_text("swept.toml", &text, Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
+        Study::from_text("swept.toml", text, Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
     let both = study.axle_mut().unwrap();
     let has = |quantity: &Quantity| both.axle.has(*quantity);
     let names = Quantity::names();
@@ -57,7 +59,8 @@ fn study(name: &str, right: &str, motion: &str, by: f64) -> Study {
     study
 }
 
-fn worker(plan: &SweepPlan<'static>, width: Option<Width>) -> Worker<'static> {
+/// Worker for single designs, or for SIMD lanes of one width.
+pub(crate) fn worker(plan: &SweepPlan<'static>, width: Option<Width>) -> Worker<'static> {
     let plan: &'static SweepPlan<'static> = Box::leak(Box::new(plan.clone()));
     plan.worker_of_width(width).unwrap()
 }

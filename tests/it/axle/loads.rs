@@ -35,10 +35,7 @@ fn on_pads_the_left_wheel_carries_what_a_corner_does() {
         let motion = corner.replace("travel=", "heave=");
         let both = study(name, &[LOADS, few, &motion, "outputs.sensitivities=false"]).unwrap();
         let left = {
-            let text = std::fs::read_to_string(
-                Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("studies/{name}.toml")),
-            )
-            .unwrap();
+            let text = crate::support::sample(&format!("{name}.toml"));
             // Same study without its axle.
             let mut kept = String::new();
             let mut skips = false;
@@ -170,10 +167,7 @@ fn the_spring_takes_the_work() {
 /// station is `unsupported`.
 #[test]
 fn what_nothing_carries_has_a_status_and_no_values() {
-    let text = std::fs::read_to_string(
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/semi_trailing_arm_solve.toml"),
-    )
-    .unwrap();
+    let text = crate::support::sample("semi_trailing_arm_solve.toml");
     let head = text.split("[motion]").next().unwrap();
     let text =
         format!("{head}[axle]\nright = \"mirrored\"\n[motion]\nheave = [-40.0, 0.0, 40.0]\n");

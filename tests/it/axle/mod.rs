@@ -10,7 +10,7 @@ mod drawings;
 mod gradients;
 mod independent;
 mod independent_values;
-mod lanes;
+pub(crate) mod lanes;
 mod limits;
 mod loads;
 mod named_motions;
@@ -90,7 +90,7 @@ fn axle(case: &Value) -> Axle {
 
 /// Sample study with overrides, or the errors of the study.
 fn sample(name: &str, overrides: &[&str]) -> Result<Study, String> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("studies/{name}.toml"));
+    let path = crate::support::studies().join(format!("{name}.toml"));
     let overrides: Vec<_> = overrides.iter().map(|o| (*o).to_owned()).collect();
     Study::read(&path, &overrides).map_err(|e| e.to_string())
 }

@@ -122,10 +122,7 @@ fn heave_over_time_is_the_travel_of_one_wheel_over_time() {
     let time = "time={polynomial=[-20.0, 30.0, 4.0], from=0.0, to=1.5, steps=7}";
     let asked = "outputs={characteristics=[\"camber\", \"toe\"], points=[\"wheel_centre\"], knuckle=true, order=\"acceleration\"}";
     let both = solved(&[asked, &format!("motion={{{time}}}")]);
-    let text = std::fs::read_to_string(
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_axle.toml"),
-    );
-    let text = text.unwrap();
+    let text = crate::support::sample("macpherson_axle.toml");
     let kept = |name: &str| {
         ![
             "[axle",

@@ -26,8 +26,8 @@ fn quantity(name: &str) -> Option<Quantity> {
     own.map(|q| Quantity::Wheel(side, *q)).or_else(corner)
 }
 
-/// Travels and quantities of every state equal those of the script. Values below 1 (travels below 100 mm) have the bound of
-/// a value of this size.
+/// Travels and quantities of every state equal the results of the script. A value below 1 (a travel below 100 mm) has the
+/// same bound as the value 1 (100 mm).
 #[test]
 fn axles_with_two_different_sides_are_solved() {
     for name in ["five-link-axle", "semi-trailing-axle"] {

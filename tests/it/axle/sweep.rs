@@ -9,8 +9,7 @@ use nalgebra::DVector;
 use std::path::Path;
 
 fn study(right: &str) -> Study {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/five_link_axle_rear.toml");
-    let text = std::fs::read_to_string(path).unwrap();
+    let text = crate::support::sample("five_link_axle_rear.toml");
     let head = text.split("[motion]").next().unwrap();
     let head = head.replace("[axle]\nright = \"mirrored\"", right);
     let text = format!(

@@ -16,7 +16,6 @@ use hardpoint::solve::{Solver, StationOrder};
 use hardpoint::study::Study;
 use std::fs;
 use std::ops::ControlFlow;
-use std::path::Path;
 
 /// A mirrored axle at opposite roll angle and rack displacement is its own mirror image, bit for bit.
 #[test]
@@ -91,7 +90,7 @@ fn an_axle_in_heave_is_two_corners() {
         "five_link_solve",
         "semi_trailing_arm_solve",
     ] {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("studies/{name}.toml"));
+        let path = crate::support::studies().join(format!("{name}.toml"));
         let study = Study::read(&path, &[]).unwrap();
         let corner = curves(study.wheel(), &Plan::of(study.one_wheel().unwrap())).unwrap();
         let listed = study.one_wheel().unwrap().outputs.characteristics.iter();

@@ -11,8 +11,7 @@ use nalgebra::DVector;
 use std::path::Path;
 
 pub(super) fn study(name: &str, changes: &[(&str, &str)]) -> Study {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("studies/{name}.toml"));
-    let mut text = std::fs::read_to_string(path).unwrap();
+    let mut text = crate::support::sample(&format!("{name}.toml"));
     for (from, to) in changes {
         assert!(text.contains(from), "{from}");
         text = text.replace(from, to);

@@ -18,8 +18,7 @@ const SCATTER: &str = "scatter=[\
 
 /// Left wheel of a sample study of an axle, without the entries that define the axle.
 fn wheel() -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_axle_front.toml");
-    let text = std::fs::read_to_string(path).unwrap();
+    let text = crate::support::sample("macpherson_axle_front.toml");
     text.split("[axle]").next().unwrap().to_owned()
 }
 
@@ -130,8 +129,7 @@ fn a_printed_build_is_the_build() {
 /// build as a study. The test covers mirrored and separate right hardpoints, and spin axes given by angles or points.
 #[test]
 fn a_printed_build_has_its_extra_points() {
-    let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
-    let five_link = std::fs::read_to_string(studies.join("five_link_axle_tolerance.toml")).unwrap();
+    let five_link = crate::support::sample("five_link_axle_tolerance.toml");
     let extra = "[suspension.extra_points]\n\
         drive_shaft_outer = { body = \"knuckle\", position = [0.0, 700.0, 310.0] }\n\
         drive_shaft_inner = { body = \"chassis\", position = [0.0, 150.0, 320.0] }\n";

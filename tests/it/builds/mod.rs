@@ -19,13 +19,10 @@ use hardpoint::assembly::{Assembler, BuildParameter, Member};
 use hardpoint::model::Axis;
 use hardpoint::plan::Plan;
 use hardpoint::study::Study;
-use std::path::Path;
 
 /// Sample study with some of its keys changed.
 fn study(name: &str, overrides: &[&str]) -> Study {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("studies/{name}.toml"));
-    let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
-    Study::read(&path, &overrides).unwrap()
+    crate::support::study(&format!("{name}.toml"), overrides)
 }
 
 fn assembler(study: &Study) -> Assembler {

@@ -1,6 +1,7 @@
 //! Tests that ranges, scatter and designs of a car stay within the values that its study accepts.
 
-use super::commands::{hardpoint, studies, text};
+use super::commands::{hardpoint, text};
+use crate::support::studies;
 use hardpoint::study::CarStudy;
 use hardpoint::tolerance::CarProblem;
 use std::fs;

@@ -1,7 +1,7 @@
 //! Tests of conflicts between constraints of a car.
 
-use super::commands::{hardpoint, studies, text};
-use crate::support::one_line;
+use super::commands::{hardpoint, text};
+use crate::support::{one_line, studies};
 use hardpoint::study::CarStudy;
 
 /// Constraints and targets of a tuning. Two limits of the same result contradict each other. The other limits do not

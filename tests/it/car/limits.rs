@@ -123,7 +123,7 @@ fn the_lateral_limit_is_below_that_of_a_rigid_car() {
 #[test]
 fn the_command_prints_a_table() {
     let directory = tempfile::tempdir().unwrap();
-    let study = super::commands::studies().join("car.toml");
+    let study = crate::support::studies().join("car.toml");
     let study = study.to_str().unwrap();
     let arguments = ["limits", study, "--format", "csv"];
     let said = super::commands::hardpoint(directory.path(), &arguments).success();

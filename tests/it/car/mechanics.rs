@@ -365,6 +365,53 @@ fn planted_targets_of_twenty_seeds_are_met() {
     );
 }
 
+/// Variable with a range about the value of a car.
+fn variable(moves: &Moves, car: &Car) -> CarVariable {
+    let now = moves.value(car).unwrap();
+    let range = if now == 0.0 {
+        [-8.0, 8.0]
+    } else {
+        [0.6 * now, 1.4 * now]
+    };
+    CarVariable {
+        moves: moves.clone(),
+        range,
+    }
+}
+
+/// Results of a car as targets of a tuning.
+fn results_as_targets(car: &Car, cases: &[Case]) -> Vec<CarTarget> {
+    let mut solver = CarSolver::new(car).unwrap();
+    let mut targets = Vec::new();
+    let names = [
+        "roll",
+        "roll_gradient",
+        "lateral_load_transfer_distribution",
+        "roll_steer_gradient_front",
+        "roll_steer_gradient_rear",
+        "front_left_camber_to_road",
+        "rear_right_toe",
+        "pitch",
+    ];
+    for (number, case) in cases.iter().enumerate() {
+        let found = solver.solve(case).unwrap();
+        let solved = solver.solved(case, &found).unwrap();
+        for name in names {
+            let quantity = CarQuantity::named(name)[0];
+            if let Some(value) = quantity.printed(&solved, case) {
+                targets.push(CarTarget {
+                    quantity,
+                    case: number,
+                    wanted: [value; 2],
+                    tolerance: 0.01,
+                    weight: 1.0,
+                });
+            }
+        }
+    }
+    targets
+}
+
 /// Tunes six variables of both axles to at least ten targets that were computed from known designs. Returns the times
 /// in seconds.
 fn plant(seed: u64, seeds: usize) -> Vec<f64> {
@@ -385,21 +432,7 @@ fn plant(seed: u64, seeds: usize) -> Vec<f64> {
     ];
     let mut random = Random(seed);
     for seed in 0..seeds {
-        let variables: Vec<CarVariable> = moves
-            .iter()
-            .map(|moves| {
-                let now = moves.value(&car).unwrap();
-                let range = if now == 0.0 {
-                    [-8.0, 8.0]
-                } else {
-                    [0.6 * now, 1.4 * now]
-                };
-                CarVariable {
-                    moves: moves.clone(),
-                    range,
-                }
-            })
-            .collect();
+        let variables: Vec<CarVariable> = moves.iter().map(|moves| variable(moves, &car)).collect();
         let planted: Vec<f64> = variables
             .iter()
             .map(|variable| {
@@ -418,34 +451,7 @@ fn plant(seed: u64, seeds: usize) -> Vec<f64> {
         braking.ax = -0.5;
         braking.setting.longitudinal = Longitudinal::Brake;
         let cases = [turn, braking];
-        let mut solver = CarSolver::new(&truth).unwrap();
-        let mut targets = Vec::new();
-        let names = [
-            "roll",
-            "roll_gradient",
-            "lateral_load_transfer_distribution",
-            "roll_steer_gradient_front",
-            "roll_steer_gradient_rear",
-            "front_left_camber_to_road",
-            "rear_right_toe",
-            "pitch",
-        ];
-        for (number, case) in cases.iter().enumerate() {
-            let found = solver.solve(case).unwrap();
-            let solved = solver.solved(case, &found).unwrap();
-            for name in names {
-                let quantity = CarQuantity::named(name)[0];
-                if let Some(value) = quantity.printed(&solved, case) {
-                    targets.push(CarTarget {
-                        quantity,
-                        case: number,
-                        wanted: [value; 2],
-                        tolerance: 0.01,
-                        weight: 1.0,
-                    });
-                }
-            }
-        }
+        let targets = results_as_targets(&truth, &cases);
         assert!(targets.len() >= 10);
         let run = CarRun {
             max_iterations: 100,

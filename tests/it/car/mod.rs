@@ -8,6 +8,7 @@ mod free_bodies;
 mod limits;
 mod maps;
 mod mechanics;
+mod mistakes;
 mod moves;
 mod page;
 mod reference;
@@ -25,10 +26,12 @@ mod twist_beam;
 mod units;
 mod verdict;
 
+use crate::support::random::Random;
+use hardpoint::Unit;
 use hardpoint::axle::{Axle, BumpStop, ForceCurve, Law, Setup, SpringLaw};
 use hardpoint::car::{
-    Air, AirForce, Car, Case, LateralShares, Longitudinal, LongitudinalShares, Masses, Moves,
-    PointMove, Tyre, TyreAxes,
+    Air, AirForce, Car, CarQuantity, Case, LateralShares, Longitudinal, LongitudinalShares, Masses,
+    Moves, PointMove, Tyre, TyreAxes,
 };
 use hardpoint::characteristics::Constants;
 use hardpoint::model::{Axis, LengthUnit, MassUnit, PointId, Suspension};
@@ -191,6 +194,61 @@ pub fn case(value: &Value) -> Case {
     case
 }
 
+/// Random load case on rigid tyres. `most` has the largest longitudinal and lateral acceleration and the largest rack
+/// displacement.
+fn random_case(random: &mut Random, most: [f64; 3]) -> Case {
+    let mut case = Case::at_rest("random");
+    case.setting.elastic_tyres = false;
+    (case.ax, case.ay) = (most[0] * random.signed(), most[1] * random.signed());
+    case.az = 0.1 * random.signed();
+    case.racks[0] = most[2] * random.signed();
+    if case.ax < 0.0 {
+        case.setting.longitudinal = Longitudinal::Brake;
+    }
+    case
+}
+
+/// Usual size of a result in its printed unit: forces and torques are thousands, other results are about 1.
+fn usual_size(quantity: CarQuantity) -> f64 {
+    match quantity.info().unit {
+        Unit::Force | Unit::Torque | Unit::TorquePerAngle => 1e3,
+        _ => 1.0,
+    }
+}
+
+/// Asserts that the first-order standard deviations of the results equal slopes of the results. Central differences between
+/// two built cars give the slopes. `study` adds a law of scatter for the part to the study. More than `least` results scatter.
+fn assert_scatter_is_slope(part: &str, study: impl Fn(&str) -> CarStudy, least: usize) {
+    let h = 0.05;
+    let values = [-h, h].map(|step| {
+        let [low, high] = [step - 1e-12, step + 1e-12];
+        let study = study(&format!("limits = [{low:?}, {high:?}]"));
+        let problem = problem(&study);
+        let car = problem.built(0).unwrap();
+        let mut values = vec![0.0; problem.request.results.len()];
+        assert_eq!(problem.request.values(&car, &mut values).unwrap(), None);
+        values
+    });
+    let study = study("sigma = 1.0");
+    let problem = problem(&study);
+    let expansion = problem.expansion().unwrap_or_else(|_| panic!("expands"));
+    let mut scatter = 0;
+    for (place, expansion) in expansion.iter().enumerate() {
+        let slope = (values[1][place] - values[0][place]) / (2.0 * h);
+        let sigma = expansion.sigma();
+        let error = (sigma - slope.abs()).abs();
+        let result = &problem.request.results[place];
+        // Error of central differences, plus rounding errors.
+        let rounding = 1e-9 * usual_size(result.quantity);
+        assert!(
+            error < 1e-4 * sigma + rounding,
+            "{part}, {result:?}: {sigma} {slope}"
+        );
+        scatter += usize::from(sigma > 1e-4);
+    }
+    assert!(scatter > least, "{part}: {scatter}");
+}
+
 /// A variable that moves one coordinate of a hardpoint.
 fn one_point(axle: usize, point: PointId, axis: Axis) -> Moves {
     Moves::Hardpoints(vec![PointMove {
@@ -209,7 +267,7 @@ pub fn reference() -> Value {
 
 /// Car of the sample study `formula_student_car.toml`.
 fn formula_student_car() -> Car {
-    let path = commands::studies().join("formula_student_car.toml");
+    let path = crate::support::studies().join("formula_student_car.toml");
     CarStudy::read(&path, &[]).unwrap().car
 }
 

@@ -7,13 +7,12 @@ use hardpoint::model::Axis;
 use hardpoint::report::{optimised_car, settings_of_car};
 use hardpoint::study::CarStudy;
 use std::fs;
-use std::path::Path;
 
 /// A variable moves the front wheel centre along x, and another one changes the wheelbase. The order of the variables does not
 /// matter, and the slopes are those of finite differences.
 #[test]
 fn the_order_of_variables_does_not_matter() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/off_road_car.toml");
+    let path = crate::support::studies().join("off_road_car.toml");
     let base = CarStudy::read(&path, &[]).unwrap().car;
     let centre = one_point(0, base.axles[0].left.mechanism.wheel_centre, Axis::X);
     let wheelbase = Moves::Wheelbase.value(&base).unwrap();
@@ -59,7 +58,7 @@ fn the_order_of_variables_does_not_matter() {
 /// gives the same rate twice.
 #[test]
 fn the_right_spring_follows_the_left_one() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/car.toml");
+    let path = crate::support::studies().join("car.toml");
     let variable = CarVariable {
         moves: Moves::Rate {
             axle: 0,
@@ -86,7 +85,7 @@ fn the_right_spring_follows_the_left_one() {
 /// changed car contain the points of both wheels.
 #[test]
 fn points_of_the_right_wheel_move_too() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/car.toml");
+    let path = crate::support::studies().join("car.toml");
     let right = "front.axle.right={ hardpoints = { tie_rod_inner = [-110.0, -330.5, 243.0] } }";
     let mut settings = vec![right.to_owned()];
     let study = CarStudy::read(&path, &settings).unwrap();

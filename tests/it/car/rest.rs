@@ -1,15 +1,15 @@
 //! Tests of cars at rest.
 
-use super::commands::{hardpoint, studies, text};
+use super::commands::{hardpoint, text};
+use crate::support::studies;
 use hardpoint::car::{CarQuantity, CarRequest, CarSolver, Case};
 use hardpoint::study::CarStudy;
-use std::path::Path;
 
 /// The car is ten times as heavy, and its case has a tenth of the gravity. At rest its springs cannot carry it. Only the jacking
 /// heave is measured from the car at rest, so only this result is unknown.
 #[test]
 fn only_the_jacking_heave_needs_the_car_at_rest() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/off_road_car.toml");
+    let path = crate::support::studies().join("off_road_car.toml");
     let mut car = CarStudy::read(&path, &[]).unwrap().car;
     car.mass *= 10.0;
     let mut case = Case::at_rest("light");

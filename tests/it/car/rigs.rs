@@ -1,6 +1,7 @@
 //! Tests of car tunings with targets and constraints of single axles, and with variables that move several hardpoints.
 
-use super::commands::{hardpoint, studies};
+use super::commands::hardpoint;
+use crate::support::studies;
 use hardpoint::axle::{AxleSolver, Placement, Quantity};
 use hardpoint::car::{CarGoals, CarQuantity, CarSolver, CarTarget, moved, tune};
 use hardpoint::study::{CarStudy, Vehicle};
@@ -123,7 +124,8 @@ fn planted_bump_steer_and_distribution_are_found() {
     let planted = [2.0, -3.0, 700_000.0, 350_000.0];
     let truth = moved(&study.car, &wanted.variables, &planted);
     // Curve of the car with the known design, from the study of its axle.
-    let text = study.axles[0].with_design(&truth.axles[0].left.design);
+    let front = &study.axles[0];
+    let text = front.with_points_of(&front.at_design(truth.axles[0].left.design.clone()));
     let axle = hardpoint::study::Study::from_text("front.toml", &text, Path::new(".")).unwrap();
     let own = axle.axle().unwrap();
     let toe = Quantity::named("toe");

@@ -239,7 +239,7 @@ fn second_order_of_solid_axles_is_that_of_complete_solutions() {
 /// within four standard errors.
 #[test]
 fn builds_confirm_the_second_order() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/car.toml");
+    let path = crate::support::studies().join("car.toml");
     let set = [
         "outputs.characteristics=[\"heave\",\"pitch\",\"roll\",\"body_roll_stiffness\"]",
         "car.sprung_cg=[-1290.0,0.0,560.0]",
@@ -288,7 +288,7 @@ fn builds_confirm_the_second_order() {
 fn laws_and_sides_enter_as_in_statistics() {
     let middle = "car.cg=[-1290.0,0.0,560.0]";
     let second = |scatter: &str| -> Vec<[f64; 2]> {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/car.toml");
+        let path = crate::support::studies().join("car.toml");
         let results = "outputs.characteristics=[\"pitch\",\"heave\",\"roll_gradient\"]".to_owned();
         let scatter = format!("tolerance={{scatter=[{scatter}]}}");
         let middle = middle.replace("car.cg", "car.sprung_cg");
@@ -336,7 +336,7 @@ fn laws_and_sides_enter_as_in_statistics() {
 /// reports that they do not scatter. Loads and pitch scatter.
 #[test]
 fn what_vanishes_by_symmetry_does_not_scatter() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/car.toml");
+    let path = crate::support::studies().join("car.toml");
     let set = [
         "outputs.characteristics=[\"roll\",\"lateral_load_transfer\",\"lateral_load_transfer_front_elastic\",\
          \"axle_side_force\",\"mean_steer\",\"roll_centre_lateral\",\"wheel_load\",\"pitch\"]",

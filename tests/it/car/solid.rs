@@ -1,5 +1,6 @@
 //! Tests of solid axles in cars.
 
+use super::random_case;
 use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::car::{
@@ -35,18 +36,6 @@ fn random_car(random: &mut Random) -> Car {
     car
 }
 
-fn random_case(random: &mut Random) -> Case {
-    let mut case = Case::at_rest("random");
-    case.setting.elastic_tyres = false;
-    (case.ax, case.ay) = (0.4 * random.signed(), 0.5 * random.signed());
-    case.az = 0.1 * random.signed();
-    case.racks[0] = 8.0 * random.signed();
-    if case.ax < 0.0 {
-        case.setting.longitudinal = Longitudinal::Brake;
-    }
-    case
-}
-
 /// Force at a point, as six components about the origin.
 fn wrench(at: V, force: V) -> [f64; 6] {
     let moment = at.cross(force) * 1e-3;
@@ -63,7 +52,7 @@ fn four_links_hold_the_axle() {
         let car = random_car(&mut random);
         let mut solver = CarSolver::new(&car).unwrap();
         for _ in 0..8 {
-            let case = random_case(&mut random);
+            let case = random_case(&mut random, [0.4, 0.5, 8.0]);
             let Ok(found) = solver.solve(&case) else {
                 continue;
             };

@@ -124,7 +124,7 @@ fn a_car_on_two_supports_tips_at_the_lift() {
 #[test]
 fn a_cornering_car_tips_over_its_outer_wheels() {
     for name in ["car.toml", "formula_student_car.toml"] {
-        let path = super::commands::studies().join(name);
+        let path = crate::support::studies().join(name);
         let car = CarStudy::read(&path, &[]).unwrap().car;
         let mut solver = CarSolver::new(&car).unwrap();
         let mut rest = at_rest();
@@ -165,7 +165,7 @@ fn a_cornering_car_tips_over_its_outer_wheels() {
 /// If the message recommends other shares of the forces, the case has an equilibrium with these shares.
 #[test]
 fn recommended_shares_give_an_equilibrium() {
-    let path = super::commands::studies().join("car.toml");
+    let path = crate::support::studies().join("car.toml");
     let study = CarStudy::read(&path, &[]).unwrap();
     let mut solver = CarSolver::new(&study.car).unwrap();
     let mut recommended = 0;
@@ -231,7 +231,7 @@ fn a_braking_car_is_solved_until_its_rear_wheels_lift() {
 /// that the car overturns.
 #[test]
 fn a_car_whose_links_fold_sinks() {
-    let path = super::commands::studies().join("off_road_car.toml");
+    let path = crate::support::studies().join("off_road_car.toml");
     let car = CarStudy::read(&path, &[]).unwrap().car;
     let mut solver = CarSolver::new(&car).unwrap();
     let at = |az: f64| Case { az, ..at_rest() };
@@ -250,7 +250,7 @@ fn a_car_whose_links_fold_sinks() {
 /// displacement, whichever wheel reaches it.
 #[test]
 fn an_unreachable_rack_has_its_sign_and_unit() {
-    let path = super::commands::studies().join("car.toml");
+    let path = crate::support::studies().join("car.toml");
     let car = CarStudy::read(&path, &[]).unwrap().car;
     let unreachable = |side: Side| {
         let limit = 40.0;

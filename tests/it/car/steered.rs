@@ -1,6 +1,6 @@
 //! Tests of steered solid axles in cars: free bodies, derivatives, and the roll centre of the axle.
 
-use super::problem;
+use super::random_case;
 use crate::support::larger;
 use crate::support::random::Random;
 use hardpoint::axle::{AxlePose, AxleSolver, Placement};
@@ -12,12 +12,11 @@ use hardpoint::model::{Axis, PointId, Side};
 use hardpoint::number::Vector3;
 use hardpoint::study::CarStudy;
 use nalgebra::{DMatrix, DVector};
-use std::path::Path;
 
 type V = Vector3<f64>;
 
 fn car() -> Car {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/off_road_car.toml");
+    let path = crate::support::studies().join("off_road_car.toml");
     CarStudy::read(&path, &[]).unwrap().car
 }
 
@@ -37,18 +36,6 @@ fn random_car(random: &mut Random) -> Car {
     car.cg.y += 20.0 * random.signed();
     car.cg.z += 30.0 * random.signed();
     car
-}
-
-fn random_case(random: &mut Random) -> Case {
-    let mut case = Case::at_rest("random");
-    case.setting.elastic_tyres = false;
-    (case.ax, case.ay) = (0.3 * random.signed(), 0.4 * random.signed());
-    case.az = 0.1 * random.signed();
-    case.racks[0] = 40.0 * random.signed();
-    if case.ax < 0.0 {
-        case.setting.longitudinal = Longitudinal::Brake;
-    }
-    case
 }
 
 /// Positions of points of the front axle in the car's axes.
@@ -189,7 +176,7 @@ fn rods_hold_axle_and_knuckles() {
         let car = random_car(&mut random);
         let mut solver = CarSolver::new(&car).unwrap();
         for _ in 0..8 {
-            let case = random_case(&mut random);
+            let case = random_case(&mut random, [0.3, 0.4, 40.0]);
             let Ok(found) = solver.solve(&case) else {
                 continue;
             };
@@ -352,7 +339,7 @@ fn the_roll_centre_is_that_of_the_axle() {
 /// A gear angle to the left steers both wheels to the left. The inner wheel steers more than the outer wheel.
 #[test]
 fn the_gear_steers_both_wheels() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/off_road_car.toml");
+    let path = crate::support::studies().join("off_road_car.toml");
     let study = CarStudy::read(&path, &[]).unwrap();
     let mut solver = CarSolver::new(&study.car).unwrap();
     let mut steer = |name: &str| {
@@ -374,7 +361,7 @@ fn the_gear_steers_both_wheels() {
 /// as the tyre's radius. The rods between steering gear and knuckles keep their lengths.
 #[test]
 fn a_drawing_shows_the_steered_wheels() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/off_road_car.toml");
+    let path = crate::support::studies().join("off_road_car.toml");
     let study = CarStudy::read(&path, &[]).unwrap();
     let mechanism = &study.car.axles[0].left.mechanism;
     let mut solver = CarSolver::new(&study.car).unwrap();
@@ -409,12 +396,7 @@ fn a_drawing_shows_the_steered_wheels() {
 /// differences of cars that are assembled and solved.
 #[test]
 fn first_order_of_parts_is_that_of_built_cars() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/off_road_car.toml");
-    let study = |part: &str, scatter: &str| {
-        let scatter = format!("tolerance.scatter=[{{{part},{scatter}}}]");
-        let bands = "tolerance.bands=[]".to_owned();
-        CarStudy::read(&path, &[scatter, bands]).unwrap_or_else(|e| panic!("{}", e.render(false)))
-    };
+    let path = crate::support::studies().join("off_road_car.toml");
     for part in [
         r#"axle="front",length="tie_rod""#,
         r#"axle="front",hardpoint="kingpin_upper",axis="y",side="right""#,
@@ -422,32 +404,12 @@ fn first_order_of_parts_is_that_of_built_cars() {
         r#"axle="rear",hardpoint="lower_link_axle",axis="z",side="left""#,
         r#"axle="rear",length="upper_link",side="right""#,
     ] {
-        let h = 0.05;
-        let values = [-h, h].map(|step| {
-            let [low, high] = [step - 1e-12, step + 1e-12];
-            let study = study(part, &format!("limits=[{low:?},{high:?}]"));
-            let problem = problem(&study);
-            let car = problem.built(0).unwrap();
-            let mut values = vec![0.0; problem.request.results.len()];
-            assert_eq!(problem.request.values(&car, &mut values).unwrap(), None);
-            values
-        });
-        let study = study(part, "sigma=1.0");
-        let problem = problem(&study);
-        let expansion = problem.expansion().unwrap_or_else(|_| panic!("expands"));
-        let mut scatter = 0;
-        for (place, expansion) in expansion.iter().enumerate() {
-            let slope = (values[1][place] - values[0][place]) / (2.0 * h);
-            let sigma = expansion.sigma();
-            // Error of central differences, plus rounding of values of a few thousand newtons.
-            let error = (sigma - slope.abs()).abs();
-            let result = &problem.request.results[place];
-            assert!(
-                error < 1e-4 * sigma + 1e-6,
-                "{part}, {result:?}: {sigma} {slope}"
-            );
-            scatter += usize::from(sigma > 1e-4);
-        }
-        assert!(scatter > 20, "{part}: {scatter}");
+        let study = |law: &str| {
+            let scatter = format!("tolerance.scatter=[{{{part},{law}}}]");
+            let bands = "tolerance.bands=[]".to_owned();
+            let study = CarStudy::read(&path, &[scatter, bands]);
+            study.unwrap_or_else(|e| panic!("{}", e.render(false)))
+        };
+        super::assert_scatter_is_slope(part, study, 20);
     }
 }

@@ -1,8 +1,9 @@
 //! Tests of the scatter of car results against difference quotients of complete solutions, and against statistical
 //! laws.
 
-use super::commands::{hardpoint, studies, text};
-use super::problem;
+use super::commands::{hardpoint, text};
+use super::{problem, usual_size};
+use crate::support::studies;
 use hardpoint::car::moved;
 use hardpoint::study::{CarContributor, CarStudy};
 use std::fs;
@@ -58,9 +59,10 @@ scatter = [
             let slope = (values[1][place] - values[0][place]) / (2.0 * step);
             let sigma = expansion.variances[number].sqrt();
             let expected = slope.abs() * law.variance().sqrt();
-            // Error of central differences, plus rounding of values of a few thousand newtons.
+            // Error of central differences, plus rounding errors.
+            let rounding = 1e-8 * usual_size(problem.request.results[place].quantity);
             assert!(
-                (sigma - expected).abs() < 1e-5 * expected + 1e-5,
+                (sigma - expected).abs() < 1e-5 * expected + rounding,
                 "{number} {place}: {sigma} {expected}"
             );
             compared += 1;

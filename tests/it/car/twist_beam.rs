@@ -1,6 +1,5 @@
 //! Tests of twist beams in cars.
 
-use super::problem;
 use hardpoint::car::{AxleEnd, AxleResult, CarQuantity, CarSolver, WheelPlace, WheelResult};
 use hardpoint::study::CarStudy;
 use std::path::Path;
@@ -63,35 +62,6 @@ fn parts_of_a_beam_scatter_in_a_car() {
             let set = format!("tolerance.scatter=[{{ axle = \"rear\", {part}, {law} }}]");
             CarStudy::read(&path, &[set]).unwrap_or_else(|e| panic!("{}", e.render(false)))
         };
-        let h = 0.05;
-        let values = [-h, h].map(|step| {
-            let study = scattered(&format!(
-                "limits = [{:?}, {:?}]",
-                step - 1e-12,
-                step + 1e-12
-            ));
-            let problem = problem(&study);
-            let car = problem.built(0).unwrap();
-            let mut values = vec![0.0; problem.request.results.len()];
-            assert_eq!(problem.request.values(&car, &mut values).unwrap(), None);
-            values
-        });
-        let study = scattered("sigma = 1.0");
-        let problem = problem(&study);
-        let expansion = problem.expansion().unwrap_or_else(|_| panic!("expands"));
-        let mut scatter = 0;
-        for (place, expansion) in expansion.iter().enumerate() {
-            let slope = (values[1][place] - values[0][place]) / (2.0 * h);
-            let sigma = expansion.sigma();
-            // Error of central differences, plus rounding of values of a few thousand newtons.
-            let error = (sigma - slope.abs()).abs();
-            let result = &problem.request.results[place];
-            assert!(
-                error < 1e-4 * sigma + 1e-6,
-                "{part}, {result:?}: {sigma} {slope}"
-            );
-            scatter += usize::from(sigma > 1e-4);
-        }
-        assert!(scatter > 5, "{part}: {scatter}");
+        super::assert_scatter_is_slope(part, scattered, 5);
     }
 }

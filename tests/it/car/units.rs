@@ -1,8 +1,8 @@
 //! Tests of units: a car in inches, pounds-force and pounds has the same results as the same car in millimetres,
 //! newtons and kilograms.
 
-use super::commands::{hardpoint, studies, text};
-use crate::support::one_line;
+use super::commands::{hardpoint, text};
+use crate::support::{one_line, studies};
 use crate::units::{INCH, POUND, POUND_FORCE, in_inches_and_pounds};
 use hardpoint::car::{CarQuantity, CarSolver};
 use hardpoint::study::{CarStudy, Study};

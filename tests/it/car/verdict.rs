@@ -1,8 +1,8 @@
 //! Tests of the messages about the result of a car's tuning: targets out of reach, variables at their limits, prices of
 //! constraints.
 
-use super::commands::{hardpoint, studies, text};
-use crate::support::one_line;
+use super::commands::{hardpoint, text};
+use crate::support::{one_line, studies};
 use hardpoint::study::{CarStudy, TunedCar};
 use serde_json::Value;
 

@@ -4,14 +4,10 @@ mod builds;
 mod mistakes;
 mod poses;
 
-use crate::support::{larger, one_line};
+use crate::support::{larger, one_line, studies};
 use assert_cmd::Command;
 use std::fs;
-use std::path::{Path, PathBuf};
-
-fn studies() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("studies")
-}
+use std::path::PathBuf;
 
 fn hardpoint(arguments: &[&str]) -> assert_cmd::assert::Assert {
     Command::cargo_bin("hardpoint")

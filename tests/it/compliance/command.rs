@@ -13,9 +13,7 @@ pub fn hardpoint(arguments: &[&str], directory: &Path) -> Output {
 }
 
 pub fn study(name: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("studies")
-        .join(name);
+    let path = crate::support::studies().join(name);
     path.display().to_string()
 }
 

@@ -11,7 +11,6 @@ use hardpoint::compliance::{
 use hardpoint::model::Suspension;
 use hardpoint::study::Study;
 use serde_json::Value;
-use std::path::Path;
 
 fn wheel(case: &Value) -> ElasticWheel {
     let suspension = suspension(case);
@@ -173,7 +172,7 @@ fn rigid_parts_have_the_derivatives_of_the_mechanism() {
 }
 
 fn five_link() -> Suspension {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/five_link_compliance.toml");
+    let path = crate::support::studies().join("five_link_compliance.toml");
     Study::read_elastic(&path, &[]).unwrap().into_wheel()
 }
 
@@ -192,7 +191,7 @@ fn links_on_uniform_bushings_are_stretching_links() {
     let suspension = five_link();
     let mechanism = &suspension.mechanism;
     let elastic = Study::read_elastic(
-        &Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/five_link_compliance.toml"),
+        &crate::support::studies().join("five_link_compliance.toml"),
         &[],
     );
     let spring = elastic.unwrap().compliance().unwrap().parts.spring.clone();

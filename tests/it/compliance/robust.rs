@@ -1,25 +1,14 @@
 //! Tests of robust tuning of a wheel with elastic parts: hardpoints and rates of the builds scatter.
 
 use super::support::{elastic, fourth_order, with};
+use crate::tuning::robust_axle::{assert_larger_yield, builds_at};
 use hardpoint::optimise::{Control, LeastSquares, Linearisation, Objective, TargetLayout, tune};
-use hardpoint::study::{Optimise, Study};
+use hardpoint::study::Optimise;
 use hardpoint::tolerance::{Problem, monte_carlo};
 use nalgebra::DVector;
 use std::ops::ControlFlow;
 
 const NAME: &str = "double_wishbone_compliance.toml";
-
-/// Residuals of the builds of a study at `x`.
-fn builds_at(study: &Study, x: &DVector<f64>) -> Linearisation {
-    let optimise = study.optimise.as_ref().unwrap();
-    let layout = TargetLayout::of(optimise, &study.vehicle);
-    let (variables, scatter) = (&optimise.variables, optimise.scatter.as_ref().unwrap());
-    let assembled = study.vehicle.assembled().unwrap();
-    let problem = Objective::of_builds(&assembled, variables, &layout, scatter, None);
-    let mut found = Linearisation::new(layout.residuals(), x.len());
-    problem.unwrap().evaluate(x, &mut found).unwrap();
-    found
-}
 
 const SCATTERED: &str = r#"
 [optimise]
@@ -137,27 +126,7 @@ bands = [
 #[test]
 fn the_robust_design_has_the_larger_yield() {
     let study = elastic(&with(NAME, YIELD));
-    let optimise = study.optimise.as_ref().unwrap();
-    let tuning = tune(&study.vehicle, optimise, Control::default()).unwrap();
-    let expected = tuning.expected_yield.as_ref().unwrap().as_ref().unwrap();
-    let share = |offsets: &[f64]| {
-        let moved = study.moved(offsets);
-        let problem = Problem::of(&moved, moved.tolerance.as_ref().unwrap()).unwrap();
-        let nominal = problem.drawn().unwrap();
-        let found = monte_carlo(&problem, &nominal, |_| ControlFlow::Continue(())).unwrap();
-        found.in_all_bands as f64 / found.builds as f64
-    };
-    let plain = share(&expected.plain);
-    let robust = share(&tuning.best.as_ref().unwrap().offsets);
-    println!("{plain} -> {robust}, judged {:?}", expected.judged);
-    assert!(robust > plain + 0.05, "{plain} {robust}");
-    for (found, judged) in [plain, robust].into_iter().zip(expected.judged) {
-        let error = (2.0 * judged * (1.0 - judged) / 1000.0).sqrt();
-        assert!(
-            (found - judged).abs() < 5.0 * error.max(2e-3),
-            "{found} {judged}"
-        );
-    }
+    assert_larger_yield(&study, 2e-3);
 }
 
 /// A tuned rate scatters about its tuned value. So the yield after the tuning equals the yield of the tuned study after

@@ -32,12 +32,13 @@ fn assert_mistake(from: &str, to: &str, on: &str, phrase: &str) {
     assert!(rendered.contains(phrase), "{rendered}");
 }
 
+const REAR: &str = "stiffness = [700.0, 2500.0, 1800.0, 8.0e4, 2.5e5, 2.5e5]";
+const RELAXED: &str = "relaxed = \"at_design_load\"   # the hardpoints describe the loaded car";
+const SPRING: &str = "[spring]\nrate = 90.0       # N/mm along the spring\nforce = 7000.0    # N in the design position\n";
+
 #[test]
-fn mistakes_are_named_by_line() {
-    let rear = "stiffness = [700.0, 2500.0, 1800.0, 8.0e4, 2.5e5, 2.5e5]";
-    let with = |more: &str| format!("{rear}\n{more}");
-    let relaxed = "relaxed = \"at_design_load\"   # the hardpoints describe the loaded car";
-    let spring = "[spring]\nrate = 90.0       # N/mm along the spring\nforce = 7000.0    # N in the design position\n";
+fn mistakes_in_bushings_are_named_by_line() {
+    let with = |more: &str| format!("{REAR}\n{more}");
     for (from, to, on, phrase) in [
         (
             "[bushings.lower_arm_rear]",
@@ -46,49 +47,63 @@ fn mistakes_are_named_by_line() {
             "did you mean \"lower_arm_rear\"",
         ),
         (
-            rear,
+            REAR,
             "stiffness = [700.0, 2500.0]",
             "[700.0, 2500.0]",
             "expected six numbers",
         ),
         (
-            rear,
+            REAR,
             "stiffness = [-700.0, 2500.0, 1800.0, 8.0e4, 2.5e5, 2.5e5]",
             "-700",
             "expected a number of 0 or more",
         ),
         (
-            rear,
+            REAR,
             "cubic = [1.0, 1.0, 1.0, 1.0, 1.0, 1.0]",
             "[bushings.lower_arm_rear]",
             "or the six curves",
         ),
         (
-            rear,
+            REAR,
             &with("fy = [[-1.0, -2000.0], [1.0, 2000.0]]"),
             "fy",
             "expected 0.0 as entry 2",
         ),
         (
-            rear,
+            REAR,
             &with("file = \"rear.bus\""),
             "stiffness = [700.0",
             "remove the key stiffness",
         ),
         (
-            rear,
+            REAR,
             &with("x_axis = [0.0, 0.0, 1.0]"),
             "[bushings.lower_arm_rear]",
             "expected z_axis",
         ),
-        (relaxed, "", "[compliance]", "expected the key \"relaxed\""),
         (
-            relaxed,
+            REAR,
+            "stiffness = [-2e12, 2500.0, 1800.0, 8.0e4, 2.5e5, 2.5e5]",
+            "-2e12",
+            "expected a number with a magnitude of at most 1e12",
+        ),
+    ] {
+        assert_mistake(from, to, on, phrase);
+    }
+}
+
+#[test]
+fn mistakes_in_parts_are_named_by_line() {
+    for (from, to, on, phrase) in [
+        (RELAXED, "", "[compliance]", "expected the key \"relaxed\""),
+        (
+            RELAXED,
             "relaxed = \"slack\"",
             "slack",
             "expected \"free\" or \"at_design_load\"",
         ),
-        (spring, "", "[compliance]", "needs [spring]"),
+        (SPRING, "", "[compliance]", "needs [spring]"),
         (
             "[tyre]",
             "[subframe]\ncarries = []\nmounts = { front = [0.0, 300.0, 200.0] }\n[tyre]",
@@ -113,56 +128,43 @@ fn mistakes_are_named_by_line() {
             "[links.tie_rod]",
             "found both",
         ),
+    ] {
+        assert_mistake(from, to, on, phrase);
+    }
+}
+
+#[test]
+fn mistakes_in_tests_are_named_by_line() {
+    for (added, on, phrase) in [
         (
-            rear,
-            "stiffness = [-2e12, 2500.0, 1800.0, 8.0e4, 2.5e5, 2.5e5]",
-            "-2e12",
-            "expected a number with a magnitude of at most 1e12",
-        ),
-        (
-            relaxed,
-            &format!("{relaxed}\ntests = [{{ load = \"laterl\" }}]"),
+            "tests = [{ load = \"laterl\" }]",
             "laterl",
             "did you mean \"lateral\"",
         ),
         (
-            relaxed,
-            &format!("{relaxed}\ntests = [{{ load = \"heave\", window = 3.0 }}]"),
+            "tests = [{ load = \"heave\", window = 3.0 }]",
             "window",
             "is a motion",
         ),
         (
-            relaxed,
-            &format!("{relaxed}\ntests = [{{ load = \"braking\", levels = 4 }}]"),
+            "tests = [{ load = \"braking\", levels = 4 }]",
             "levels",
             "an odd number",
         ),
         (
-            relaxed,
-            &format!("{relaxed}\ntests = [{{ load = \"braking\", mode = \"parallel\" }}]"),
+            "tests = [{ load = \"braking\", mode = \"parallel\" }]",
             "parallel",
             "it needs [axle]",
         ),
+        ("tests = [{ load = \"roll\" }]", "roll", "it needs [axle]"),
+        ("anti_roll_bar = \"connected\"", "connected", "needs [axle]"),
         (
-            relaxed,
-            &format!("{relaxed}\ntests = [{{ load = \"roll\" }}]"),
-            "roll",
-            "it needs [axle]",
-        ),
-        (
-            relaxed,
-            &format!("{relaxed}\nanti_roll_bar = \"connected\""),
-            "connected",
-            "needs [axle]",
-        ),
-        (
-            relaxed,
-            &format!("{relaxed}\ntests = [{{ load = \"vertical\", hold = \"wheel_height\" }}]"),
+            "tests = [{ load = \"vertical\", hold = \"wheel_height\" }]",
             "hold",
             "moves the wheel",
         ),
     ] {
-        assert_mistake(from, to, on, phrase);
+        assert_mistake(RELAXED, &format!("{RELAXED}\n{added}"), on, phrase);
     }
 }
 

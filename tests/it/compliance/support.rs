@@ -11,10 +11,7 @@ use std::path::Path;
 
 /// Text of a study of the repository, with more text at its end.
 pub fn with(name: &str, more: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("studies")
-        .join(name);
-    std::fs::read_to_string(path).unwrap() + more
+    crate::support::sample(name) + more
 }
 
 /// Study with elastic parts, read from its text.

@@ -1,6 +1,7 @@
 //! Tests of `hardpoint export` as a user runs it: rounded coordinates, protected files, curves and their points.
 
 use super::{Said, imported};
+use crate::support::studies;
 use assert_cmd::Command;
 use hardpoint::exchange::{Outgoing, Page, curves_in, page_of_csv, point_rows, workbook};
 use hardpoint::model::LengthUnit;
@@ -19,12 +20,6 @@ fn run(arguments: &[&str], code: i32) -> (String, String) {
         .into()
 }
 
-fn sample(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("studies")
-        .join(name)
-}
-
 /// Points of a table by name.
 fn points(path: &Path) -> BTreeMap<String, [f64; 3]> {
     let text = std::fs::read_to_string(path).unwrap();
@@ -41,7 +36,7 @@ fn points(path: &Path) -> BTreeMap<String, [f64; 3]> {
 #[test]
 fn a_rounded_workbook_has_the_curves_of_its_points() {
     let directory = tempfile::tempdir().unwrap();
-    let path = sample("double_wishbone_solve.toml");
+    let path = studies().join("double_wishbone_solve.toml");
     let run_directory = directory.path().join("run");
     let of_run = run_directory.to_str().unwrap();
     run(&["-q", "solve", path.to_str().unwrap(), "--out", of_run], 0);
@@ -141,7 +136,7 @@ fn exported_points(call: &[&str], directory: &Path) -> PathBuf {
 #[test]
 fn a_run_has_its_own_curves() {
     let directory = tempfile::tempdir().unwrap();
-    let path = sample("macpherson_solve.toml");
+    let path = studies().join("macpherson_solve.toml");
     let out = directory.path().join("run");
     let [path, out] = [&path, &out].map(|p| p.to_str().unwrap());
     run(&["-q", "solve", path, "--out", out], 0);
@@ -178,12 +173,31 @@ fn a_run_has_its_own_curves() {
     assert!(!said.contains("sheet"), "{said}");
 }
 
+/// Exports the points of a source as a table. Returns the points, and the messages.
+fn export(source: &str, more: &[&str]) -> (BTreeMap<String, [f64; 3]>, String) {
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("points.csv");
+    let to = ["export", source, "--to", "csv", "--force", "--out"];
+    let (_, said) = run(&[&to[..], &[file.to_str().unwrap()], more].concat(), 0);
+    (points(&file), said)
+}
+
+/// Coordinates of a study as an export writes them.
+fn coordinates(study: &Study) -> BTreeMap<String, [f64; 3]> {
+    let outgoing = Outgoing::of(study, None, None);
+    let side = study.wheel().frame.meaning().1;
+    let points = outgoing
+        .points(side)
+        .map(|(name, _, position)| (name.to_owned(), position));
+    points.collect()
+}
+
 /// Rounding changes only coordinates that a tuning may move or has moved. With `--round-all` it changes all
 /// coordinates.
 #[test]
 fn rounding_moves_what_was_tuned() {
     let directory = tempfile::tempdir().unwrap();
-    let path = sample("macpherson_bump_steer.toml");
+    let path = studies().join("macpherson_bump_steer.toml");
     let out = directory.path().join("tuned");
     let study = Study::read(&path, &[]).unwrap();
     let [path, out] = [&path, &out].map(|p| p.to_str().unwrap());
@@ -200,28 +214,6 @@ fn rounding_moves_what_was_tuned() {
         0,
     );
     let tuned = Study::read(&Path::new(out).join("optimised.toml"), &[]).unwrap();
-    let export = |source: &str, more: &[&str]| {
-        let file = directory.path().join("points.csv");
-        let to = [
-            "export",
-            source,
-            "--to",
-            "csv",
-            "--force",
-            "--out",
-            file.to_str().unwrap(),
-        ];
-        let (_, said) = run(&[&to[..], more].concat(), 0);
-        (points(&file), said)
-    };
-    let coordinates = |study: &Study| {
-        let outgoing = Outgoing::of(study, None, None);
-        let side = study.wheel().frame.meaning().1;
-        let points = outgoing
-            .points(side)
-            .map(|(name, _, position)| (name.to_owned(), position));
-        points.collect::<BTreeMap<_, _>>()
-    };
     let [before, after] = [&study, &tuned].map(coordinates);
     let variables = &study.optimise.as_ref().unwrap().variables;
     let may_move = |name: &str| {
@@ -261,8 +253,12 @@ fn rounding_moves_what_was_tuned() {
     }
     let (rounded, _) = export(out, &["--round", "7", "--round-all"]);
     assert!(rounded.values().flatten().all(|x| (x / 7.0).fract() == 0.0));
-    // In a study without a tuning, only the points that `--set` has moved are rounded.
-    let plain = sample("macpherson_solve.toml");
+}
+
+/// In a study without a tuning, only the points that `--set` has moved are rounded.
+#[test]
+fn rounding_moves_what_was_set() {
+    let plain = studies().join("macpherson_solve.toml");
     let plain = plain.to_str().unwrap();
     let (same, said) = export(plain, &["--round", "7"]);
     assert!(said.contains("no coordinate was moved or tuned"), "{said}");
@@ -283,7 +279,7 @@ fn inputs_are_never_written_over() {
     let directory = tempfile::tempdir().unwrap();
     let at = |name: &str| directory.path().join(name).to_str().unwrap().to_owned();
     let study = at("study.toml");
-    std::fs::copy(sample("macpherson_solve.toml"), &study).unwrap();
+    std::fs::copy(studies().join("macpherson_solve.toml"), &study).unwrap();
     let kept = std::fs::read(&study).unwrap();
     run(
         &["export", &study, "--to", "adams", "--out", &at("front.sub")],
@@ -347,7 +343,7 @@ fn inputs_are_never_written_over() {
 #[test]
 fn calls_that_make_no_sense_are_refused() {
     let directory = tempfile::tempdir().unwrap();
-    let path = sample("double_wishbone_solve.toml");
+    let path = studies().join("double_wishbone_solve.toml");
     let path = path.to_str().unwrap();
     let out = directory.path().join("x.stl");
     let out = out.to_str().unwrap();
@@ -427,7 +423,7 @@ fn calls_that_make_no_sense_are_refused() {
 /// Export writes the curves of a study as a table, in other units and with other names.
 #[test]
 fn curves_go_out_as_a_table() {
-    let path = sample("macpherson_front.toml");
+    let path = studies().join("macpherson_front.toml");
     let path = path.to_str().unwrap();
     let (ours, _) = run(
         &["export", path, "--to", "csv", "--curves", "--unit", "in"],
@@ -474,7 +470,7 @@ fn curves_go_out_as_a_table() {
 #[test]
 fn a_dash_is_standard_output() {
     let directory = tempfile::tempdir().unwrap();
-    let study = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_solve.toml");
+    let study = studies().join("macpherson_solve.toml");
     let run = |arguments: &[&str]| {
         let mut command = assert_cmd::Command::cargo_bin("hardpoint").unwrap();
         command

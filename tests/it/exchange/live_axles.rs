@@ -1,17 +1,11 @@
 //! Tests of solid axles in files of Assetto Corsa.
 
+use super::commands::sample;
 use std::fs;
 use std::path::Path;
 
 fn run(arguments: &[&str]) -> (u8, String) {
     hardpoint::cli::run_captured([&["hardpoint", "--quiet"], arguments].concat())
-}
-
-fn sample(name: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("studies")
-        .join(name);
-    path.to_str().unwrap().to_owned()
 }
 
 /// File for the axle of a sample, and the notes of the export.

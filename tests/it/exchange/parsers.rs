@@ -7,9 +7,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 pub(super) fn sample(name: &str) -> Study {
-    let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
-    let text = std::fs::read_to_string(samples.join(name)).unwrap();
-    Study::from_text(name, &text, &samples).unwrap()
+    crate::support::study(name, &[])
 }
 
 pub(super) fn of_text(text: &str) -> Study {

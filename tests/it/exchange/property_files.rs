@@ -9,8 +9,7 @@ use std::path::Path;
 const NAME: &str = "double_wishbone_compliance.toml";
 
 fn sample() -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
-    std::fs::read_to_string(path.join(NAME)).unwrap()
+    crate::support::sample(NAME)
 }
 
 fn elastic(text: &str, directory: &Path) -> Study {
@@ -94,10 +93,8 @@ fn a_property_file_holds_one_bushing() {
         let refused = property_file(&outgoing, name).unwrap_err();
         assert!(refused.contains(expected), "{refused}");
     }
-    let rigid = std::fs::read_to_string(
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/double_wishbone_solve.toml"),
-    );
-    let rigid = elastic(&rigid.unwrap(), directory.path());
+    let rigid = crate::support::sample("double_wishbone_solve.toml");
+    let rigid = elastic(&rigid, directory.path());
     let refused = property_file(&Outgoing::of(&rigid, None, None), None).unwrap_err();
     assert!(refused.contains("[bushings.NAME]"), "{refused}");
 }

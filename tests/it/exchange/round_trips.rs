@@ -15,7 +15,7 @@ pub(super) fn studies() -> Vec<Study> {
         .filter(|t| !t.carries_both_wheels())
         .map(|t| t.template.to_owned())
         .collect();
-    let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+    let samples = crate::support::studies();
     let read = |name: &str| std::fs::read_to_string(samples.join(name)).unwrap();
     texts.push(read("double_wishbone_pushrod.toml"));
     texts.push(by_angles(&texts[0]));

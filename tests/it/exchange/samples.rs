@@ -4,16 +4,15 @@ use super::{Said, file, imported};
 use hardpoint::exchange::{Outgoing, Page, csv, point_rows, subsystem, workbook};
 use hardpoint::model::FrameConvention;
 use hardpoint::study::{CarStudy, Study};
-use std::path::Path;
 
 /// The points of every sample come back from a table, a workbook and a subsystem with the same digits. Other tests check the
 /// formats that contain derived numbers: OptimumKinematics and Assetto Corsa.
 #[test]
 fn every_sample_comes_back_with_the_same_digits() {
     let directory = tempfile::tempdir().unwrap();
-    let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+    let samples = crate::support::studies();
     let mut count = 0;
-    for entry in std::fs::read_dir(&samples).unwrap() {
+    for entry in std::fs::read_dir(samples).unwrap() {
         let path = entry.unwrap().path();
         let is_study = path
             .extension()

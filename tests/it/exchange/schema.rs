@@ -111,9 +111,9 @@ fn refuses_car(text: &str, directory: &Path) -> bool {
 #[test]
 fn the_schema_takes_every_sample_and_refuses_what_the_reader_refuses() {
     let schema = schema();
-    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+    let directory = crate::support::studies();
     let mut count = 0;
-    for entry in std::fs::read_dir(&directory).unwrap() {
+    for entry in std::fs::read_dir(directory).unwrap() {
         let path = entry.unwrap().path();
         if path.extension().is_none_or(|extension| extension != "toml") {
             continue;
@@ -125,9 +125,9 @@ fn the_schema_takes_every_sample_and_refuses_what_the_reader_refuses() {
             count += 1;
             let text = toml::to_string(&changed).unwrap();
             let is_refused = if is_car {
-                refuses_car(&text, &directory)
+                refuses_car(&text, directory)
             } else {
-                Study::from_text("broken.toml", &text, &directory).is_err()
+                Study::from_text("broken.toml", &text, directory).is_err()
             };
             let by_schema = is_valid(&schema, &as_json(&text));
             // The schema does not restrict the names of hardpoints, so it accepts an unknown key there.

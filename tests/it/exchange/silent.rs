@@ -1,16 +1,14 @@
 //! Tests of files whose values an import or export could lose or change without a message.
 
 use super::{Said, file, imported};
-use hardpoint::exchange::{
-    FileUnit, ImportOptions, Imported, Outgoing, import, into_subsystem, read_points,
-};
-use hardpoint::model::{AxlePosition, LengthUnit, Side, Topology};
+use hardpoint::exchange::{FileUnit, Imported, Outgoing, into_subsystem};
+use hardpoint::model::{AxlePosition, LengthUnit, Side};
 use hardpoint::study::Study;
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-const SUBSYSTEM: &str = "\
+/// Hardpoints of a double wishbone as a subsystem file.
+pub(super) const SUBSYSTEM: &str = "\
 [HARDPOINT]
 {hardpoint_name   symmetry  x_value y_value z_value}
  'lca_front' 'left/right' -160.0 -380.0 190.0
@@ -33,21 +31,14 @@ fn bus(rate: f64) -> String {
 }
 
 fn with_bushings(path: &Path, side: Side, unit: Option<LengthUnit>) -> Imported {
-    let none = BTreeMap::new();
-    let options = ImportOptions {
-        topology: Topology::named("double_wishbone").unwrap(),
+    let said = Said {
         unit: unit.map(Into::into),
-        frame: None,
-        axes: None,
         side: Some(side),
-        axle: None,
-        half_track: None,
         radius: Some(0.31),
         bushings: true,
-        names: &none,
-        bodies: &none,
+        ..Said::default()
     };
-    import(&read_points(path, None, None).unwrap(), &options).unwrap()
+    imported(path, "double_wishbone", &said).unwrap()
 }
 
 /// First rate of the study's first bushing: along the axis of the pivots.
@@ -87,7 +78,7 @@ fn bushings_have_the_unit_and_the_side_of_the_wheel() {
 #[test]
 fn rows_without_quotes_are_replaced() {
     let study = Study::read(
-        &Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/double_wishbone_solve.toml"),
+        &crate::support::studies().join("double_wishbone_solve.toml"),
         &[],
     )
     .unwrap();
@@ -317,7 +308,7 @@ fn names_of_a_map_are_read_in_memory() {
 #[test]
 fn the_name_of_a_study_in_memory_is_no_path() {
     let directory = tempfile::tempdir().unwrap();
-    let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+    let samples = crate::support::studies();
     let own = samples.join("double_wishbone_front.toml");
     let study = Study::read(&own, &[]).unwrap();
     let run = directory.path().join("run");

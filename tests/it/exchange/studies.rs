@@ -1,14 +1,10 @@
 //! Tests of `hardpoint export --to toml`, of exported runs with `--set`, and of standard input and output of `import` and `new`.
 
+use crate::support::studies;
 use assert_cmd::Command;
 use hardpoint::study::Study;
 use std::fs;
-use std::path::{Path, PathBuf};
-
-fn sample(name: &str) -> PathBuf {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    root.join("studies").join(name)
-}
+use std::path::Path;
 
 /// Runs the program in a directory with a text as standard input. Returns the exit code, the output and the messages.
 fn run(arguments: &[&str], directory: &Path, input: &str) -> (i32, String, String) {
@@ -25,7 +21,7 @@ fn run(arguments: &[&str], directory: &Path, input: &str) -> (i32, String, Strin
 fn a_rounded_design_can_be_written_as_a_study() {
     let directory = tempfile::tempdir().unwrap();
     let here = directory.path();
-    let source = sample("double_wishbone_front.toml");
+    let source = studies().join("double_wishbone_front.toml");
     let path = source.to_str().unwrap();
     let base = ["export", path, "--round", "0.5", "--round-all", "--to"];
     let (code, _, said) = run(
@@ -70,7 +66,7 @@ fn a_rounded_design_can_be_written_as_a_study() {
 fn a_table_on_standard_input_is_imported() {
     let directory = tempfile::tempdir().unwrap();
     let here = directory.path();
-    let source = sample("double_wishbone_solve.toml");
+    let source = studies().join("double_wishbone_solve.toml");
     let (_, table, _) = run(
         &["export", source.to_str().unwrap(), "--to", "csv"],
         here,
@@ -107,7 +103,7 @@ fn a_car_is_not_written_to_standard_output() {
 fn exported_curves_of_a_run_include_every_override() {
     let directory = tempfile::tempdir().unwrap();
     let here = directory.path();
-    let source = sample("double_wishbone_solve.toml");
+    let source = studies().join("double_wishbone_solve.toml");
     let study = source.to_str().unwrap();
     let few = "motion.travel=[-5.0, 5.0]";
     let solve = ["-q", "solve", study, "--set", few, "--out", "run"];

@@ -18,13 +18,10 @@ use hardpoint::number::{Jet, Vector3, Width};
 use hardpoint::solve::Solver;
 use hardpoint::study::Study;
 use std::ops::ControlFlow;
-use std::path::Path;
 
 /// Sample study with other travels and rack displacements.
 fn study(name: &str, travel: &str, rack: &str) -> Study {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("studies")
-        .join(name);
+    let path = crate::support::studies().join(name);
     let overrides = [
         format!("motion.travel={travel}"),
         format!("motion.rack={rack}"),
@@ -35,9 +32,7 @@ fn study(name: &str, travel: &str, rack: &str) -> Study {
 /// Sample study driven by the angle of the lower arm. With this drive, a gain (per travel) differs from the derivative
 /// with respect to the drive.
 fn by_arm_angle(name: &str) -> Study {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("studies")
-        .join(name);
+    let path = crate::support::studies().join(name);
     let motion = "motion={ drive = \"arm_angle\", arm_angle = { from = -14.0, to = 14.0, steps = 15 }, \
                   rack = [-10.0, 0.0] }";
     Study::read(&path, &[motion.to_owned()]).unwrap_or_else(|e| panic!("{e}"))

@@ -3,8 +3,8 @@
 use super::*;
 
 /// Double wishbones whose wheel centre is at its lowest or highest point within 0.01 mm of the design position. Their
-/// other points are those of `double_wishbone_solve.toml`. So close to a fold (end of travel), the slopes differ from
-/// those of the base design. At the fold, a second solution branch starts. Its curves are smooth too, so smoothness
+/// other points come from `double_wishbone_solve.toml`. So close to a fold (end of travel), the slopes differ from the
+/// slopes of the base design. At the fold, a second solution branch starts. Its curves are smooth too, so smoothness
 /// alone does not distinguish the branches.
 const BESIDE_A_FOLD: [([[f64; 3]; 12], &str, &str); 2] = [
     (
@@ -78,8 +78,8 @@ fn designs_beside_a_fold_stay_on_their_own_side() {
 
 /// Design 3672 of the pushrods with bars has random changes of up to 40 mm. In the design position it is very near its
 /// toggle (leverage 5.9e-5). If poses differ by one rounding error, their motion ratios differ by a relative 1e-7. The
-/// expected ratio was computed in 60 digits: from the six linear equations of the knuckle's twist, then from those of
-/// rocker and bar.
+/// expected ratio was computed in 60 digits: from the six linear equations of the knuckle's twist, then from the equations
+/// of rocker and bar.
 #[test]
 fn the_design_position_is_the_design_itself_beside_a_toggle() {
     const NUMBER: usize = 3672;

@@ -2,13 +2,10 @@
 
 use crate::support::one_line;
 use hardpoint::study::Study;
-use std::path::Path;
 use std::process::{Command, Output};
 
 fn run(command: &str, study: &str, set: &[&str]) -> Output {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("studies")
-        .join(study);
+    let path = crate::support::studies().join(study);
     let mut arguments = vec![command.to_owned(), path.to_str().unwrap().to_owned()];
     for value in set {
         arguments.extend(["--set".to_owned(), (*value).to_owned()]);
@@ -150,9 +147,7 @@ fn limits_are_given_at_a_single_rack() {
         let text = String::from_utf8(output.stdout).unwrap();
         let row = text.lines().find(|line| line.contains(" rack 20 "));
         let row = row.unwrap_or_else(|| panic!("{text}"));
-        row.split_whitespace()
-            .map(str::to_owned)
-            .collect::<Vec<_>>()
+        one_line(row)
     };
     assert_eq!(row("20.0"), row("[0.0, 20.0]"));
 }
@@ -205,8 +200,7 @@ fn the_end_of_the_rack_has_its_sign() {
     // The mirror image is in axes with the opposite y direction.
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("study.toml");
-    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_solve.toml");
-    let text = std::fs::read_to_string(own).unwrap();
+    let text = crate::support::sample("macpherson_solve.toml");
     let flipped = |line: &str| {
         let parts = line.split_once("= [").and_then(|(name, rest)| {
             let (numbers, rest) = rest.split_once(']')?;
@@ -235,7 +229,7 @@ fn the_end_of_the_rack_has_its_sign() {
 #[test]
 fn the_rack_of_a_study_has_its_sign() {
     let directory = tempfile::tempdir().unwrap();
-    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_solve.toml");
+    let own = crate::support::studies().join("macpherson_solve.toml");
     for frame in ["iso8855", "sae_j670", "x_rear"] {
         let study = directory.path().join(format!("{frame}.toml"));
         let [own, study] = [&own, &study].map(|path| path.to_str().unwrap());
@@ -319,7 +313,7 @@ fn a_toggle_beside_the_motion_is_named() {
 /// warn of a motion that ends before it.
 #[test]
 fn a_spring_that_turns_round_is_doubted_at_its_shortest_length() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/double_wishbone_pushrod.toml");
+    let path = crate::support::studies().join("double_wishbone_pushrod.toml");
     let sets = [
         "outputs.characteristics=[\"spring_length\"]",
         "outputs.order=\"position\"",

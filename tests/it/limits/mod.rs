@@ -9,12 +9,7 @@ mod measures;
 mod planted;
 mod random;
 
-use hardpoint::study::Study;
-use std::path::Path;
-
 /// Suspension of a sample study.
 fn sample(name: &str) -> hardpoint::model::Suspension {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
-    let study = Study::read(&path.join(format!("{name}.toml")), &[]);
-    study.unwrap().into_wheel()
+    crate::support::study(&format!("{name}.toml"), &[]).into_wheel()
 }

@@ -9,6 +9,7 @@ mod plausibility;
 mod refusals;
 mod sweep;
 
+use crate::support::studies;
 use assert_cmd::Command;
 use serde_json::Value;
 use std::fs;
@@ -83,10 +84,6 @@ fn hardpoint(arguments: &[&str]) -> Command {
     let mut command = Command::cargo_bin("hardpoint").unwrap();
     command.args(arguments);
     command
-}
-
-fn studies() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("studies")
 }
 
 fn study(name: &str) -> String {

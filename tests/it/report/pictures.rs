@@ -460,7 +460,7 @@ fn regions_to_avoid_include_the_clearance() {
     let constraints = "optimise.constraints=[\
         { point = \"tie_rod_inner\", outside = { box = [[0, 10, 20], [100, 200, 300]] }, clearance = 3 }, \
         { point = \"tie_rod_inner\", outside = { cylinder = { from = [0, 100, 100], to = [50, 100, 100], radius = 30 } }, clearance = 3 }]";
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_steering.toml");
+    let path = crate::support::studies().join("macpherson_steering.toml");
     let study = Study::read(&path, &[constraints.to_owned()]).unwrap();
     let places = Places::of(&study);
     let ends = |number: usize| {

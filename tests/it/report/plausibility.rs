@@ -1,14 +1,10 @@
 //! Tests of the plausibility warnings for a study without a wheel radius.
 
+use crate::support::studies;
 use hardpoint::model::Suspension;
 use hardpoint::report::{plausibility, rack_doubt, scatter_doubts, variable_plausibility};
 use hardpoint::study::{CarStudy, Study};
 use std::fs;
-use std::path::{Path, PathBuf};
-
-fn studies() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("studies")
-}
 
 /// Warnings about a study's wheel, as if the study had no wheel radius.
 fn without_radius(wheel: &Suspension) -> Vec<String> {
@@ -69,7 +65,7 @@ fn sample_suspensions_are_plausible_without_a_wheel_radius() {
 fn the_point_of_the_spin_axis_carries_no_rod() {
     let text = fs::read_to_string(studies().join("double_wishbone_pushrod.toml")).unwrap();
     let distance = |text: &str| {
-        let study = Study::from_text("own.toml", text, &studies()).unwrap();
+        let study = Study::from_text("own.toml", text, studies()).unwrap();
         let wheel = study.wheel();
         let id = wheel.mechanism.point("pushrod_outer").unwrap();
         let seats = wheel.mechanism.seats(&wheel.design, id);
@@ -98,7 +94,7 @@ fn a_distance_of_zero_has_no_decimals() {
         other => other,
     });
     let text = lines.collect::<Vec<_>>().join("\n");
-    let study = Study::from_text("own.toml", &text, &studies()).unwrap();
+    let study = Study::from_text("own.toml", &text, studies()).unwrap();
     let found = plausibility(study.wheel()).unwrap();
     let is_said = |doubt: &String| doubt.contains("Assumed: rocker (0 mm away)");
     assert!(found.iter().any(is_said), "{found:?}");
@@ -113,7 +109,7 @@ fn a_rack_without_effect_in_a_named_motion_is_reported() {
         let motions = format!("[motion]\nheave = 0.0\n[motions.steer]\nheave = 0.0\n{rack}");
         let outputs = "[outputs]\ncharacteristics = [\"camber\"]";
         let text = format!("{parts}\n[axle]\n{motions}\n{outputs}\n");
-        let study = Study::from_text("own.toml", &text, &studies()).unwrap();
+        let study = Study::from_text("own.toml", &text, studies()).unwrap();
         rack_doubt(&study)
     };
     assert_eq!(doubt(""), None);

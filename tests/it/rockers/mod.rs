@@ -1,22 +1,19 @@
 //! Tests of studies with rockers as a user runs them: limits, outputs and refusals.
 
+mod mistakes;
 mod toggles;
 
-use crate::support::{larger, one_line};
+use crate::support::larger;
 use assert_cmd::Command;
-use hardpoint::curves::{Curves, Status, curves};
-use hardpoint::model::Rod;
-use hardpoint::number::Vector3;
+use hardpoint::curves::{Curves, curves};
 use hardpoint::plan::Plan;
-use hardpoint::report::{CurveTable, curves_csv, remarks, sensitivities_csv};
-use hardpoint::solve::Solver;
+use hardpoint::report::{CurveTable, curves_csv};
 use hardpoint::study::{Study, StudyErrors};
 use std::fs;
 use std::path::Path;
 
 fn sample() -> String {
-    let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
-    fs::read_to_string(studies.join("double_wishbone_pushrod.toml")).unwrap()
+    crate::support::sample("double_wishbone_pushrod.toml")
 }
 
 fn read(text: &str) -> Result<Study, StudyErrors> {
@@ -47,105 +44,16 @@ fn run(text: &str) -> (Study, Curves, CurveTable) {
 
 /// Pushrod whose rocker is 22.5 degrees (a quarter of a right angle) from its toggle in the design position.
 const NEAR_TOGGLE: (&str, &str) = ("pushrod_inner ", "pushrod_inner = [0.0, 185.0, 486.0]");
+
 const OUTPUTS: (&str, &str) = (
     "characteristics",
     "characteristics = [\"motion_ratio\", \"rocker_angle\", \"camber\"]",
 );
+
 const POINTS: (&str, &str) = (
     "points",
     "points = [\"pushrod_outer\", \"spring_lower\"]\nsensitivities = [\"pushrod_inner\"]",
 );
-
-/// If the study does not name the body of a drop link, the program uses the nearest body, if this is clear. It reports
-/// this choice. If the study names the body, the program uses it without a message. With the drop link on the lower arm,
-/// the bar of this study would turn less than half as far.
-#[test]
-fn a_drop_link_beside_a_rocker_is_never_assumed_silently() {
-    let said = "drop_link_outer = \"rocker\"";
-    let ratio = |text: &str| {
-        let (study, found, _) = run(text);
-        let columns = &found.columns;
-        let ratio = columns
-            .iter()
-            .position(|c| c.output == "anti_roll_bar_motion_ratio");
-        let middle = &found.stations[found.stations.len() / 2];
-        let doubts = hardpoint::report::plausibility(study.wheel()).unwrap();
-        (middle.values[ratio.unwrap()].unwrap(), doubts)
-    };
-    let outputs = (
-        "characteristics",
-        "characteristics = [\"anti_roll_bar_motion_ratio\"]",
-    );
-    let named = with_lines(&[outputs]);
-    assert!(named.contains(said));
-    let (wanted, doubts) = ratio(&named);
-    assert!(
-        !doubts.iter().any(|d| d.contains("drop_link_outer")),
-        "{doubts:?}"
-    );
-    let (unnamed, doubts) = ratio(&named.replace(said, ""));
-    assert_eq!(unnamed, wanted);
-    let doubt = doubts
-        .iter()
-        .find(|d| d.contains("drop_link_outer"))
-        .unwrap();
-    for words in [
-        "Assumed: rocker",
-        "lower arm",
-        "[suspension.bodies]",
-        " mm away",
-    ] {
-        assert!(doubt.contains(words), "{doubt}");
-    }
-    // A point on the body itself has the distance 0.
-    let at_rod = named
-        .replace(said, "")
-        .replace("[ -30.0,  160.0,  420.0]", "[   0.0,  265.0,  455.0]");
-    let (_, doubts) = ratio(&at_rod);
-    assert!(
-        doubts.iter().any(|d| d.contains("rocker (0 mm away)")),
-        "{doubts:?}"
-    );
-    let on_arm = named.replace(said, "drop_link_outer = \"lower_arm\"");
-    let (arm, doubts) = ratio(&on_arm);
-    assert!(
-        !doubts.iter().any(|d| d.contains("drop_link_outer")),
-        "{doubts:?}"
-    );
-    assert!(wanted.abs() > 2.0 * arm.abs(), "{wanted} {arm}");
-    // A drop link near the lower arm is attached to that arm, and the program reports this too.
-    let low = named
-        .replace(said, "")
-        .replace("[ -30.0,  160.0,  420.0]", "[ -30.0,  430.0,  150.0]")
-        .replace("[ -30.0,  155.0,  330.0]", "[ -30.0,  425.0,  330.0]");
-    let study = read(&low).unwrap();
-    let mechanism = &study.wheel().mechanism;
-    let link = mechanism.point("drop_link_outer").unwrap();
-    assert!(matches!(
-        mechanism.body(link),
-        hardpoint::model::Body::Arm(_)
-    ));
-    let doubts = hardpoint::report::plausibility(study.wheel()).unwrap();
-    assert!(
-        doubts.iter().any(|d| d.contains("Assumed: lower arm")),
-        "{doubts:?}"
-    );
-    // If points move far enough, the program attaches the drop link to another body. If the points do not move, the body
-    // stays the same.
-    let high = read(&named.replace(said, "")).unwrap();
-    let (high, low) = (high.wheel(), study.wheel());
-    assert!(high.mechanism.keeps_drop_link(&high.design));
-    assert!(low.mechanism.keeps_drop_link(&low.design));
-    assert!(!high.mechanism.keeps_drop_link(&low.design));
-    assert!(!low.mechanism.keeps_drop_link(&high.design));
-    assert!(
-        read(&named)
-            .unwrap()
-            .wheel()
-            .mechanism
-            .keeps_drop_link(&low.design)
-    );
-}
 
 /// The program warns of a pushrod without a stated body if its end is far from the usual body and near another one.
 #[test]
@@ -281,7 +189,7 @@ fn sweeps_and_solves_agree() {
 /// The tuning of the sample meets its target curves.
 #[test]
 fn a_rocker_is_tuned_to_a_rising_rate() {
-    let study = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/double_wishbone_rocker.toml");
+    let study = crate::support::studies().join("double_wishbone_rocker.toml");
     let directory = tempfile::tempdir().unwrap();
     let mut command = Command::cargo_bin("hardpoint").unwrap();
     command
@@ -297,163 +205,6 @@ fn a_rocker_is_tuned_to_a_rising_rate() {
     for (travel, ratio) in travel.iter().zip(ratio) {
         let wanted = 0.65 + 0.05 * travel.unwrap() / 30.0;
         assert!((ratio.unwrap() - wanted).abs() < 0.005, "{travel:?}");
-    }
-}
-
-/// Each case has an edit of the sample, the line that the message names, and the text of the message.
-#[test]
-fn mistakes_are_named() {
-    let line = |start: &str| {
-        let sample = sample();
-        sample
-            .lines()
-            .find(|l| l.starts_with(start))
-            .unwrap()
-            .to_owned()
-    };
-    let pushrod_outer = line("pushrod_outer");
-    let pullrod =
-        pushrod_outer.replace("pushrod_outer     ", "pullrod_outer") + "\n" + &pushrod_outer;
-    for (start, becomes, on, phrases) in [
-        (
-            "rocker_pivot_rear",
-            "",
-            "pushrod_outer",
-            &[
-                "missing for the rocker: rocker_pivot_rear (rear point of the rocker's axis on the body)",
-                "or none",
-            ][..],
-        ),
-        (
-            "pushrod_inner",
-            "",
-            "pushrod_outer",
-            &["missing for the rocker: pushrod_inner (pushrod at the rocker)"],
-        ),
-        (
-            "pushrod_outer",
-            &pullrod,
-            "pullrod_outer",
-            &[
-                "pullrod_outer and pushrod_outer are both given: expected only one of them for the rocker",
-            ],
-        ),
-        (
-            "drop_link_inner",
-            "",
-            "drop_link_outer",
-            &["missing for the anti-roll bar: drop_link_inner"],
-        ),
-        (
-            "spring_upper",
-            "",
-            "spring_lower",
-            &["missing for the spring: spring_upper"],
-        ),
-        (
-            "rocker_pivot_rear",
-            "rocker_pivot_rear = [20.0, 205.0, 420.0]",
-            "rocker_pivot_rear",
-            &[
-                "rocker_pivot_rear coincides with rocker_pivot_front: they define the axis of the rocker",
-            ],
-        ),
-        (
-            "pushrod_inner",
-            "pushrod_inner = [0.0, 530.0, 155.0]",
-            "pushrod_inner",
-            &["the pushrod would have no length"],
-        ),
-        (
-            "pushrod_inner",
-            "pushrod_inner = [0.0, 205.0, 420.0]",
-            "pushrod_inner",
-            &[
-                "pushrod_inner lies on the line through rocker_pivot_front and rocker_pivot_rear, so it has no lever arm to turn the rocker",
-            ],
-        ),
-        // The lever points from the rocker's pivot straight towards the outer end of the rod.
-        (
-            "pushrod_inner",
-            "pushrod_inner = [0.0, 270.0, 367.0]",
-            "pushrod_inner",
-            &[
-                "the pushrod is at toggle in the design position: pushrod_outer, pushrod_inner and the axis from \
-               rocker_pivot_front to rocker_pivot_rear lie in one plane, so it cannot turn the rocker",
-            ],
-        ),
-        (
-            "drop_link_outer =",
-            "drop_link_outer = \"roker\"",
-            "drop_link_outer =",
-            &["unknown body \"roker\"", "rocker"],
-        ),
-        (
-            "drop_link_outer =",
-            "drop_link_outer = \"anti_roll_bar\"",
-            "drop_link_outer =",
-            &["unknown body \"anti_roll_bar\""],
-        ),
-        (
-            "drop_link_outer =",
-            "pushrod_outer = \"rocker\"",
-            "pushrod_outer =",
-            &["unknown body \"rocker\""],
-        ),
-        (
-            "drop_link_outer =",
-            "wheel_centre = \"rocker\"",
-            "wheel_centre =",
-            &[
-                "wheel_centre has a fixed body in every double_wishbone",
-                "outer ends",
-            ],
-        ),
-        (
-            "drop_link_outer =",
-            "pullrod_outer = \"knuckle\"",
-            "pullrod_outer =",
-            &["this study does not give pullrod_outer"],
-        ),
-        (
-            "drop_link_outer =",
-            "damper = \"knuckle\"",
-            "damper =",
-            &["double_wishbone has no hardpoint \"damper\""],
-        ),
-    ] {
-        let text = with_lines(&[(start, becomes)]);
-        let errors = read(&text).expect_err(becomes);
-        let said = errors.render(false);
-        assert_eq!(errors.all().len(), 1, "{said}");
-        let (number, _) = errors.all()[0].position().unwrap();
-        let found = text.lines().nth(number - 1).unwrap();
-        assert!(
-            found.starts_with(on),
-            "expected the line with {on}:\n{said}"
-        );
-        for phrase in phrases {
-            let phrase = one_line(phrase);
-            assert!(said.contains(&phrase), "expected {phrase:?}:\n{said}");
-        }
-    }
-    // Outputs that need a rocker are refused without one.
-    let plain = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/double_wishbone_solve.toml");
-    for (name, needs) in [
-        ("rocker_angle", "a rocker with its pushrod or pullrod"),
-        (
-            "anti_roll_bar_motion_ratio",
-            "an anti-roll bar with its drop link",
-        ),
-    ] {
-        let asked = format!("outputs.characteristics=[\"{name}\"]");
-        let said = Study::read(&plain, &[asked]).unwrap_err().render(false);
-        assert!(
-            said.contains(&format!(
-                "{name} needs {needs}, which this study does not give"
-            )),
-            "{said}"
-        );
     }
 }
 
@@ -478,7 +229,7 @@ fn every_topology_takes_an_anti_roll_bar() {
         ("five_link", "knuckle"),
         ("semi_trailing_arm", "arm"),
     ] {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("studies/{name}_solve.toml"));
+        let path = crate::support::studies().join(format!("{name}_solve.toml"));
         let mut overrides = bar.to_vec();
         overrides.push(format!("suspension.bodies.drop_link_outer=\"{body}\""));
         let study = Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{name}: {e}"));

@@ -1,6 +1,14 @@
 //! Tests of rockers at and beyond their toggles.
 
-use super::*;
+use super::{NEAR_TOGGLE, OUTPUTS, POINTS, read, run, sample, with_lines};
+use assert_cmd::Command;
+use hardpoint::curves::{Status, curves};
+use hardpoint::model::Rod;
+use hardpoint::number::Vector3;
+use hardpoint::plan::Plan;
+use hardpoint::report::{remarks, sensitivities_csv};
+use hardpoint::solve::Solver;
+use std::fs;
 
 const FAR: (&str, &str) = ("travel", "travel = { from = -60.0, to = 60.0, steps = 61 }");
 

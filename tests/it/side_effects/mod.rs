@@ -12,13 +12,11 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 fn path(name: &str) -> PathBuf {
-    let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
-    studies.join(format!("{name}.toml"))
+    crate::support::studies().join(format!("{name}.toml"))
 }
 
 fn study(name: &str, overrides: &[&str]) -> Study {
-    let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
-    Study::read(&path(name), &overrides).unwrap_or_else(|e| panic!("{e}"))
+    crate::support::study(&format!("{name}.toml"), overrides)
 }
 
 /// Returns the study, the tuned study, and the side effects of the tuning.
@@ -378,7 +376,7 @@ fn every_reader_gets_the_same_side_effects_or_none() {
     assert_eq!(summary["side_effects"].as_array().map(Vec::len), Some(0));
     let checked = |more: &[&str]| {
         let said = run(&[&["check", study][..], more].concat());
-        String::from_utf8(said.stdout).unwrap().replace("\n  ", " ")
+        one_line(&String::from_utf8(said.stdout).unwrap())
     };
     assert!(checked(&[]).contains("changes that no target asks for are reported"));
     assert!(checked(&off).contains("off (side_effects = false)"));

@@ -1,11 +1,12 @@
 //! Tests of solid axles in SIMD lanes against one-by-one evaluation.
 
 use super::{case, study_of, text, twist_beam};
+use crate::axle::lanes::{with_all_quantities, worker};
 use hardpoint::axle::Quantity;
 use hardpoint::evaluate::NotInLanes;
 use hardpoint::number::Width;
 use hardpoint::study::Study;
-use hardpoint::sweep::{SweepPlan, Worker};
+use hardpoint::sweep::SweepPlan;
 use std::path::Path;
 
 const DESIGNS: usize = 40;
@@ -52,19 +53,7 @@ fn study(name: &str, motion: &str, right: &str) -> Study {
         "twist_beam" => twist_beam::sample().text(&further),
         _ => study_of(&case(name), &further),
     };
-    let mut study =
-        Study::from_text("swept.toml", &text, Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
-    let both = study.axle_mut().unwrap();
-    let has = |quantity: &Quantity| both.axle.has(*quantity);
-    let names = Quantity::names();
-    let all = names.iter().flat_map(|name| Quantity::named(name));
-    both.plan.quantities = all.filter(|q| q.is_for_lanes()).filter(has).collect();
-    study
-}
-
-fn worker(plan: &SweepPlan<'static>, width: Option<Width>) -> Worker<'static> {
-    let plan: &'static SweepPlan<'static> = Box::leak(Box::new(plan.clone()));
-    plan.worker_of_width(width).unwrap()
+    with_all_quantities(&text)
 }
 
 const ROLL: &str = "roll = { from = -4.0, to = 4.0, steps = 5 }\nheave = [-20.0, 0.0, 30.0]";

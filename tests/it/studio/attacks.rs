@@ -125,15 +125,27 @@ fn the_page_loads_nothing_and_runs_nothing_else() {
     }
 }
 
+/// Beginning of a request that asks for solutions.
+fn solve_request(served: &Served) -> String {
+    let host = format!("127.0.0.1:{}", served.port());
+    let path = format!("/{}/solve", served.token());
+    format!(
+        "POST {path} HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\nContent-Type: application/json\r\n"
+    )
+}
+
+/// A message for which the server gives solutions.
+fn good_message(served: &Served) -> Value {
+    let overview = served.overview();
+    let of = json!({"digest": overview["digest"], "design": overview["design"]});
+    json!({"of": of, "characteristics": ["camber"], "at": [0.0, 0.0], "curves_rack": null, "over": 0})
+}
+
 #[test]
 fn oversized_and_malformed_requests_are_refused() {
     let served = Served::of(&sample("macpherson_front.toml"));
     let port = served.port();
-    let host = format!("127.0.0.1:{port}");
-    let path = format!("/{}/solve", served.token());
-    let head = format!(
-        "POST {path} HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\nContent-Type: application/json\r\n"
-    );
+    let head = solve_request(&served);
     let status = |bytes: &[u8]| send(port, bytes).map(|answer| answer.status);
     // The server refuses the request because of its stated length, before it reads a byte of the body.
     for length in ["1048577", "99999999999", "18446744073709551616"] {
@@ -169,9 +181,22 @@ fn oversized_and_malformed_requests_are_refused() {
             .unwrap()
             .write_all(head.as_bytes()),
     );
-    let overview = served.overview();
-    let of = json!({"digest": overview["digest"], "design": overview["design"]});
-    let good = json!({"of": of, "characteristics": ["camber"], "at": [0.0, 0.0], "curves_rack": null, "over": 0});
+    let good = good_message(&served);
+    let far = good.to_string().replacen("120.0", "1e999", 1);
+    assert!(far.contains("1e999"));
+    let bytes = format!("{head}Content-Length: {}\r\n\r\n{far}", far.len());
+    assert_eq!(status(bytes.as_bytes()), Some(400));
+    let deep = "[".repeat(100_000);
+    let bytes = format!("{head}Content-Length: {}\r\n\r\n{deep}", deep.len());
+    assert_eq!(status(bytes.as_bytes()), Some(400));
+    assert_eq!(served.post("solve", &good).status, 200);
+}
+
+#[test]
+fn malformed_messages_are_refused() {
+    let served = Served::of(&sample("macpherson_front.toml"));
+    let good = good_message(&served);
+    let of = good["of"].clone();
     let mut messages: Vec<(Value, u16)> = vec![
         (Value::Null, 400),
         (json!([]), 400),
@@ -199,14 +224,15 @@ fn oversized_and_malformed_requests_are_refused() {
     for (message, status) in messages {
         assert_eq!(served.post("solve", &message).status, status, "{message}");
     }
-    let far = good.to_string().replacen("120.0", "1e999", 1);
-    assert!(far.contains("1e999"));
-    let bytes = format!("{head}Content-Length: {}\r\n\r\n{far}", far.len());
-    assert_eq!(status(bytes.as_bytes()), Some(400));
-    let deep = "[".repeat(100_000);
-    let bytes = format!("{head}Content-Length: {}\r\n\r\n{deep}", deep.len());
-    assert_eq!(status(bytes.as_bytes()), Some(400));
-    // The server refuses coincident points and points at extreme distances with a message, and continues.
+    assert_eq!(served.post("nothing", &good).status, 404);
+    assert_eq!(served.post("solve", &good).status, 200);
+}
+
+/// The server refuses coincident points and points at extreme distances with a message, and continues.
+#[test]
+fn points_of_no_suspension_are_refused() {
+    let served = Served::of(&sample("macpherson_front.toml"));
+    let good = good_message(&served);
     let mut message = good.clone();
     message["of"]["design"][0] = message["of"]["design"][1].clone();
     message["of"]["design"][2] = json!([1e300, 1e300, -1e300]);
@@ -221,7 +247,6 @@ fn oversized_and_malformed_requests_are_refused() {
         "{}",
         refused.text()
     );
-    assert_eq!(served.post("nothing", &good).status, 404);
     assert_eq!(served.post("solve", &good).status, 200);
     assert_eq!(served.files(), ["study.toml"]);
 }

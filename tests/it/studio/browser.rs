@@ -8,6 +8,28 @@ use std::fs;
 pub(super) const READY: &str = "document.documentElement.dataset.ready === 'true' && window.studio.state.answer && window.studio.state.ghost";
 /// Condition: the shown answer belongs to the current design.
 pub(super) const SETTLED: &str = "studio.isSettled()";
+/// Condition: the browser stores the unsaved moves and edits of this tab as they are now. The page stores them after a short
+/// delay.
+pub(super) const DRAFTED: &str = "(() => { \
+    const { overview: { place, points, edits }, design, opened } = studio.state; \
+    const draft = JSON.parse(localStorage.getItem(`hardpoint studio ${place} ${sessionStorage.getItem('hardpoint tab')}`)); \
+    const moves = points.flatMap(({ name }, p) => design[p].map((c, axis) => [name, axis, c, opened[p][axis]])).filter(([, , c, was]) => c !== was); \
+    return draft !== null && JSON.stringify([draft.moves, draft.edits]) === JSON.stringify([moves, edits]); })()";
+/// Condition: the browser stores the history of this tab, with the current design and edits as the present step.
+pub(super) const RECORDED: &str = "(() => { \
+    const { overview: { place, points, edits }, design } = studio.state; \
+    const history = JSON.parse(sessionStorage.getItem(`hardpoint history ${place}`)); \
+    const step = history?.deeds[history.present]; \
+    const places = points.map(({ name }, p) => [name, design[p]]); \
+    return step && JSON.stringify([step.places, step.edits]) === JSON.stringify([places, edits]); })()";
+
+/// Saves the page's edits, and confirms the question whether to save them.
+pub(super) fn save_edits(browser: &Browser) {
+    browser.click("#save");
+    browser.wait("document.querySelector('#dialog[open] button[value=yes]')");
+    browser.click("#dialog button[value=yes]");
+    browser.wait("document.getElementById('banner').textContent.includes('saved')");
+}
 
 pub(super) fn handle(view: &str, point: &str) -> String {
     format!("[data-view={view}] .handle[data-name={point}]:not([data-other])")
@@ -181,13 +203,13 @@ fn tabs_servers_and_files_come_and_go() {
     browser.drag(&handle("front", "upper_ball_joint"), [-5, 4], 4);
     browser.wait(SETTLED);
     let unsaved = browser.run("return studio.state.design");
-    std::thread::sleep(std::time::Duration::from_millis(400));
+    browser.wait(DRAFTED);
     assert_eq!(browser.console(), Vec::<String>::new());
     served.kill();
     browser.drag(&handle("front", "upper_ball_joint"), [2, 2], 2);
     browser.wait("document.documentElement.dataset.server === 'no'");
     browser.click("#undo");
-    std::thread::sleep(std::time::Duration::from_millis(400));
+    browser.wait(DRAFTED);
     served.restart();
     browser.wait("document.documentElement.dataset.server === 'other'");
     // Chromium itself writes refused connections and error responses to the console, so the test ignores these lines.
@@ -308,8 +330,8 @@ fn a_reload_keeps_unsaved_work() {
     let work = "return [studio.state.design, studio.state.overview.digest]";
     let (told, done) = (browser.run(deeds), browser.run(work));
     assert_eq!(told.as_array().unwrap().len(), 4, "{told}");
-    // The page stores unsaved work after a short delay.
-    std::thread::sleep(std::time::Duration::from_millis(500));
+    browser.wait(DRAFTED);
+    browser.wait(RECORDED);
 
     browser.open(&served.address);
     browser.wait(READY);
@@ -331,7 +353,7 @@ fn a_reload_keeps_unsaved_work() {
         browser.wait(SETTLED);
     }
     assert_eq!(browser.run(work), done);
-    std::thread::sleep(std::time::Duration::from_millis(500));
+    browser.wait(DRAFTED);
 
     // Another tab has no history, but offers the unsaved work.
     browser.run("sessionStorage.clear()");

@@ -1,6 +1,6 @@
 //! Tests of two tabs, or of a tab and another program, that change one study.
 
-use super::browser::{READY, SETTLED, handle};
+use super::browser::{DRAFTED, READY, RECORDED, SETTLED, handle};
 use super::webdriver::Browser;
 use super::{Served, sample};
 use serde_json::{Value, json};
@@ -56,7 +56,7 @@ fn a_file_is_read_again_under_the_changes_of_the_page() {
     browser.wait(SETTLED);
     type_tolerance(&browser, "0.0125");
     let upper = place(&browser, "upper_ball_joint");
-    std::thread::sleep(std::time::Duration::from_millis(400));
+    browser.wait(DRAFTED);
 
     browser.open_tab(&served.address);
     browser.wait(READY);
@@ -85,7 +85,8 @@ fn a_file_is_read_again_under_the_changes_of_the_page() {
         assert_eq!(deeds(browser), json!(["Kept changes", "As opened"]));
     };
     is_kept(&browser);
-    std::thread::sleep(std::time::Duration::from_millis(400));
+    browser.wait(DRAFTED);
+    browser.wait(RECORDED);
     browser.open(&served.address);
     browser.wait(READY);
     is_kept(&browser);

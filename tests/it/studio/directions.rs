@@ -101,7 +101,7 @@ fn targets_do_not_change_along_free_directions() {
 }
 
 /// The points of a right wheel that the study gives separately move with the design. So the directions of a moved design
-/// are those of a study file with this design.
+/// equal the directions of a study file with this design.
 #[test]
 fn directions_of_a_moved_axle_are_those_of_its_file() {
     let variables = [

@@ -20,6 +20,7 @@ mod start;
 mod tuning;
 pub(super) mod webdriver;
 
+use crate::support::sample;
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -31,14 +32,6 @@ struct Served {
     study: PathBuf,
     address: String,
     process: Child,
-}
-
-/// Text of a sample study.
-fn sample(name: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("studies")
-        .join(name);
-    fs::read_to_string(path).unwrap()
 }
 
 impl Served {

@@ -1,6 +1,6 @@
 //! Tests of the page's panels in a real browser, if one is installed: elastic parts, limits, vehicle data and targets.
 
-use super::browser::{READY, SETTLED, assert_drawn_as_solved, handle};
+use super::browser::{READY, SETTLED, assert_drawn_as_solved, handle, save_edits};
 use super::webdriver::Browser;
 use super::{Served, columns, sample, solved};
 use serde_json::json;
@@ -199,10 +199,7 @@ fn vehicle_data_are_typed_on_the_page() {
     assert_eq!(browser.run(&format!("return {is_offered}")), json!(false));
     browser.click("#undo");
     browser.wait(SETTLED);
-    browser.click("#save");
-    browser.wait("document.getElementById('dialog').open");
-    browser.click("#dialog button[value=yes]");
-    browser.wait("document.getElementById('banner').textContent.includes('saved')");
+    save_edits(&browser);
     let saved = served.text();
     for line in [
         "wheelbase = 2700",
@@ -263,6 +260,44 @@ fn click_button(within: &str, text: &str) -> String {
     )
 }
 
+/// The Escape key cancels the choice of members. Closing the message cancels it, too.
+#[test]
+fn a_choice_of_members_is_cancelled() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let served = Served::of(&sample("double_wishbone_front.toml"));
+    browser.open(&served.address);
+    browser.wait(READY);
+    browser.click("#tab-constraints");
+    for cancel in ["key", "message"] {
+        browser.run(&click_button("#pane-constraints", "Clearance"));
+        browser.wait("document.documentElement.dataset.picking");
+        match cancel {
+            "key" => browser.keys(&["\u{E00C}"]),
+            _ => browser.click("#banner .close"),
+        }
+        browser.wait("!document.documentElement.dataset.picking");
+    }
+    assert_eq!(browser.console(), Vec::<String>::new());
+}
+
+/// Smallest clearance of tie rod and lower arm that `hardpoint solve` prints for the saved study.
+fn least_clearance(served: &Served) -> f64 {
+    let asked = "\n[outputs]\ncharacteristics = [\"camber\"]\nclearances = [[\"tie_rod\", \"lower_arm_front\"]]\n";
+    let saved = served.text();
+    let outputs = saved.find("\n[outputs]").unwrap();
+    let rest = outputs + 1 + saved[outputs + 1..].find("\n[").unwrap();
+    let study = [&saved[..outputs], &saved[rest..], asked].concat();
+    std::fs::write(&served.study, study).unwrap();
+    let curves = columns(&solved(&served.study));
+    let (_, gaps) = curves
+        .iter()
+        .find(|(name, _)| name.contains("clearance"))
+        .unwrap();
+    gaps.iter().flatten().copied().fold(f64::INFINITY, f64::min)
+}
+
 /// The user adds a clearance by clicking two members, a kept length from the list, a joint angle, and limits of a quantity.
 /// The page shows the margins that `hardpoint optimise` checks, and saves the constraints.
 #[test]
@@ -279,18 +314,6 @@ fn constraints_are_added_by_clicking_members() {
         browser.run(&click_button("#dialog", "Add constraint"));
     };
     let count = "studio.state.overview.written.optimise.constraints?.length";
-
-    // The Escape key cancels the choice of members.
-    begin("Clearance");
-    browser.wait("document.documentElement.dataset.picking");
-    browser.keys(&["\u{E00C}"]);
-    browser.wait("!document.documentElement.dataset.picking");
-
-    // Closing the message cancels the choice of members, too.
-    begin("Clearance");
-    browser.wait("document.documentElement.dataset.picking");
-    browser.click("#banner .close");
-    browser.wait("!document.documentElement.dataset.picking");
 
     begin("Clearance");
     browser.run(&click_member("front", "tie_rod"));
@@ -350,25 +373,11 @@ fn constraints_are_added_by_clicking_members() {
     let marked = browser.run(marked);
     assert_eq!(marked, json!(["lower_arm_front", "tie_rod"]));
 
-    browser.click("#save");
-    browser.wait("document.getElementById('dialog').open");
-    browser.click("#dialog button[value=yes]");
-    browser.wait("document.getElementById('banner').textContent.includes('saved')");
+    save_edits(&browser);
 
     // The margin of the clearance is the smallest one of `hardpoint solve` minus the limit of 5 mm. Between stations it may be
     // slightly smaller.
-    let asked = "\n[outputs]\ncharacteristics = [\"camber\"]\nclearances = [[\"tie_rod\", \"lower_arm_front\"]]\n";
-    let saved = served.text();
-    let outputs = saved.find("\n[outputs]").unwrap();
-    let rest = outputs + 1 + saved[outputs + 1..].find("\n[").unwrap();
-    let study = [&saved[..outputs], &saved[rest..], asked].concat();
-    std::fs::write(&served.study, study).unwrap();
-    let curves = columns(&solved(&served.study));
-    let (_, gaps) = curves
-        .iter()
-        .find(|(name, _)| name.contains("clearance"))
-        .unwrap();
-    let least = gaps.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+    let least = least_clearance(&served);
     let margin = margin[0][1].as_f64().unwrap();
     let excess = least - 5.0 - margin;
     assert!((-1e-9..0.1).contains(&excess), "{least} {margin}");

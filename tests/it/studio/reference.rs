@@ -1,7 +1,7 @@
 //! Tests of the reference state, with which the page compares the current design. The reference is the file as opened
 //! or last saved, with its rates and targets.
 
-use super::browser::{READY, SETTLED};
+use super::browser::{READY, RECORDED, SETTLED, save_edits};
 use super::webdriver::Browser;
 use super::{Served, sample};
 use serde_json::json;
@@ -58,10 +58,7 @@ fn a_changed_rate_is_compared_with_the_file() {
 
     let save = || {
         browser.run("document.getElementById('banner').textContent = ''");
-        browser.click("#save");
-        browser.wait("document.querySelector('#dialog[open] button[value=yes]')");
-        browser.click("#dialog button[value=yes]");
-        browser.wait("document.getElementById('banner').textContent.includes('study.toml saved')");
+        save_edits(&browser);
     };
     save();
     let saved = moved.split(' ').next().unwrap();
@@ -131,10 +128,7 @@ fn an_undo_past_a_save_survives_a_reload() {
     };
     let save = || {
         browser.run("document.getElementById('banner').textContent = ''");
-        browser.click("#save");
-        browser.wait("document.querySelector('#dialog[open] button[value=yes]')");
-        browser.click("#dialog button[value=yes]");
-        browser.wait("document.getElementById('banner').textContent.includes('study.toml saved')");
+        save_edits(&browser);
     };
     browser.open(&served.address);
     browser.wait(READY);
@@ -142,8 +136,7 @@ fn an_undo_past_a_save_survives_a_reload() {
     save();
     browser.click("#undo");
     browser.wait(SETTLED);
-    // The page stores its history a fifth of a second after an action.
-    std::thread::sleep(std::time::Duration::from_millis(500));
+    browser.wait(RECORDED);
     browser.open(&served.address);
     browser.wait(READY);
     browser.wait(SETTLED);
@@ -173,9 +166,17 @@ fn a_held_save_key_saves_once() {
     type_in(&browser, "strut_top x", "-34");
     browser.wait(SETTLED);
     let press = "document.body.dispatchEvent(new KeyboardEvent('keydown', { key: 's', ctrlKey: true, bubbles: true }));";
+    browser.run(
+        "const own = window.fetch; window.saves = { begun: 0, ended: 0 }; \
+         window.fetch = async (what, ...rest) => { \
+           if (!String(what).endsWith('save')) return own(what, ...rest); \
+           window.saves.begun += 1; \
+           try { return await own(what, ...rest); } finally { window.saves.ended += 1; } }",
+    );
     browser.run(&press.repeat(3));
     browser.wait("document.getElementById('banner').textContent.includes('study.toml saved')");
-    std::thread::sleep(std::time::Duration::from_millis(500));
+    browser.wait("window.saves.ended === window.saves.begun");
+    assert_eq!(browser.run("return window.saves.begun"), json!(1));
     assert_eq!(
         browser.run("return document.getElementById('dialog').open"),
         json!(false)

@@ -6,10 +6,7 @@ use super::*;
 #[test]
 fn keys_without_effect_are_refused() {
     let sample = |name: &str, from: &str, to: &str| {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-            .join("studies")
-            .join(name);
-        let text = fs::read_to_string(path).unwrap();
+        let text = crate::support::sample(name);
         assert_eq!(text.matches(from).count(), 1, "{name}: {from}");
         text.replace(from, to)
     };
@@ -124,7 +121,7 @@ fn an_error_in_a_named_motion_is_the_only_one() {
 /// `[tolerance]` refuses a motion over the arm angle. The stations of a band then give no second error.
 #[test]
 fn a_tolerance_over_the_arm_angle_is_the_only_error() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_tolerance.toml");
+    let path = crate::support::studies().join("macpherson_tolerance.toml");
     let motion = "motion={ drive = \"arm_angle\", arm_angle = [-8.0, 0.0, 8.0] }";
     let band = "tolerance.bands=[{ characteristic = \"toe\", at = 8.0, between = [0.1, 0.4] }]";
     let errors = Study::read(&path, &[motion.to_owned(), band.to_owned()]).unwrap_err();

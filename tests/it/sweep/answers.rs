@@ -71,8 +71,7 @@ fn a_planted_design_is_found() {
 /// A row of a sweep has the misfits of the optimisation, and the minimum, maximum and design value of the curves.
 #[test]
 fn a_row_says_what_solve_and_optimise_say() {
-    let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_front.toml");
-    let study = fs::read_to_string(sample).unwrap();
+    let study = crate::support::sample("macpherson_front.toml");
     // Replaces the study's band of toe. One limit of the new band is a constant, the other is a curve.
     let (study, _) = study.split_once("# At most 0.1 degrees").unwrap();
     let study = study.to_owned();
@@ -292,8 +291,7 @@ fn constraints_that_a_sweep_does_not_check_are_named() {
 /// `solve`. A quantity that is itself a gain has no gain.
 #[test]
 fn gains_of_what_is_made_of_velocities_are_those_of_solve() {
-    let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/double_wishbone_pushrod.toml");
-    let study = fs::read_to_string(sample).unwrap();
+    let study = crate::support::sample("double_wishbone_pushrod.toml");
     let bench = Bench::new(&(study + "\n[sweep]\ndesigns = \"rows.csv\"\n"));
     let rows = "tie_rod_inner_dz,rocker_pivot_front_dz\n0,0\n3,-4\n-2,1.5\n";
     fs::write(bench.path("rows.csv"), rows).unwrap();

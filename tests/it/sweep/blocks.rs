@@ -5,7 +5,6 @@ use hardpoint::curves::curves;
 use hardpoint::evaluate::{Block, Evaluator, Stations};
 use hardpoint::plan::Plan;
 use hardpoint::study::Study;
-use std::path::Path;
 
 const QUANTITIES: [Quantity; 3] = [
     Quantity::Characteristic(Characteristic::Camber),
@@ -14,7 +13,7 @@ const QUANTITIES: [Quantity; 3] = [
 ];
 
 fn study() -> Study {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_bump_steer.toml");
+    let path = crate::support::studies().join("macpherson_bump_steer.toml");
     Study::read(
         &path,
         &["motion.travel=[-400.0, -60.0, 0.0, 60.0]".to_owned()],

@@ -137,7 +137,7 @@ fn other_numbers_in_a_file_of_designs_are_reported() {
         )
         .unwrap();
         let (_, error) = said(&bench.sweep("run", &["--force"]).success());
-        let error = error.replace('\n', " ");
+        let error = one_line(&error);
         assert_eq!(
             error.contains("number the designs from 0"),
             differs,

@@ -135,11 +135,27 @@ fn samples_without_a_method_are_sobol_samples() {
     );
 }
 
+/// Replaces `from` in the study by `to`. Asserts that the sweep names the file and these phrases, and writes nothing.
+fn assert_mistake(from: &str, to: &str, phrases: &[&str]) {
+    assert!(STUDY.contains(from), "{from}");
+    let mut study = STUDY.replacen(from, to, 1);
+    if to.contains("theta") || to.contains("solver") {
+        // `[optimise]` would be refused for other reasons, so the study omits it.
+        study.truncate(study.find("[optimise]").unwrap());
+    }
+    let bench = Bench::new(&study);
+    let (_, error) = said(&bench.run(&["sweep", "study.toml"]).code(2));
+    assert!(error.contains("study.toml"), "{to}: {error}");
+    for phrase in phrases {
+        assert!(error.contains(phrase), "{to} lacks {phrase:?}: {error}");
+    }
+    assert!(!bench.path("out").exists());
+}
+
 #[test]
 fn mistakes_in_the_sweep_are_named() {
-    let first = r#"{ hardpoint = "tie_rod_inner", axis = "z", range = [-10.0, 10.0] }"#;
-    let cases: &[(&str, &str, &[&str])] = &[
-        ("samples = 700\n", "", &["latin_hypercube", "samples"]),
+    for (from, to, phrases) in [
+        ("samples = 700\n", "", &["latin_hypercube", "samples"][..]),
         (
             "samples = 700",
             "samples = 0",
@@ -163,81 +179,6 @@ fn mistakes_in_the_sweep_are_named() {
             &["found both", "sweep.variables"],
         ),
         (
-            first,
-            r#"{ axis = "z", range = [-10.0, 10.0] }"#,
-            &["expected the key \"hardpoint\"", "variables[0]"],
-        ),
-        (
-            first,
-            r#"{ hardpoint = "tie_rod_iner", axis = "z", range = [-1, 1] }"#,
-            &["did you mean \"tie_rod_inner\"?"],
-        ),
-        (
-            first,
-            r#"{ hardpoint = "tie_rod_inner", axis = "w", range = [-1, 1] }"#,
-            &["axis", "\"w\""],
-        ),
-        (
-            first,
-            r#"{ hardpoint = "tie_rod_inner", axis = "z", range = [1, -1] }"#,
-            &["reversed", "range = [-1, 1]"],
-        ),
-        (
-            first,
-            r#"{ hardpoint = "tie_rod_inner", axis = "z", range = [1, 1] }"#,
-            &["empty"],
-        ),
-        (
-            first,
-            r#"{ hardpoint = "tie_rod_inner", axis = "z", range = [1] }"#,
-            &["two numbers"],
-        ),
-        (
-            first,
-            r#"{ hardpoint = "tie_rod_inner", axis = "z", range = [-1, 1], steps = 1 }"#,
-            &["one step"],
-        ),
-        (
-            first,
-            r#"{ hardpoint = "strut_top", axis = "y", range = [-1, 1] }"#,
-            &["strut_top_dy is already a variable"],
-        ),
-        (
-            first,
-            r#"{ hardpoint = "strut_top", axis = "y", range = [570, 580], absolute = true }"#,
-            &["another variable moves it"],
-        ),
-        (
-            first,
-            r#"{ hardpoint = "strut_top", hardpoints = ["tie_rod_inner"], axis = "y", range = [-1, 1] }"#,
-            &["found both"],
-        ),
-        (
-            first,
-            r#"{ hardpoints = ["tie_rod_inner", "tie_rod_outer"], factors = [1], axis = "z", range = [-1, 1] }"#,
-            &["factor for each of the 2", "found 1"],
-        ),
-        (
-            first,
-            r#"{ hardpoints = ["tie_rod_inner", "tie_rod_inner"], axis = "z", range = [-1, 1] }"#,
-            &["listed twice"],
-        ),
-        (
-            first,
-            r#"{ hardpoints = ["tie_rod_inner"], axis = "z", range = [1, 2], absolute = true }"#,
-            &["have offsets, not coordinates"],
-        ),
-        (
-            first,
-            r#"{ hardpoint = "tie_rod_inner", axis = "z", range = [-1, 1], name = "a,b" }"#,
-            &["letters", "a,b"],
-        ),
-        (
-            first,
-            r#"{ hardpoint = "tie_rod_inner", axis = "z", range = [-1, 1], name = "failed_at" }"#,
-            &["two columns", "failed_at_mm"],
-        ),
-        (
             "travel = [-60.0, -20.0, 20.0, 60.0]",
             "drive = \"paper_theta\"\ntheta = [90.0]",
             &["paper_theta", "[sweep]"],
@@ -247,22 +188,82 @@ fn mistakes_in_the_sweep_are_named() {
             "[solver]\nformulation = \"point_coordinates\"\n[motion]",
             &["knuckle_pose", "[sweep]"],
         ),
-    ];
-    for (from, to, phrases) in cases {
-        assert!(STUDY.contains(from), "{from}");
-        let mut study = STUDY.replacen(from, to, 1);
-        if to.contains("theta") || to.contains("solver") {
-            // `[optimise]` would be refused for other reasons, so the study omits it.
-            study.truncate(study.find("[optimise]").unwrap());
-        }
-        let bench = Bench::new(&study);
-        let (_, error) = said(&bench.run(&["sweep", "study.toml"]).code(2));
-        assert!(error.contains("study.toml"), "{to}: {error}");
-        for phrase in *phrases {
-            assert!(error.contains(phrase), "{to} lacks {phrase:?}: {error}");
-        }
-        assert!(!bench.path("out").exists());
+    ] {
+        assert_mistake(from, to, phrases);
     }
+}
+
+#[test]
+fn mistakes_in_the_variables_of_a_sweep_are_named() {
+    let first = r#"{ hardpoint = "tie_rod_inner", axis = "z", range = [-10.0, 10.0] }"#;
+    for (to, phrases) in [
+        (
+            r#"{ axis = "z", range = [-10.0, 10.0] }"#,
+            &["expected the key \"hardpoint\"", "variables[0]"][..],
+        ),
+        (
+            r#"{ hardpoint = "tie_rod_iner", axis = "z", range = [-1, 1] }"#,
+            &["did you mean \"tie_rod_inner\"?"],
+        ),
+        (
+            r#"{ hardpoint = "tie_rod_inner", axis = "w", range = [-1, 1] }"#,
+            &["axis", "\"w\""],
+        ),
+        (
+            r#"{ hardpoint = "tie_rod_inner", axis = "z", range = [1, -1] }"#,
+            &["reversed", "range = [-1, 1]"],
+        ),
+        (
+            r#"{ hardpoint = "tie_rod_inner", axis = "z", range = [1, 1] }"#,
+            &["empty"],
+        ),
+        (
+            r#"{ hardpoint = "tie_rod_inner", axis = "z", range = [1] }"#,
+            &["two numbers"],
+        ),
+        (
+            r#"{ hardpoint = "tie_rod_inner", axis = "z", range = [-1, 1], steps = 1 }"#,
+            &["one step"],
+        ),
+        (
+            r#"{ hardpoint = "strut_top", axis = "y", range = [-1, 1] }"#,
+            &["strut_top_dy is already a variable"],
+        ),
+        (
+            r#"{ hardpoint = "strut_top", axis = "y", range = [570, 580], absolute = true }"#,
+            &["another variable moves it"],
+        ),
+        (
+            r#"{ hardpoint = "strut_top", hardpoints = ["tie_rod_inner"], axis = "y", range = [-1, 1] }"#,
+            &["found both"],
+        ),
+        (
+            r#"{ hardpoints = ["tie_rod_inner", "tie_rod_outer"], factors = [1], axis = "z", range = [-1, 1] }"#,
+            &["factor for each of the 2", "found 1"],
+        ),
+        (
+            r#"{ hardpoints = ["tie_rod_inner", "tie_rod_inner"], axis = "z", range = [-1, 1] }"#,
+            &["listed twice"],
+        ),
+        (
+            r#"{ hardpoints = ["tie_rod_inner"], axis = "z", range = [1, 2], absolute = true }"#,
+            &["have offsets, not coordinates"],
+        ),
+        (
+            r#"{ hardpoint = "tie_rod_inner", axis = "z", range = [-1, 1], name = "a,b" }"#,
+            &["letters", "a,b"],
+        ),
+        (
+            r#"{ hardpoint = "tie_rod_inner", axis = "z", range = [-1, 1], name = "failed_at" }"#,
+            &["two columns", "failed_at_mm"],
+        ),
+    ] {
+        assert_mistake(first, to, phrases);
+    }
+}
+
+#[test]
+fn a_sweep_without_designs_is_refused() {
     let bench = Bench::new(&STUDY[..STUDY.find("[sweep]").unwrap()]);
     let (_, error) = said(&bench.run(&["sweep", "study.toml"]).code(2));
     assert!(error.contains("[sweep]"), "{error}");

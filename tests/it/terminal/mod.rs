@@ -8,12 +8,11 @@ mod width;
 mod words;
 
 use assert_cmd::Command;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Output;
 
 fn study(name: &str) -> PathBuf {
-    let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
-    studies.join(format!("{name}.toml"))
+    crate::support::studies().join(format!("{name}.toml"))
 }
 
 /// Call in a temporary directory.

@@ -3,12 +3,79 @@
 use super::{at, template, travel};
 use crate::support::Worst;
 use crate::support::random::Random;
-use hardpoint::analyse::{Carried, Load, Reaction, Support};
+use hardpoint::analyse::{Carried, Load, Reaction, Reactions, Support};
 use hardpoint::characteristics::{Characteristic, Constants, Quantity, WheelReading};
 use hardpoint::derive::DesignSeries;
 use hardpoint::mechanism::Configuration;
-use hardpoint::model::{Axis, Body};
-use hardpoint::number::Vector3;
+use hardpoint::model::{Axis, Body, Mechanism, PointId};
+use hardpoint::number::{Jet, Vector3};
+
+/// Returns the resultant force and moment of the load and of all forces on the wheel carrier, relative to the sum of the forces
+/// and to the size of the suspension. Moments are about the wheel centre.
+fn resultants(
+    mechanism: &Mechanism,
+    place: &dyn Fn(PointId) -> Vector3<f64>,
+    load: &Load,
+    found: &Reactions<f64>,
+    size: f64,
+) -> [f64; 2] {
+    let seat = mechanism.spring_seat().unwrap();
+    let support_at = match mechanism.body(seat) {
+        Body::Arm(arm) => mechanism.arms[arm.0].outer,
+        _ => seat,
+    };
+    let forces = found
+        .constraints
+        .iter()
+        .flat_map(|reaction| match *reaction {
+            Reaction::Rod {
+                inner,
+                outer,
+                tension,
+            } => {
+                let pull = (place(inner) - place(outer)).normalised() * tension;
+                vec![(place(outer), pull)]
+            }
+            Reaction::ArmEnd {
+                outer,
+                force,
+                joint,
+                passed,
+                ..
+            } => vec![(place(outer), force), (place(joint), passed)],
+            Reaction::Force { point, force } => vec![(place(point), force)],
+        });
+    let all = forces.chain([
+        (place(support_at), found.support_force),
+        (load.point, load.force),
+    ]);
+    let about = place(mechanism.wheel_centre);
+    let mut force = Vector3::default();
+    let (mut moment, mut sum) = (load.moment, 0.0);
+    for (p, f) in all {
+        force = force + f;
+        moment = moment + (p - about).cross(f);
+        sum += f.norm();
+    }
+    [force.norm() / sum, moment.norm() / (sum * size)]
+}
+
+/// Power of the load, per unit of the speed of the travel.
+fn power(
+    mechanism: &Mechanism,
+    view: &WheelReading<2>,
+    at: &Configuration<'_, Jet<f64, 2>>,
+    load: &Load,
+) -> f64 {
+    let rate = |quantity, order: usize| view.value(at, quantity).derivative(order);
+    let centre = Vector3::from(
+        Axis::ALL.map(|axis| rate(Quantity::Coordinate(mechanism.wheel_centre, axis), 1)),
+    );
+    let turn = Vector3::from(Axis::ALL.map(|axis| rate(Quantity::AngularVelocity(axis), 0)));
+    let about = at.point(mechanism.wheel_centre).map(|c| c[0]);
+    let velocity = centre + turn.cross(load.point - about);
+    load.force.dot(velocity) + load.moment.dot(turn)
+}
 
 #[test]
 fn loads_are_balanced_and_the_spring_takes_its_share() {
@@ -50,61 +117,14 @@ fn loads_are_balanced_and_the_spring_takes_its_share() {
                     .unwrap()
                     .under(&load);
 
-                let seat = mechanism.spring_seat().unwrap();
-                let support_at = match mechanism.body(seat) {
-                    Body::Arm(arm) => mechanism.arms[arm.0].outer,
-                    _ => seat,
-                };
-                let forces = found
-                    .constraints
-                    .iter()
-                    .flat_map(|reaction| match *reaction {
-                        Reaction::Rod {
-                            inner,
-                            outer,
-                            tension,
-                        } => {
-                            let pull = (place(inner) - place(outer)).normalised() * tension;
-                            vec![(place(outer), pull)]
-                        }
-                        Reaction::ArmEnd {
-                            outer,
-                            force,
-                            joint,
-                            passed,
-                            ..
-                        } => vec![(place(outer), force), (place(joint), passed)],
-                        Reaction::Force { point, force } => vec![(place(point), force)],
-                    });
-                let all: Vec<_> = forces
-                    .chain([
-                        (place(support_at), found.support_force),
-                        (load.point, load.force),
-                    ])
-                    .collect();
-                let about = place(mechanism.wheel_centre);
-                let mut force = Vector3::default();
-                let (mut moment, mut size) = (load.moment, 0.0);
-                for (p, f) in all {
-                    force = force + f;
-                    moment = moment + (p - about).cross(f);
-                    size += f.norm();
+                for error in resultants(mechanism, &place, &load, &found, solver.size()) {
+                    balance.note(error);
                 }
-                balance.note(force.norm() / size);
-                balance.note(moment.norm() / (size * solver.size()));
 
                 let view = WheelReading::of(&configuration, Constants::of(&suspension));
-                let rate =
-                    |quantity, order: usize| view.value(&configuration, quantity).derivative(order);
-                let centre = Vector3::from(
-                    Axis::ALL
-                        .map(|axis| rate(Quantity::Coordinate(mechanism.wheel_centre, axis), 1)),
-                );
-                let turn =
-                    Vector3::from(Axis::ALL.map(|axis| rate(Quantity::AngularVelocity(axis), 0)));
-                let velocity = centre + turn.cross(load.point - about);
-                let power = load.force.dot(velocity) + load.moment.dot(turn);
-                let ratio = rate(Quantity::Characteristic(Characteristic::MotionRatio), 0);
+                let power = power(mechanism, &view, &configuration, &load);
+                let ratio = Quantity::Characteristic(Characteristic::MotionRatio);
+                let ratio = view.value(&configuration, ratio).derivative(0);
                 work.note((found.support * ratio - power) / load.force.norm());
 
                 // A support at the wheel centre can replace the spring. Its work balances the work of the load, too.

@@ -1,5 +1,6 @@
 //! Tests of every topology against independent solutions and against its hardpoints.
 
+mod bell_cranks;
 mod double_wishbone;
 mod five_link;
 mod general_closure;
@@ -25,8 +26,8 @@ fn template(name: &str) -> Suspension {
     let study = match Topology::named(name) {
         Some(topology) => Study::from_text(topology.name, topology.template, Path::new(".")),
         None => {
-            let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
-            Study::read(&studies.join(format!("{name}.toml")), &[])
+            let path = crate::support::studies().join(format!("{name}.toml"));
+            Study::read(&path, &[])
         }
     };
     study.unwrap_or_else(|e| panic!("{e:?}")).into_wheel()

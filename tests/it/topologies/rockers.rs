@@ -2,15 +2,15 @@
 
 use super::truth::{Errors, PLACES, Truth, half_tangent, lift, slope};
 use super::{at, characteristics, template, travel};
-use crate::support::Worst;
-use crate::support::larger;
 use crate::support::random::Random;
+use crate::support::{Worst, larger};
 use hardpoint::analyse::{Load, Reaction, Support};
 use hardpoint::bench::DoubleDouble as Dd;
 use hardpoint::characteristics::{Characteristic as C, Constants, Quantity, WheelReading};
-use hardpoint::derive::{DesignSeries, MotionPoint};
-use hardpoint::model::{Body, Drive, Mechanism, PointId, RockerId, Suspension, Topology};
-use hardpoint::number::{Jet, Matrix3, Real, Scalar, Vector3};
+use hardpoint::derive::{DesignSeries, Linearised, MotionPoint};
+use hardpoint::mechanism::Pose;
+use hardpoint::model::{Body, Mechanism, PointId, RockerId, Suspension};
+use hardpoint::number::{Jet, Real, Scalar, Vector3};
 
 const STUDY: &str = "double_wishbone_pushrod";
 
@@ -32,196 +32,6 @@ fn variants() -> Vec<(&'static str, Suspension)> {
         ("bar on the lower arm", put("drop_link_outer", "lower_arm")),
         ("spring on the upper arm", put("spring_lower", "upper_arm")),
     ]
-}
-
-/// Point rotated by `angle` about the line from `first` to `second`.
-fn turned(first: Vector3<f64>, second: Vector3<f64>, angle: f64, p: Vector3<f64>) -> Vector3<f64> {
-    let half = (second - first).normalised() * (0.5 * angle).tan();
-    first + Matrix3::identity(0.0).turned(half).apply(p - first)
-}
-
-/// Trailing arm with a pushrod or pullrod on it.
-fn trailing_arm(rod: &str) -> Mechanism {
-    let topology = Topology::named("semi_trailing_arm").unwrap();
-    let [outer, inner] = match rod {
-        "pushrod" => ["pushrod_outer", "pushrod_inner"],
-        _ => ["pullrod_outer", "pullrod_inner"],
-    };
-    let names = [
-        "arm_pivot_inner",
-        "arm_pivot_outer",
-        "wheel_centre",
-        "spindle_inner",
-        "spring_upper",
-        "spring_lower",
-        outer,
-        inner,
-        "rocker_pivot_front",
-        "rocker_pivot_rear",
-    ];
-    (topology.build)(topology, &names)
-}
-
-/// Reads results of a trailing arm that is rotated by an angle. A positive angle raises the wheel centre.
-fn read_arm(
-    mechanism: &Mechanism,
-    design: &[Vector3<f64>],
-    angle: f64,
-) -> (Jet<f64, 3>, Vector3<f64>) {
-    let point = MotionPoint {
-        drive: Drive::ArmAngle,
-        value: angle,
-        rack: 0.0,
-    };
-    let design_series = DesignSeries::<3>::new(mechanism, design);
-    at(mechanism, design, point, |solver, pose| {
-        let configuration = solver
-            .configuration_series(&design_series, pose, &point.along_drive())
-            .unwrap();
-        let spring = configuration.point(mechanism.spring.unwrap().lower);
-        (
-            configuration.rocker_angle(RockerId(0)),
-            spring.map(|c| c[0]),
-        )
-    })
-    .unwrap()
-    .unwrap()
-}
-
-/// The test chooses angles of an arm and a rocker, and constructs a rod with equal lengths before and after the motion.
-/// The solver must find these angles, wherever the axes are. Let p, a point on the rocker's axis, be the origin. Let i
-/// be the inner end, o and o' the outer end before and after, and R the rocker's rotation. The lengths are equal if 2
-/// i.(R'o' - o) = o'.o' - o.o, which is the equation of a plane for i.
-#[test]
-fn planted_angles_come_back() {
-    let mut random = Random(21);
-    let (mut tried, mut worst) = (0, 0.0_f64);
-    for rod in ["pushrod", "pullrod"] {
-        let mechanism = trailing_arm(rod);
-        let id = |name: &str| mechanism.point(name).unwrap().0;
-        let rocker = mechanism.rockers[0];
-        while tried < if rod == "pushrod" { 2000 } else { 4000 } {
-            let mut design = vec![Vector3::default(); mechanism.points.len()];
-            design[id("arm_pivot_inner")] = random.vector(60.0);
-            design[id("arm_pivot_outer")] = Vector3::new(-40.0, 300.0, 10.0) + random.vector(60.0);
-            design[id("wheel_centre")] = Vector3::new(-400.0, 500.0, 0.0) + random.vector(60.0);
-            design[id("spindle_inner")] = Vector3::new(-400.0, 400.0, 0.0) + random.vector(20.0);
-            design[id("spring_upper")] = Vector3::new(100.0, 100.0, 300.0) + random.vector(60.0);
-            design[id("spring_lower")] = Vector3::new(-100.0, 100.0, 300.0) + random.vector(60.0);
-            let [first, second, inner, outer] =
-                [rocker.first, rocker.second, rocker.inner, rocker.outer].map(|p| p.0);
-            design[first] = Vector3::new(-200.0, 100.0, 300.0) + random.vector(60.0);
-            design[second] = design[first] + random.vector(60.0);
-            design[outer] = Vector3::new(-300.0, 300.0, 20.0) + random.vector(60.0);
-
-            // A positive rotation of the arm raises the wheel centre.
-            let [a, b] = ["arm_pivot_inner", "arm_pivot_outer"].map(|name| design[id(name)]);
-            let raises = (b - a).cross(design[id("wheel_centre")] - a).z.signum();
-            let (theta, phi) = (0.3 * random.signed(), 0.5 * random.signed());
-            let moved = turned(a, b, raises * theta, design[outer]);
-            let base = design[first];
-            let back = turned(base, design[second], -phi, moved) - base;
-            let normal = back - (design[outer] - base);
-            let wanted =
-                0.5 * ((moved - base).norm_squared() - (design[outer] - base).norm_squared());
-            let start = random.vector(90.0);
-            let lever = start + normal * ((wanted - start.dot(normal)) / normal.norm_squared());
-            if lever.norm() > 200.0 {
-                continue;
-            }
-            design[inner] = base + lever;
-
-            // The rod must not pass a toggle: the moment of the rod about the rocker's axis keeps its sign.
-            let moment = |inner: Vector3<f64>, outer: Vector3<f64>| {
-                let axis = (design[second] - base).normalised();
-                axis.cross(inner - base).dot(inner - outer)
-            };
-            let end = turned(base, design[second], phi, design[inner]);
-            let (before, after) = (moment(design[inner], design[outer]), moment(end, moved));
-            let rod_squared = (design[inner] - design[outer]).norm_squared();
-            let leverage = after.abs() / (lever.norm() * rod_squared.sqrt());
-            if before * after <= 0.0 || leverage < 0.02 {
-                continue;
-            }
-            tried += 1;
-            let (angle, spring) = read_arm(&mechanism, &design, theta);
-            // The angle is positive in the direction in which the rod turns the rocker in jounce, by a push or a pull.
-            let sense = before.signum() * if rod == "pushrod" { 1.0 } else { -1.0 };
-            let turned_spring = turned(base, design[second], phi, design[id("spring_lower")]);
-            // Squares of lengths are accurate to a few units in the last place, and the pose to 1e-13 of the
-            // mechanism's size. The moment is the derivative of the square with respect to the angle.
-            let q = (moved - base).norm_squared();
-            let squares = rod_squared + q + lever.norm_squared();
-            let allowed =
-                (64.0 * f64::EPSILON * squares + 1e-13 * 600.0 * rod_squared.sqrt()) / after.abs();
-            let error = (angle[0] - sense * phi).abs();
-            assert!(error <= allowed, "{rod}: {error:e} of {allowed:e}");
-            let error = (spring - turned_spring).norm() / 600.0;
-            assert!(error <= allowed + 1e-13, "{rod}: {error:e} of {allowed:e}");
-            worst = larger(worst, error);
-        }
-    }
-    println!("{tried} planted, worst {worst:.1e}");
-}
-
-/// In a planar bell crank, angles follow from the law of cosines. With the rocker's pivot p, the angle at p between the
-/// rod's outer and inner end is acos((q^2 + r^2 - L^2)/(2 q r)). Here q and r are the distances from p to the outer and
-/// the inner end, and L is the rod's length.
-#[test]
-fn a_plane_bell_crank_is_a_triangle() {
-    let mechanism = trailing_arm("pushrod");
-    // All axes of rotation are along y.
-    let plane = |x: f64, z: f64| Vector3::new(x, 0.0, z);
-    let names = [
-        ("arm_pivot_inner", plane(0.0, 0.0)),
-        ("arm_pivot_outer", Vector3::new(0.0, 300.0, 0.0)),
-        ("wheel_centre", Vector3::new(-450.0, 400.0, -20.0)),
-        ("spindle_inner", Vector3::new(-450.0, 300.0, -20.0)),
-        ("spring_upper", plane(200.0, 330.0)),
-        ("spring_lower", plane(-30.0, 350.0)),
-        ("pushrod_outer", plane(-300.0, 20.0)),
-        ("pushrod_inner", plane(-110.0, 300.0)),
-        ("rocker_pivot_front", plane(-40.0, 280.0)),
-        ("rocker_pivot_rear", Vector3::new(-40.0, 50.0, 280.0)),
-    ];
-    let mut design = vec![Vector3::default(); mechanism.points.len()];
-    for (name, p) in names {
-        design[mechanism.point(name).unwrap().0] = p;
-    }
-    let at = |name: &str| design[mechanism.point(name).unwrap().0];
-    let (pivot, inner, outer) = (
-        at("rocker_pivot_front"),
-        at("pushrod_inner"),
-        at("pushrod_outer"),
-    );
-    let (r, rod) = ((inner - pivot).norm(), (inner - outer).norm());
-    // Angles count from -x towards +z.
-    let bearing = |p: Vector3<f64>| (p.z - pivot.z).atan2(pivot.x - p.x);
-    let corner = |outer: Vector3<f64>| {
-        let q = (outer - pivot).norm();
-        ((q * q + r * r - rod * rod) / (2.0 * q * r)).acos()
-    };
-    let side = (bearing(inner) - bearing(outer)).signum();
-    for step in -10..=10 {
-        let theta = 0.02 * f64::from(step);
-        // The arm points rearward from its hinge and rises.
-        let (sine, cosine) = theta.sin_cos();
-        let moved = plane(
-            cosine * outer.x + sine * outer.z,
-            -sine * outer.x + cosine * outer.z,
-        );
-        let expected = bearing(moved) + side * corner(moved) - bearing(inner);
-        let (angle, _) = read_arm(&mechanism, &design, theta);
-        // When the rod pushes upward, the angle of the inner end increases.
-        assert!(
-            (angle[0] - expected).abs() < 1e-13,
-            "{theta}: {} and {expected}",
-            angle[0]
-        );
-        if step == 10 {
-            assert!(angle[0] > 0.2, "the pushrod pushes in jounce: {}", angle[0]);
-        }
-    }
 }
 
 /// Rods keep their lengths, whatever body they are attached to and however the wheel is steered.
@@ -283,155 +93,258 @@ fn points_of_rockers_agree_with_thirty_digits() {
 /// Compared outputs, as functions that the test can compute exactly: the spring length, and tangents of half the
 /// angles.
 const REPORTED: [C; 3] = [C::SpringLength, C::RockerAngle, C::AntiRollBarAngle];
+/// Step of the difference quotients of the exact solution.
+const H: f64 = 1e-4;
 
-/// Compares angles and spring length with thirty digits: values, rates, and the sensitivities of values and rates to
-/// every hardpoint. Then compares the motion ratios, because these are the same rates, computed by another method.
-#[test]
-fn angles_lengths_and_ratios_agree_with_thirty_digits() {
-    const H: f64 = 1e-4;
+/// Exact values of the compared outputs after more travel: the length, and tangents of half the angles with the signs of
+/// the catalogue.
+fn exact_values(
+    truth: &Truth<'_>,
+    mechanism: &Mechanism,
+    design: &[Vector3<Dd>],
+    more: f64,
+) -> Vector3<Dd> {
+    let pose = truth.pose(design, more, 0.0);
+    let place = |id| super::truth::place(mechanism, design, &pose, id);
+    let u = |k: usize| {
+        let rocker = &mechanism.rockers[k];
+        let [a, b, i, o] =
+            [rocker.first, rocker.second, rocker.inner, rocker.outer].map(|p| design[p.0]);
+        let pushed = (b - a).cross(i - a).dot(i - o).sign();
+        half_tangent(mechanism, design, &pose, rocker) * pushed
+    };
+    let spring = mechanism.spring.unwrap();
+    let length = (place(spring.upper) - place(spring.lower)).norm();
+    Vector3::new(length, u(0), u(1))
+}
+
+/// Exact values and rates of the compared outputs.
+fn exact_curve(
+    truth: &Truth<'_>,
+    mechanism: &Mechanism,
+    design: &[Vector3<Dd>],
+) -> [Vector3<Dd>; 2] {
+    let values = |more: f64| exact_values(truth, mechanism, design, more);
+    [values(0.0), slope(PLACES.map(|k| values(k * H)), H)]
+}
+
+/// Exact derivatives of values and rates with respect to every coordinate.
+fn exact_slopes(
+    truth: &Truth<'_>,
+    mechanism: &Mechanism,
+    exact: &[Vector3<Dd>],
+) -> Vec<[Vector3<Dd>; 2]> {
+    let by_coordinate = |moved: usize| {
+        let curves = PLACES.map(|k| {
+            let mut design = exact.to_vec();
+            let mut p = design[moved / 3].to_array();
+            p[moved % 3] = p[moved % 3] + Dd::from(k * H);
+            design[moved / 3] = Vector3::from(p);
+            exact_curve(truth, mechanism, &design)
+        });
+        [0, 1].map(|order| slope(curves.map(|c| c[order]), H))
+    };
+    (0..3 * exact.len()).map(by_coordinate).collect()
+}
+
+/// tan(angle/2) of a Taylor series of an angle. A length stays a length.
+fn half(k: usize, jet: Jet<f64, 3>) -> Jet<f64, 3> {
+    match k {
+        0 => jet,
+        _ => {
+            let (sine, cosine) = jet.sin_cos();
+            sine / (Jet::constant(1.0) + cosine)
+        }
+    }
+}
+
+/// Series of the compared outputs.
+fn found_values(view: &WheelReading<3>, linearised: &Linearised<'_, 3>) -> [Jet<f64, 3>; 3] {
+    REPORTED.map(|c| view.value(&linearised.at, Quantity::Characteristic(c)))
+}
+
+/// Gradients of an output with respect to every hardpoint: of its value, and of its derivatives up to an order.
+fn found_gradients(
+    view: &WheelReading<3>,
+    linearised: &Linearised<'_, 3>,
+    c: C,
+    highest: usize,
+    points: usize,
+) -> Vec<Vec<Vector3<f64>>> {
+    let mut all = vec![vec![Vector3::default(); points]; highest + 1];
+    let mut buffer = vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); points];
+    view.gradients(
+        linearised,
+        Quantity::Characteristic(c),
+        highest,
+        &mut buffer,
+        &mut |order, PointId(p), g| all[order][p] = g,
+    );
+    all
+}
+
+/// Largest errors of angles and spring length.
+#[derive(Default, Debug)]
+struct AngleErrors {
+    values: Worst,
+    rates: Worst,
+    by_point: [Worst; 2],
+}
+
+impl AngleErrors {
+    fn compare_values(&mut self, found: &[Jet<f64, 3>; 3], wanted: [Vector3<Dd>; 2]) {
+        let scales = [200.0, 1.0, 1.0];
+        for (k, jet) in found.iter().enumerate() {
+            let jet = half(k, *jet);
+            let error = |found: f64, wanted: Vector3<Dd>| {
+                (Dd::from(found) - wanted.to_array()[k]).value() / scales[k]
+            };
+            self.values.note(error(jet[0], wanted[0]));
+            self.rates.note(100.0 * error(jet[1], wanted[1]));
+        }
+    }
+
+    /// Compares the gradients of the output `k` with exact derivatives.
+    fn compare_gradients(
+        &mut self,
+        k: usize,
+        found: &Jet<f64, 3>,
+        gradients: &[Vec<Vector3<f64>>],
+        wanted: &[[Vector3<Dd>; 2]],
+    ) {
+        let largest = |order: usize| {
+            let sizes = wanted.iter().map(|t| t[order].to_array()[k].value().abs());
+            sizes.fold(0.0, larger)
+        };
+        for (moved, wanted) in wanted.iter().enumerate() {
+            let (p, axis) = (moved / 3, moved % 3);
+            let [g, h] = [0, 1].map(|order| gradients[order][p].to_array()[axis]);
+            // With u = tan(a/2), the derivative of u with respect to a parameter p is u_p = (1 + u^2)
+            // a_p/2. The rate follows by one more derivative.
+            let found = match k {
+                0 => [g, h],
+                _ => {
+                    let u = half(k, *found);
+                    let s = 0.5 * (1.0 + u[0] * u[0]);
+                    [s * g, s * h + u[0] * u[1] * g]
+                }
+            };
+            for order in 0..2 {
+                let wanted = wanted[order].to_array()[k].value();
+                self.by_point[order].note((found[order] - wanted) / largest(order));
+            }
+        }
+    }
+}
+
+/// Variant with a random design at a random station.
+struct Solved<'a> {
+    /// Name of the variant.
+    name: &'a str,
+    suspension: &'a Suspension,
+    point: MotionPoint<f64>,
+    pose: &'a Pose<f64>,
+    view: &'a WheelReading<3>,
+    linearised: &'a Linearised<'a, 3>,
+}
+
+/// Linearises each variant at two random designs and stations, and passes the results on.
+fn for_each_variant(mut read: impl FnMut(Solved<'_>)) {
     let mut random = Random(24);
-    for (name, suspension) in variants() {
-        let mechanism = &suspension.mechanism;
-        let spring = mechanism.spring.unwrap();
-        let (mut values, mut rates) = (Worst::default(), Worst::default());
-        let (mut by_point, mut ratios) = ([Worst::default(); 2], Worst::default());
+    for (name, mut suspension) in variants() {
+        let nominal = suspension.design.clone();
         for _ in 0..2 {
-            let design = random.scattered(&suspension.design, 8.0);
-            let (value, rack) = (30.0 * random.signed(), 15.0 * random.signed());
-            let point = travel(value, rack);
-            let design_series = DesignSeries::<3>::new(mechanism, &design);
-            at(mechanism, &design, point, |solver, pose| {
+            suspension.design = random.scattered(&nominal, 8.0);
+            let point = travel(30.0 * random.signed(), 15.0 * random.signed());
+            let (mechanism, design) = (&suspension.mechanism, &suspension.design);
+            let design_series = DesignSeries::<3>::new(mechanism, design);
+            at(mechanism, design, point, |solver, pose| {
                 let linearised = solver
                     .linearised(&design_series, pose, &point.along_drive())
                     .unwrap();
                 let view = WheelReading::of(&linearised.at, Constants::of(&suspension));
-                let truth = Truth::around(mechanism, &design, pose, value, rack);
-                let exact: Vec<_> = design.iter().copied().map(lift).collect();
-                // Length, and tangents of half the angles with the signs of the catalogue.
-                let read = |design: &[Vector3<Dd>], more: f64| {
-                    let pose = truth.pose(design, more, 0.0);
-                    let place = |id| super::truth::place(mechanism, design, &pose, id);
-                    let u = |k: usize| {
-                        let rocker = &mechanism.rockers[k];
-                        let [a, b, i, o] =
-                            [rocker.first, rocker.second, rocker.inner, rocker.outer]
-                                .map(|p| design[p.0]);
-                        let pushed = (b - a).cross(i - a).dot(i - o).sign();
-                        half_tangent(mechanism, design, &pose, rocker) * pushed
-                    };
-                    let length = (place(spring.upper) - place(spring.lower)).norm();
-                    Vector3::new(length, u(0), u(1))
-                };
-                let curve = |design: &[Vector3<Dd>]| {
-                    [
-                        read(design, 0.0),
-                        slope(PLACES.map(|k| read(design, k * H)), H),
-                    ]
-                };
-                let [wanted, wanted_rate] = curve(&exact);
-                let scales = [200.0, 1.0, 1.0];
-                // tan(angle/2) of a Taylor series.
-                let half = |k: usize, jet: Jet<f64, 3>| match k {
-                    0 => jet,
-                    _ => {
-                        let (sine, cosine) = jet.sin_cos();
-                        sine / (Jet::constant(1.0) + cosine)
-                    }
-                };
-                let found: Vec<Jet<f64, 3>> = REPORTED
-                    .iter()
-                    .map(|c| view.value(&linearised.at, Quantity::Characteristic(*c)))
-                    .collect();
-                for (k, jet) in found.iter().enumerate() {
-                    let jet = half(k, *jet);
-                    let error = |found: f64, wanted: Vector3<Dd>| {
-                        (Dd::from(found) - wanted.to_array()[k]).value() / scales[k]
-                    };
-                    values.note(error(jet[0], wanted));
-                    rates.note(100.0 * error(jet[1], wanted_rate));
-                }
-
-                // Takes the derivative with respect to every coordinate.
-                let points = design.len();
-                let mut truths = Vec::new();
-                for moved in 0..3 * points {
-                    let curves = PLACES.map(|k| {
-                        let mut design = exact.clone();
-                        let mut p = design[moved / 3].to_array();
-                        p[moved % 3] = p[moved % 3] + Dd::from(k * H);
-                        design[moved / 3] = Vector3::from(p);
-                        curve(&design)
-                    });
-                    truths.push([0, 1].map(|order| slope(curves.map(|c| c[order]), H)));
-                }
-                let mut buffer = vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); points];
-                let mut gradient = |c: C, highest: usize| {
-                    let mut all = vec![vec![Vector3::default(); points]; highest + 1];
-                    let quantity = Quantity::Characteristic(c);
-                    view.gradients(
-                        &linearised,
-                        quantity,
-                        highest,
-                        &mut buffer,
-                        &mut |order, PointId(p), g| all[order][p] = g,
-                    );
-                    all
-                };
-                for (k, c) in REPORTED.into_iter().enumerate() {
-                    let all = gradient(c, 1);
-                    let largest = |order: usize| {
-                        let sizes = truths.iter().map(|t| t[order].to_array()[k].value().abs());
-                        sizes.fold(0.0, larger)
-                    };
-                    for (moved, truth) in truths.iter().enumerate() {
-                        let (p, axis) = (moved / 3, moved % 3);
-                        let [g, h] = [0, 1].map(|order| all[order][p].to_array()[axis]);
-                        // With u = tan(a/2), the derivative of u with respect to a parameter p is u_p = (1 + u^2)
-                        // a_p/2. The rate follows by one more derivative.
-                        let found = match k {
-                            0 => [g, h],
-                            _ => {
-                                let u = half(k, found[k]);
-                                let s = 0.5 * (1.0 + u[0] * u[0]);
-                                [s * g, s * h + u[0] * u[1] * g]
-                            }
-                        };
-                        for order in 0..2 {
-                            let wanted = truth[order].to_array()[k].value();
-                            by_point[order].note((found[order] - wanted) / largest(order));
-                        }
-                    }
-                }
-
-                // The drive is the travel, so the wheel centre rises by 1 per unit of the drive in every design. Rates
-                // along the drive are therefore motion ratios.
-                for (ratio, of, sign) in [
-                    (C::MotionRatio, 0, -1.0),
-                    (C::AntiRollBarMotionRatio, 2, 1.0),
-                ] {
-                    let jet = view.value(&linearised.at, Quantity::Characteristic(ratio));
-                    let scale = found[of][1].abs();
-                    ratios.note((jet[0] - sign * found[of][1]) / scale);
-                    ratios.note((jet[1] - sign * 2.0 * found[of][2]) / scale);
-                    let rate = gradient(REPORTED[of], 1);
-                    let own = gradient(ratio, 0);
-                    let largest = rate[1].iter().map(|g| g.norm()).fold(0.0, larger);
-                    for (a, b) in own[0].iter().zip(&rate[1]) {
-                        ratios.note((*a - *b * sign).norm() / largest);
-                    }
-                }
+                read(Solved {
+                    name,
+                    suspension: &suspension,
+                    point,
+                    pose,
+                    view: &view,
+                    linearised: &linearised,
+                });
             })
             .unwrap()
             .unwrap();
         }
-        println!(
-            "{name}: values {:.1e}, rates {:.1e}, sensitivities {:.1e} and {:.1e}, ratios {:.1e}",
-            values.0, rates.0, by_point[0].0, by_point[1].0, ratios.0
-        );
+    }
+}
+
+/// Compares angles and spring length with thirty digits: values, rates, and the sensitivities of values and rates to
+/// every hardpoint.
+#[test]
+fn angles_and_lengths_agree_with_thirty_digits() {
+    for_each_variant(|solved| {
+        let Solved {
+            name,
+            suspension,
+            point,
+            pose,
+            view,
+            linearised,
+        } = solved;
+        let (mechanism, design) = (&suspension.mechanism, &suspension.design);
+        let mut errors = AngleErrors::default();
+        let truth = Truth::around(mechanism, design, pose, point.value, point.rack);
+        let exact: Vec<_> = design.iter().copied().map(lift).collect();
+        let found = found_values(view, linearised);
+        errors.compare_values(&found, exact_curve(&truth, mechanism, &exact));
+        let wanted = exact_slopes(&truth, mechanism, &exact);
+        for (k, c) in REPORTED.into_iter().enumerate() {
+            let gradients = found_gradients(view, linearised, c, 1, design.len());
+            errors.compare_gradients(k, &found[k], &gradients, &wanted);
+        }
+        println!("{name}: {errors:?}");
+        let AngleErrors {
+            values,
+            rates,
+            by_point,
+        } = errors;
         assert!(values.0 < 1e-13 && rates.0 < 1e-11, "{name}");
         assert!(by_point.iter().all(|e| e.0 < 1e-10), "{name}: {by_point:?}");
+    });
+}
+
+/// The motion ratios are the rates of spring length and bar angle, computed by another method. The drive is the travel,
+/// so the wheel centre rises by 1 per unit of the drive in every design.
+#[test]
+fn motion_ratios_are_rates() {
+    for_each_variant(|solved| {
+        let Solved {
+            name,
+            view,
+            linearised,
+            ..
+        } = solved;
+        let points = solved.suspension.design.len();
+        let found = found_values(view, linearised);
+        let mut ratios = Worst::default();
+        for (ratio, of, sign) in [
+            (C::MotionRatio, 0, -1.0),
+            (C::AntiRollBarMotionRatio, 2, 1.0),
+        ] {
+            let jet = view.value(&linearised.at, Quantity::Characteristic(ratio));
+            let scale = found[of][1].abs();
+            ratios.note((jet[0] - sign * found[of][1]) / scale);
+            ratios.note((jet[1] - sign * 2.0 * found[of][2]) / scale);
+            let rate = found_gradients(view, linearised, REPORTED[of], 1, points);
+            let own = found_gradients(view, linearised, ratio, 0, points);
+            let largest = rate[1].iter().map(|g| g.norm()).fold(0.0, larger);
+            for (a, b) in own[0].iter().zip(&rate[1]) {
+                ratios.note((*a - *b * sign).norm() / largest);
+            }
+        }
+        println!("{name}: {ratios:?}");
         assert!(ratios.0 < 1e-11, "{name}: {ratios:?}");
-    }
+    });
 }
 
 /// The lower arm is in equilibrium about its hinge, under the forces of pushrod and ball joint. The rocker is in

@@ -9,7 +9,7 @@ use crate::support::larger;
 use crate::support::quadratics::{Quadratics, design_pose};
 use hardpoint::bench::DoubleDouble as Dd;
 use hardpoint::characteristics::{Constants, Quantity, WheelReading};
-use hardpoint::derive::DesignSeries;
+use hardpoint::derive::{DesignSeries, Linearised};
 use hardpoint::mechanism::{Failure, Pose};
 use hardpoint::model::{Axis, Body, Mechanism, PointId, Rocker};
 use hardpoint::number::{Jet, Matrix3, Scalar, Vector3};
@@ -233,10 +233,6 @@ impl Errors {
             let truth = Truth::around(mechanism, design, pose, value, rack);
             let exact: Vec<_> = design.iter().copied().map(lift).collect();
             let curve = truth.curve(&exact, &points);
-            let largest = |curve: &[[Vector3<Dd>; 3]], order: usize| {
-                let sizes = curve.iter().map(|c| c[order].map(|v| v.value()).norm());
-                sizes.fold(0.0, larger)
-            };
             for (id, wanted) in points.iter().zip(&curve) {
                 for axis in Axis::ALL {
                     let found = view.value(&linearised.at, Quantity::Coordinate(*id, axis));
@@ -252,45 +248,8 @@ impl Errors {
                     }
                 }
             }
-            if !sensitivities {
-                return;
-            }
-            let mut wanted = Vec::new();
-            for hardpoint in 0..design.len() {
-                for axis in 0..3 {
-                    let moved = |by: f64| {
-                        let mut design = exact.clone();
-                        let mut p = design[hardpoint].to_array();
-                        p[axis] = p[axis] + Dd::from(by);
-                        design[hardpoint] = Vector3::from(p);
-                        truth.curve(&design, &points)
-                    };
-                    let moved = PLACES.map(|k| moved(k * H));
-                    let slopes: Vec<[Vector3<Dd>; 3]> = (0..points.len())
-                        .map(|i| from_fn(|order| slope(from_fn(|k| moved[k][i][order]), H)))
-                        .collect();
-                    wanted.push(slopes);
-                }
-            }
-            let scale: [f64; 3] =
-                from_fn(|order| wanted.iter().map(|w| largest(w, order)).fold(0.0, larger));
-            let mut buffer = vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); design.len()];
-            for (k, id) in points.iter().enumerate() {
-                for axis in Axis::ALL {
-                    view.gradients(
-                        &linearised,
-                        Quantity::Coordinate(*id, axis),
-                        2,
-                        &mut buffer,
-                        &mut |order, PointId(p), gradient| {
-                            for (by, found) in gradient.to_array().into_iter().enumerate() {
-                                let wanted = wanted[3 * p + by][k][order].to_array()[axis as usize];
-                                self.sensitivities[order]
-                                    .note((found - wanted.value()) / scale[order]);
-                            }
-                        },
-                    );
-                }
+            if sensitivities {
+                self.check_sensitivities(&truth, &exact, &points, &view, &linearised);
             }
         });
         match read {
@@ -306,4 +265,57 @@ impl Errors {
             }
         }
     }
+
+    /// Compares the gradients of points, and of their derivatives, with difference quotients of exact curves.
+    fn check_sensitivities(
+        &mut self,
+        truth: &Truth<'_>,
+        exact: &[Vector3<Dd>],
+        points: &[PointId],
+        view: &WheelReading<3>,
+        linearised: &Linearised<'_, 3>,
+    ) {
+        let mut wanted = Vec::new();
+        for hardpoint in 0..exact.len() {
+            for axis in 0..3 {
+                let moved = |by: f64| {
+                    let mut design = exact.to_vec();
+                    let mut p = design[hardpoint].to_array();
+                    p[axis] = p[axis] + Dd::from(by);
+                    design[hardpoint] = Vector3::from(p);
+                    truth.curve(&design, points)
+                };
+                let moved = PLACES.map(|k| moved(k * H));
+                let slopes: Vec<[Vector3<Dd>; 3]> = (0..points.len())
+                    .map(|i| from_fn(|order| slope(from_fn(|k| moved[k][i][order]), H)))
+                    .collect();
+                wanted.push(slopes);
+            }
+        }
+        let scale: [f64; 3] =
+            from_fn(|order| wanted.iter().map(|w| largest(w, order)).fold(0.0, larger));
+        let mut buffer = vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); exact.len()];
+        for (k, id) in points.iter().enumerate() {
+            for axis in Axis::ALL {
+                view.gradients(
+                    linearised,
+                    Quantity::Coordinate(*id, axis),
+                    2,
+                    &mut buffer,
+                    &mut |order, PointId(p), gradient| {
+                        for (by, found) in gradient.to_array().into_iter().enumerate() {
+                            let wanted = wanted[3 * p + by][k][order].to_array()[axis as usize];
+                            self.sensitivities[order].note((found - wanted.value()) / scale[order]);
+                        }
+                    },
+                );
+            }
+        }
+    }
+}
+
+/// Largest position of several points, or their largest derivative of an order.
+fn largest(curve: &[[Vector3<Dd>; 3]], order: usize) -> f64 {
+    let sizes = curve.iter().map(|c| c[order].map(|v| v.value()).norm());
+    sizes.fold(0.0, larger)
 }

@@ -3,8 +3,8 @@
 use super::*;
 
 /// The Pareto front of two targets of a strut has at least forty points. No point dominates another. Each point is within its
-/// ranges. The amounts of the middle point are those of its design. For four of five points, the ratio of the weights is the
-/// slope of the front.
+/// ranges. The amounts of the middle point equal the amounts of its design. For four of five points, the ratio of the weights
+/// is the slope of the front.
 #[test]
 fn a_front_of_two_targets_is_traced() {
     let goals = "optimise.front=[\"camber\", \"kingpin_inclination\"]";

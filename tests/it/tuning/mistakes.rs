@@ -68,7 +68,7 @@ fn mistakes_in_shafts_and_rims_are_refused() {
         ),
     ] {
         let constraint = format!("optimise.constraints=[{constraint}]");
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_front.toml");
+        let path = crate::support::studies().join("macpherson_front.toml");
         let overrides = [inner.to_owned(), outer.to_owned(), constraint.clone()];
         let said = match Study::read(&path, &overrides) {
             Ok(_) => panic!("{constraint}"),

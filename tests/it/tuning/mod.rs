@@ -26,7 +26,6 @@ use hardpoint::optimise::{
     front, moved_design, price_list, tune,
 };
 use hardpoint::study::{Interpolation, Optimise, Study, Target, Variable, Wanted};
-use std::path::Path;
 
 /// Six coordinates of a strut that camber and kingpin curves determine.
 const SIX: &str = "optimise.variables=[\
@@ -141,11 +140,7 @@ fn only_the_proportion_of_weights_matters() {
 
 /// Reads a study file with some overrides.
 fn edited(file: &str, overrides: &[&str]) -> Study {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("studies")
-        .join(file);
-    let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
-    Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"))
+    crate::support::study(file, overrides)
 }
 
 /// Drive shaft joints of the strut or the wishbone.
@@ -376,9 +371,7 @@ fn forces_under_loads_are_tuned_and_held() {
     let worst = -200.0 + 10.0 * best.after.targets[0].worst;
     assert!((after - worst).abs() < 1e-6, "{after} {worst}");
     assert!(best.constraints[0].margin > -1e-3, "{:?}", best.constraints);
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("studies")
-        .join(file);
+    let path = crate::support::studies().join(file);
     for (edits, wanted) in [
         (vec![targets], "this study has no loads"),
         (

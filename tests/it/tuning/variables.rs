@@ -10,7 +10,7 @@ fn points_moved_together_come_back() {
         { hardpoints = [\"lower_arm_front\", \"lower_arm_rear\"], axis = \"z\", range = [-30.0, 30.0] },
         { hardpoints = [\"lower_arm_front\", \"lower_arm_rear\"], factors = [1.0, -0.5], axis = \"z\", range = [-30.0, 30.0] },
         { hardpoint = \"tie_rod_inner\", axis = \"y\", range = [-30.0, 30.0] }]";
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_front.toml");
+    let path = crate::support::studies().join("macpherson_front.toml");
     let study = Study::read(&path, &[variables.to_owned()]).unwrap_or_else(|e| panic!("{e}"));
     let optimise = planted(&study);
     assert_eq!(optimise.variables[1].name, "lower_arm_front+lower_arm_rear");
@@ -52,7 +52,7 @@ fn a_variable_along_a_direction_is_its_coordinates_together() {
             "optimise.variables=[{variable}, \
              {{ hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-20.0, 20.0] }}]"
         );
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_front.toml");
+        let path = crate::support::studies().join("macpherson_front.toml");
         let travel = "motion.travel={ from = -60.0, to = 60.0, steps = 5 }".to_owned();
         Study::read(&path, &[variables, travel])
     };

@@ -24,9 +24,7 @@ fn signal(process: &Child, name: &str) {
 }
 
 fn sample(bench: &Bench, name: &str) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("studies")
-        .join(name);
+    let path = crate::support::studies().join(name);
     fs::copy(path, bench.path(name)).unwrap();
 }
 
@@ -227,8 +225,7 @@ fn an_interrupted_map_keeps_its_finished_rows() {
 #[test]
 fn an_interrupted_sweep_of_a_car_keeps_its_parts() {
     let bench = Bench::new();
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/car.toml");
-    let text = fs::read_to_string(path).unwrap();
+    let text = crate::support::sample("car.toml");
     let part = |from: &str, to: &str| &text[text.find(from).unwrap()..text.find(to).unwrap()];
     // Omits the load cases, so that the car has only its static position.
     let few = "[outputs]\ncharacteristics = [\"roll\"]\n";

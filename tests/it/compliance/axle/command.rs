@@ -99,7 +99,13 @@ fn kc_tests_both_wheels_of_an_axle() {
         .collect();
     assert!(states.contains(&"connected") && states.contains(&"disconnected"));
 
-    // The loads of the secant are symmetric about the load of the derivative, so both slopes are nearly equal.
+    assert_secants_are_near_derivatives(&figures);
+    assert_levels_have_numbers(&rows(&directory.path().join("kc/levels.csv")));
+    assert_is_symmetric(&rows(&directory.path().join("kc/compliance_matrix.csv")));
+}
+
+/// The loads of the secant are symmetric about the load of the derivative, so both slopes are nearly equal.
+fn assert_secants_are_near_derivatives(figures: &[BTreeMap<String, String>]) {
     let secants = figures
         .iter()
         .filter(|row| !row["secant"].is_empty() && row["quantity"] == "toe_by_lateral_force");
@@ -111,8 +117,9 @@ fn kc_tests_both_wheels_of_an_axle() {
             "{value} {secant}"
         );
     }
+}
 
-    let levels = rows(&directory.path().join("kc/levels.csv"));
+fn assert_levels_have_numbers(levels: &[BTreeMap<String, String>]) {
     let level = levels
         .iter()
         .find(|row| row["load"] == "lateral" && row["mode"] == "single" && row["level"] == "5");
@@ -129,8 +136,10 @@ fn kc_tests_both_wheels_of_an_axle() {
             .parse::<f64>()
             .unwrap_or_else(|_| panic!("{column}"));
     }
+}
 
-    let matrix = rows(&directory.path().join("kc/compliance_matrix.csv"));
+/// The compliance matrix of both wheels is symmetric.
+fn assert_is_symmetric(matrix: &[BTreeMap<String, String>]) {
     assert_eq!(matrix.len(), 12);
     let names = ["fx", "fy", "fz", "mx", "my", "mz"];
     let names: Vec<String> = ["left_", "right_"]

@@ -11,7 +11,6 @@ use hardpoint::curves::Curves;
 use hardpoint::optimise::{Control, TargetLayout, assessed_at, tune};
 use hardpoint::study::{Study, Wanted};
 use hardpoint::sweep::SweepPlan;
-use std::path::Path;
 
 const MOTION: &str = "[motion]\ntravel_left = [-30.0, 0.0]\ntravel_right = [0.0, 30.0]\n[outputs]\n\
                       characteristics = [\"pinion_angle\", \"axle_lateral\", \"steer_by_roll\", \"link_roll_stiffness\", \"panhard_tension\"]\n";
@@ -161,7 +160,7 @@ fn the_template_runs_in_all_commands() {
     let here = directory.path();
     let new = hardpoint(&["new", "solid_axle", "--with", "five_links"], here);
     assert_eq!(new.status.code(), Some(0));
-    let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/solid_axle_five_links.toml");
+    let sample = crate::support::studies().join("solid_axle_five_links.toml");
     let body = |text: &str| {
         text.lines()
             .filter(|l| !l.starts_with('#'))
@@ -241,9 +240,7 @@ fn the_schema_knows_the_figures() {
         "subframe_axle_compliance.toml",
     ];
     for name in samples {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-            .join("studies")
-            .join(name);
+        let path = crate::support::studies().join(name);
         let study = elastic(&std::fs::read_to_string(path).unwrap());
         let axle = &study.axle().unwrap().axle;
         assert!(axle.figures().len() > 30);

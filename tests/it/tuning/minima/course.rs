@@ -183,7 +183,7 @@ fn times_of_six_hundred_designs() {
 }
 
 /// For at least 99 % of six hundred random designs, the multipliers balance the gradient to a millionth. The median
-/// number of evaluations is at most a fifth of that of `slsqp`.
+/// number of evaluations is at most a fifth of the median number of `slsqp`.
 #[test]
 #[ignore = "six hundred problems by two methods"]
 fn multipliers_of_six_hundred_designs_balance() {

@@ -8,217 +8,22 @@
 //! an independent continuation in small steps. A station with status `ok` has a certificate, and its pose is the one that
 //! the small steps reach.
 
+mod trial;
+
 use crate::support::larger;
-use crate::support::random::Random;
 use crate::support::small_steps::SmallSteps;
-use hardpoint::characteristics::Characteristic;
-use hardpoint::curves::{Curves, Proof, Status, curves};
+use hardpoint::curves::{Curves, Proof, Station, Status, curves};
 use hardpoint::derive::MotionPoint;
-use hardpoint::mechanism::LimitCause;
-use hardpoint::mechanism::{DesignFault, Failure, Pose};
-use hardpoint::model::{
-    Constraint, Drive, Frame, FrameConvention, LengthUnit, Mechanism, Side, Suspension, Topology,
-    VehicleFigures,
-};
+use hardpoint::mechanism::{DesignFault, Failure, LimitCause, Pose};
+use hardpoint::model::Constraint;
 use hardpoint::number::Vector3;
-use hardpoint::plan::Plan;
 use hardpoint::solve::{Solver, StationOrder};
-use hardpoint::study::{self, Formulation, Motion, Order, Outputs, WheelStudy};
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 use std::ops::{ControlFlow, Range};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
-
-const POINTS: [(&str, [f64; 3]); 10] = [
-    ("lower_arm_front", [0.12, 0.36, 0.195]),
-    ("lower_arm_rear", [-0.26, 0.35, 0.205]),
-    ("lower_ball_joint", [0.005, 0.705, 0.19]),
-    ("strut_top", [-0.035, 0.575, 0.85]),
-    ("strut_lower", [-0.011, 0.623, 0.37]),
-    ("strut_upper", [-0.017, 0.611, 0.49]),
-    ("tie_rod_inner", [-0.11, 0.33, 0.243]),
-    ("tie_rod_outer", [-0.13, 0.69, 0.24]),
-    ("wheel_centre", [0.0, 0.76, 0.3]),
-    ("spindle_inner", [-0.0002, 0.66, 0.2991]),
-];
-
-struct Trial {
-    mechanism: Mechanism,
-    design: Vec<Vector3<f64>>,
-    drive: Drive,
-    values: Vec<f64>,
-    rack: f64,
-    /// True if the design has no degenerate change.
-    ordinary: bool,
-}
-
-fn trial(number: u64) -> Trial {
-    let random = &mut Random(number);
-    let scatter = [0.02, 0.08, 0.2, 0.6][random.below(4)];
-    let mut points = POINTS.map(|(_, p)| p.map(|c| c + scatter * random.signed()));
-    let ordinary = random.chance(2);
-    if !ordinary {
-        for _ in 0..=random.below(3) {
-            degrade(&mut points, random);
-        }
-    }
-    let mut scale = 1.0;
-    if !ordinary && random.chance(3) {
-        scale = 10f64.powi(random.below(13) as i32 - 6);
-        points = points.map(|p| p.map(|c| c * scale));
-    }
-    if !ordinary && random.chance(6) {
-        let away = [0, 1, 2].map(|_| 1e4 * scale * random.signed());
-        for p in &mut points {
-            for (c, a) in p.iter_mut().zip(away) {
-                *c += a;
-            }
-        }
-    }
-    let topology = Topology::named("macpherson").unwrap();
-    let with_upper = !random.chance(4);
-    let given: Vec<&str> = topology
-        .hardpoints
-        .iter()
-        .map(|h| h.name)
-        .filter(|n| with_upper || *n != "strut_upper")
-        .collect();
-    let mechanism = (topology.build)(topology, &given);
-    let design = mechanism
-        .points
-        .iter()
-        .map(|p| POINTS.iter().position(|(n, _)| *n == p.name).unwrap())
-        .map(|k| Vector3::from(points[k]))
-        .collect();
-    let drive = if random.chance(4) {
-        Drive::ArmAngle
-    } else {
-        Drive::Travel
-    };
-    let reach = match drive {
-        Drive::Travel => [0.05, 0.1, 0.3][random.below(3)] * scale,
-        Drive::ArmAngle => [0.2, 0.5, 3.1][random.below(3)],
-    };
-    let values = (0..2 + random.below(5))
-        .map(|_| reach * random.signed())
-        .collect();
-    let rack = if random.chance(4) {
-        0.1 * scale * random.signed()
-    } else {
-        0.0
-    };
-    Trial {
-        mechanism,
-        design,
-        drive,
-        values,
-        rack,
-        ordinary,
-    }
-}
-
-impl Trial {
-    fn suspension(&self) -> Suspension {
-        Suspension {
-            mechanism: self.mechanism.clone(),
-            design: self.design.clone(),
-            frame: Frame::new(FrameConvention::Iso8855, Side::Left),
-            length_unit: LengthUnit::Metre,
-            wheel_radius: None,
-            tyre_width: None,
-            rim_diameter: None,
-            vehicle: VehicleFigures::default(),
-        }
-    }
-
-    /// Plan of outputs: angles and positions with their rates, sensitivities to the strut's mount, and a certificate of
-    /// each pose.
-    fn plan(&self, suspension: &Suspension) -> Plan {
-        let point = |name: &str| self.mechanism.point(name).unwrap();
-        Plan::of(&WheelStudy {
-            suspension: suspension.clone(),
-            motion: Motion {
-                drive: match self.drive {
-                    Drive::Travel => study::Drive::Travel,
-                    Drive::ArmAngle => study::Drive::ArmAngle,
-                },
-                values: self.values.clone(),
-                rack: vec![self.rack],
-                rack_moves: false,
-                time: None,
-            },
-            formulation: Formulation::KnucklePose,
-            outputs: Outputs {
-                characteristics: vec![
-                    Characteristic::Camber,
-                    Characteristic::Toe,
-                    Characteristic::KingpinInclination,
-                ],
-                points: vec![point("lower_ball_joint"), point("tie_rod_outer")],
-                knuckle: false,
-                order: Order::Velocity,
-                sensitivities: vec![point("strut_top")],
-                certify: true,
-                measures: Vec::new(),
-                figures: Vec::new(),
-                loads: Vec::new(),
-            },
-            compliance: None,
-        })
-    }
-}
-
-#[allow(
-    clippy::needless_range_loop,
-    reason = "several points are read and one is written, coordinate by coordinate"
-)]
-fn degrade(points: &mut [[f64; 3]; 10], random: &mut Random) {
-    let (a, b, c) = (random.below(10), random.below(10), random.below(10));
-    let tiny = [0.0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-3][random.below(6)];
-    let t = 2.0 * random.signed();
-    match random.below(8) {
-        // Points that coincide, or nearly coincide.
-        0 => points[a] = points[b].map(|v| v + tiny * random.signed()),
-        // A point on a line with two others.
-        1 => {
-            for k in 0..3 {
-                points[a][k] =
-                    points[b][k] + t * (points[c][k] - points[b][k]) + tiny * random.signed();
-            }
-        }
-        // A point in a coordinate plane with another.
-        2 => points[a][b % 3] = points[c][b % 3] + tiny * random.signed(),
-        // All points in one plane.
-        3 => points
-            .iter_mut()
-            .for_each(|p| p[a % 3] = 0.3 + tiny * random.signed()),
-        // The strut along a coordinate axis.
-        4 => {
-            for k in (0..3).filter(|k| k != &(a % 3)) {
-                points[4][k] = points[3][k] + tiny * random.signed();
-                points[5][k] = points[3][k] + tiny * random.signed();
-            }
-        }
-        // The tie rod's outer end in the plane of the steering axis and the inner end.
-        5 => {
-            for k in 0..3 {
-                points[7][k] = points[2][k]
-                    + t * (points[3][k] - points[2][k])
-                    + 0.3 * (points[6][k] - points[2][k])
-                    + tiny * random.signed();
-            }
-        }
-        // Strut points close together.
-        6 => {
-            for k in 0..3 {
-                points[5][k] = points[4][k] + tiny * (points[3][k] - points[4][k]);
-            }
-        }
-        // Integer coordinates.
-        _ => points.iter_mut().for_each(|p| *p = p.map(f64::round)),
-    }
-}
+use trial::{Trial, trial};
 
 #[derive(Default, Debug)]
 struct Tally {
@@ -338,7 +143,6 @@ fn examine(number: u64, tally: &mut Tally) {
             value: *value,
             rack: trial.rack,
         };
-        let station = &certified.stations[k];
         match found.as_ref().expect("every station is visited") {
             Ok(pose) => {
                 tally.solved += 1;
@@ -356,49 +160,75 @@ fn examine(number: u64, tally: &mut Tally) {
                     Some(_) => tally.proved += 1,
                     None => tally.ordinary_unproved += trial.ordinary as usize,
                 }
-                match (small_steps.follow(&point), proof) {
-                    // Both poses differ from a solution by rounding errors only, and the certificate allows only one solution so
-                    // close. So both poses belong to the same solution.
-                    (Some(slow), Some(proof)) => {
-                        let apart = apart(pose, &slow, size);
-                        assert!(apart <= proof.uniqueness, "{number}: {apart:e} {proof:?}");
-                        tally.followed += 1;
-                    }
-                    (None, Some(_)) => tally.lost += 1,
-                    (Some(slow), None) => {
-                        let same = apart(pose, &slow, size) <= 1e-6 * size;
-                        // A degenerate design may have another assembly within a millionth of the suspension size. Only a
-                        // certificate can distinguish them.
-                        assert!(same || !trial.ordinary, "{number}");
-                        tally.parted += !same as usize;
-                    }
-                    (None, None) => (),
-                }
+                let slow = small_steps.follow(&point);
+                let apart = slow.map(|slow| apart(pose, &slow, size));
+                compare_with_small_steps(number, &trial, apart, proof, size, tally);
             }
             Err(failure) => {
-                assert!(!failure.to_string().is_empty());
-                assert_eq!(
-                    station.status,
-                    Status::Failed((*failure).into()),
-                    "{number}"
-                );
-                assert!(station.proof.is_none() && station.values.iter().all(Result::is_err));
-                let (limit, asked, cause) = match failure {
-                    Failure::Unreachable { limit, cause, .. } => (limit, value, cause),
-                    Failure::RackUnreachable { limit, cause } => (limit, &trial.rack, cause),
-                    other => panic!("{number} {other}"),
-                };
-                assert!(
-                    limit.is_finite() && limit.abs() <= asked.abs(),
-                    "{number} {failure:?} {asked}"
-                );
-                tally.unreachable += 1;
-                let unresolved = *cause == LimitCause::Unresolved;
-                tally.unresolved += unresolved as usize;
-                tally.ordinary_unresolved += (unresolved && trial.ordinary) as usize;
+                let station = &certified.stations[k];
+                examine_failure(number, &trial, *value, failure, station, tally);
             }
         }
     }
+}
+
+/// Compares a pose with the one that small steps reach. `apart` is the distance of the two poses, if small steps reach one.
+fn compare_with_small_steps(
+    number: u64,
+    trial: &Trial,
+    apart: Option<f64>,
+    proof: Option<Proof>,
+    size: f64,
+    tally: &mut Tally,
+) {
+    match (apart, proof) {
+        // Both poses differ from a solution by rounding errors only, and the certificate allows only one solution so
+        // close. So both poses belong to the same solution.
+        (Some(apart), Some(proof)) => {
+            assert!(apart <= proof.uniqueness, "{number}: {apart:e} {proof:?}");
+            tally.followed += 1;
+        }
+        (None, Some(_)) => tally.lost += 1,
+        (Some(apart), None) => {
+            let same = apart <= 1e-6 * size;
+            // A degenerate design may have another assembly within a millionth of the suspension size. Only a
+            // certificate can distinguish them.
+            assert!(same || !trial.ordinary, "{number}");
+            tally.parted += !same as usize;
+        }
+        (None, None) => (),
+    }
+}
+
+/// Checks a station without a pose: the program gives a reason, a limit before the requested value, and no values.
+fn examine_failure(
+    number: u64,
+    trial: &Trial,
+    value: f64,
+    failure: &Failure,
+    station: &Station,
+    tally: &mut Tally,
+) {
+    assert!(!failure.to_string().is_empty());
+    assert_eq!(
+        station.status,
+        Status::Failed((*failure).into()),
+        "{number}"
+    );
+    assert!(station.proof.is_none() && station.values.iter().all(Result::is_err));
+    let (limit, asked, cause) = match failure {
+        Failure::Unreachable { limit, cause, .. } => (limit, value, cause),
+        Failure::RackUnreachable { limit, cause } => (limit, trial.rack, cause),
+        other => panic!("{number} {other}"),
+    };
+    assert!(
+        limit.is_finite() && limit.abs() <= asked.abs(),
+        "{number} {failure:?} {asked}"
+    );
+    tally.unreachable += 1;
+    let unresolved = *cause == LimitCause::Unresolved;
+    tally.unresolved += unresolved as usize;
+    tally.ordinary_unresolved += (unresolved && trial.ordinary) as usize;
 }
 
 /// Checks a study with `certify = true` at a station with a pose. The program must give the values of this pose and a

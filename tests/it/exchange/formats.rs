@@ -200,7 +200,11 @@ fn workbooks_of_optimum_kinematics_are_read() {
         ..Said::default()
     };
     let read = imported(&path, "double_wishbone", &said).unwrap();
-    assert!(read.notes.join(" ").contains("Rear Suspension"));
+    assert!(
+        read.notes
+            .texts()
+            .any(|note| note.contains("Rear Suspension"))
+    );
 }
 
 /// Part of a suspension of Project Chrono with its locations.

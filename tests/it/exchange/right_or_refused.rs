@@ -145,7 +145,7 @@ fn axles_are_never_mixed() {
         rows(&FRONT, |name| format!("Front {name}"))
     );
     let read = of("points.csv", &text, &Said::default()).unwrap();
-    assert!(read.notes.iter().any(|note| note.contains("axle: front")));
+    assert!(read.notes.texts().any(|note| note.contains("axle: front")));
     let rear = Said {
         axle: Some(AxlePosition::Rear),
         ..Said::default()
@@ -410,7 +410,7 @@ fn static_angles_have_the_sign_of_their_tool() {
         assert_eq!(read.static_camber, Some(camber), "{line}");
         let is_reported = read
             .notes
-            .iter()
+            .texts()
             .any(|n| n.starts_with("static_camber: -1.0 deg"));
         assert_eq!(is_reported, camber < 0.0 && line.contains(",1,"), "{line}");
     }
@@ -698,7 +698,7 @@ fn the_other_wheel_is_the_mirror_image() {
     let left = of("points.csv", &sheet, &said).unwrap();
     assert_eq!(left.side, Side::Left);
     let note = "points taken from the right wheel and mirrored: all points";
-    assert!(left.notes.iter().any(|n| n == note), "{:?}", left.notes);
+    assert!(left.notes.texts().any(|n| n == note), "{:?}", left.notes);
     for (own, mirrored) in right.hardpoints.iter().zip(&left.hardpoints) {
         let [x, y, z] = own.position;
         assert_eq!(mirrored.position, [x, -y, z]);
@@ -739,8 +739,8 @@ fn a_half_track_beside_the_points_is_compared() {
     let with = |line: &str| {
         let text = format!("name,x,y,z\n{}{line}\n", rows(&FRONT, str::to_owned));
         let read = of("points.csv", &text, &Said::default()).unwrap();
-        let differs = |note: &String| note.contains("half track of the file");
-        read.notes.iter().any(differs)
+        let differs = |note: &str| note.contains("half track of the file");
+        read.notes.texts().any(differs)
     };
     for (line, differs) in [
         ("half track,500,,", true),
@@ -789,6 +789,7 @@ fn the_other_axle_suggests_no_topology() {
         .map(|line| line.split_once(',').unwrap().1.to_owned() + "\n")
         .collect();
     let read = of("points.csv", &one, &Said::default());
-    let said = read.unwrap().notes.join(" ");
+    let read = read.unwrap();
+    let said = read.notes.texts().collect::<Vec<_>>().join(" ");
     assert!(said.contains("--topology five_link"), "{said}");
 }

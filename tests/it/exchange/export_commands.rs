@@ -90,7 +90,7 @@ fn a_rounded_workbook_has_the_curves_of_its_points() {
                         assert!((x / step - (x / step).round()).abs() < 1e-9, "{x}");
                     }
                     let place = Vector3::from(written);
-                    let place = place.map(|x| suspension.length_unit.convert(x, unit));
+                    let place = place.map(|x| suspension.length_unit.convert_decimal(x, unit));
                     let place = suspension.frame.vector(place);
                     moved += usize::from(place != suspension.design[n]);
                     // A coordinate that does not change keeps its bits.

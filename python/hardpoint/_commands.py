@@ -178,7 +178,7 @@ def export(
     design: int | None = None,
     unit: str | None = None,
     frame: str | None = None,
-    round: float | None = None,
+    round: float | str | None = None,
     round_all: bool = False,
     curves: bool = False,
     names: str | None = None,
@@ -191,9 +191,9 @@ def export(
     """Writes a study or a run to the file `out` for other tools, in a `unit` and a `frame`. Returns a line for each loss or
     omission. `to` is "csv", "xlsx", "adams", "optimumk", "assetto", "dxf", "stl", "bus" or "toml"; the default follows the
     ending of the file name (`.sub` is Adams/Car, `.ini` is Assetto Corsa, `.bus` is a bushing's property file). `into` is a
-    subsystem file; its copy receives the points. `design` is the number of a design of a sweep (from 0), and `round` is a length.
-    `curves` and `names` ("adams", "altair") apply to "csv". `travel`, `rack` (as "-30..30") and `grow` apply to "stl", and
-    `bushing` (its hardpoint) to "bus"."""
+    subsystem file; its copy receives the points. `design` is the number of a design of a sweep (from 0). `round` is a length in
+    the unit of the file, or with its unit ("0.5mm"). `curves` and `names` ("adams", "altair") apply to "csv". `travel`, `rack`
+    (as "-30..30") and `grow` apply to "stl", and `bushing` (its hardpoint) to "bus"."""
     ending = Path(out).suffix.lower().removeprefix(".")
     kind = to or {"sub": "adams", "ini": "assetto"}.get(ending, ending)
     if not kind:

@@ -124,22 +124,22 @@ fn open(arguments: &CurveArguments, study: &CarStudy, command: &str) -> Result<O
 /// Names of the three studies stored with the results: the car, its front axle and its rear axle.
 pub(super) const KEPT_NAMES: [&str; 3] = ["study.toml", "front.toml", "rear.toml"];
 
-/// Texts of the three studies: the car, its front axle and its rear axle.
-fn kept(study: &CarStudy) -> Vec<String> {
+/// Texts of the three studies for files in a directory: the car, its front axle and its rear axle.
+fn kept(study: &CarStudy, directory: &Path) -> Vec<String> {
     let [_, front_name, rear_name] = KEPT_NAMES;
     let [front, rear] = &study.axles;
     vec![
         crate::report::car_with_axles(&study.text, front_name, rear_name),
-        front.text.clone(),
-        rear.text.clone(),
+        front.text_in(directory),
+        rear.text_in(directory),
     ]
 }
 
 /// Writes the studies of a run with its results, if the output is a directory. Returns the names of the files.
 pub(super) fn keep(output: &Output, study: &CarStudy) -> Result<Vec<&'static str>, Stop> {
     let mut names = Vec::new();
-    if output.directory().is_some() {
-        for (name, text) in KEPT_NAMES.into_iter().zip(kept(study)) {
+    if let Some(directory) = output.directory() {
+        for (name, text) in KEPT_NAMES.into_iter().zip(kept(study, directory.path())) {
             output.file(name, text.as_bytes())?;
             names.push(name);
         }

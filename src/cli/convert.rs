@@ -1,10 +1,10 @@
 //! `hardpoint convert`
 
 use super::exit::{Exit, Stop};
-use super::import::{frame, unit};
+use super::import::{frame, side, unit};
 use super::save::{file_of_out, save, save_all};
 use super::terminal::note;
-use crate::model::{FrameConvention, LengthUnit, MassUnit};
+use crate::model::{FrameConvention, LengthUnit, MassUnit, Side};
 use crate::report::car_with_axles;
 use crate::study::{CarStudy, Study, UnitChoice, Units};
 use clap::{ArgGroup, Args};
@@ -29,6 +29,9 @@ pub(super) struct ConvertArguments {
     /// Axes: iso8855, sae_j670 or x_rear
     #[arg(long, value_parser = frame, group = "units")]
     frame: Option<FrameConvention>,
+    /// Side of the wheel: left or right. The other side gives the mirror image; not for axles and cars
+    #[arg(long, value_parser = side, group = "units")]
+    side: Option<Side>,
     /// Override a field of the study before the conversion; may be given more than once
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<String>,
@@ -61,6 +64,7 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<Exit, Stop> {
         pounds_force: arguments.force_unit,
         mass: arguments.mass_unit,
         frame: arguments.frame,
+        side: arguments.side,
     };
     if CarStudy::is_at(&arguments.study) {
         return car(arguments, &choice);
@@ -68,11 +72,14 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<Exit, Stop> {
     let study = Study::read_elastic(&arguments.study, &arguments.set)?;
     let text = study.in_units(&arguments.study.display().to_string(), &choice)?;
     let inputs = [std::slice::from_ref(&arguments.study), &study.inputs[..]].concat();
-    match file_of_out(&arguments.out) {
+    let out = file_of_out(&arguments.out);
+    let directory = out.and_then(Path::parent).unwrap_or(Path::new(""));
+    let text = study.with_paths_in(text, directory);
+    match out {
         None => std::io::stdout().write_all(text.as_bytes())?,
         Some(out) => save(out, text.as_bytes(), arguments.force, &inputs)?,
     }
-    let new = Study::elastic_from_text("converted.toml", &text, Path::new(""))?;
+    let new = Study::elastic_from_text("converted.toml", &text, directory)?;
     describe(&arguments.study, study.units(), new.units());
     Ok(Exit::Done)
 }
@@ -92,6 +99,9 @@ fn car(arguments: &ConvertArguments, choice: &UnitChoice) -> Result<Exit, Stop> 
     let shown = [0, 1, 2].map(shown);
     let shown = shown.each_ref().map(String::as_str);
     let [text, front, rear] = study.in_units(shown, choice)?;
+    let [front_study, rear_study] = &study.axles;
+    let front = front_study.with_paths_in(front, directory);
+    let rear = rear_study.with_paths_in(rear, directory);
     let names = names(&arguments.study, &study.text);
     let [own, of_front, of_rear] = names.each_ref().map(String::as_str);
     let text = car_with_axles(&text, of_front, of_rear);
@@ -123,19 +133,22 @@ fn names(car: &Path, text: &str) -> [String; 3] {
     [own.clone(), axle("front"), axle("rear")]
 }
 
-/// Prints the old and the new units and axes.
+/// Prints the old and the new units, axes and side.
 fn describe(path: &Path, from: Units, to: Units) {
     let words = |units: Units| {
-        [
+        let mut words = vec![
             units.length.symbol(),
             units.length.force_symbol(),
             units.mass.symbol(),
             units.frame.name(),
-        ]
-        .join(", ")
+        ];
+        if from.side != to.side {
+            words.push(units.side.name());
+        }
+        words.join(", ")
     };
     note(&format!(
-        "{}: from {} to {}. Comments are unchanged and may state the old units.\n",
+        "{}: from {} to {}. Comments are unchanged and may state old values and units.\n",
         path.display(),
         words(from),
         words(to)

@@ -7,13 +7,14 @@ use super::save::{file_of_out, note_saved, save};
 use super::terminal::note;
 use crate::exchange::{
     Envelope, Page, Span, Tool, Tyre, Value, Written, bytes_of, csv, curves_in, drawing,
-    into_subsystem, optimum_k_rows, point_rows, property_file, subsystem, suspensions_ini,
-    under_names_of, workbook,
+    into_subsystem, length_with_unit, optimum_k_rows, point_rows, property_file, subsystem,
+    suspensions_ini, under_names_of, workbook,
 };
 use crate::model::{FrameConvention, LengthUnit};
 use crate::study::Study;
 use clap::{Args, ValueEnum};
 use std::io::Write;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 /// Arguments of an export.
@@ -30,10 +31,10 @@ pub(super) struct ExportArguments {
     /// Axes of the file: iso8855, sae_j670 or x_rear [default: the axes of the study or of the format]
     #[arg(long, value_parser = frame)]
     pub(super) frame: Option<FrameConvention>,
-    /// Round the moved or tuned coordinates so that each is a multiple of this length (in the file's unit), with the smallest
-    /// increase of the misfit
-    #[arg(long, value_name = "LENGTH", value_parser = length)]
-    pub(super) round: Option<f64>,
+    /// Round the moved or tuned coordinates so that each is a multiple of this length, with the smallest increase of the misfit.
+    /// The length has a unit, as in 0.5mm, or else the unit of the file
+    #[arg(long, value_name = "LENGTH", value_parser = step)]
+    pub(super) round: Option<Step>,
     /// With --round: round every coordinate
     #[arg(long)]
     pub(super) round_all: bool,
@@ -104,9 +105,20 @@ pub(super) enum Names {
     Spmm,
 }
 
+/// Length with its unit. Without a unit, the length has the unit of the file.
+pub(super) type Step = (f64, Option<LengthUnit>);
+
+fn step(text: &str) -> Result<Step, String> {
+    let step = length_with_unit(text).filter(|(length, _)| LENGTHS.contains(length));
+    step.ok_or_else(|| "expected a length above 0, as in 0.1 or 0.5mm".to_owned())
+}
+
+/// Lengths that an option accepts.
+const LENGTHS: RangeInclusive<f64> = 1e-9..=1e6;
+
 fn length(text: &str) -> Result<f64, String> {
     let length = text.parse::<f64>().ok();
-    let length = length.filter(|length| (1e-9..=1e6).contains(length));
+    let length = length.filter(|length| LENGTHS.contains(length));
     length.ok_or_else(|| "expected a length above 0, as in 0.1".to_owned())
 }
 

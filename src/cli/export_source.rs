@@ -1,8 +1,9 @@
 //! Source of `hardpoint export`: a study, or the directory of a run.
 
 use super::exit::Stop;
-use super::export::{ExportArguments, Target};
+use super::export::{ExportArguments, Step, Target};
 use super::output::{STUDY_COPY, is_set_up, kept_study};
+use super::sweep::check_number;
 use super::terminal::{note, width};
 use crate::checked::{Checked, motion_alone};
 use crate::exchange::{
@@ -191,7 +192,12 @@ impl Source {
     }
 
     /// Rounds the moved or tuned coordinates, and prints the effect on the targets.
-    fn round(&mut self, step: f64, all: bool, before: &[Vector3<f64>]) -> Result<(), Stop> {
+    fn round(
+        &mut self,
+        (step, unit): Step,
+        all: bool,
+        before: &[Vector3<f64>],
+    ) -> Result<(), Stop> {
         let study = self.study()?;
         let own_right = study.axle().is_some_and(|a| a.axle.right.is_some());
         if own_right {
@@ -223,7 +229,8 @@ impl Source {
                 "no coordinate was moved or tuned, so none is rounded; --round-all rounds every coordinate\n",
             );
         }
-        let unit = self.unit.unwrap_or(study.wheel().length_unit);
+        let of_file = self.unit.unwrap_or(study.wheel().length_unit);
+        let unit = unit.unwrap_or(of_file);
         let grid = Grid { step, unit };
         let refused = |reason: String| Stop::in_file(&self.path, reason);
         let origin = if before.len() == design.len() {
@@ -292,9 +299,7 @@ impl Source {
     pub(super) fn study_text(&self, out: Option<&Path>) -> Result<String, Stop> {
         let study = self.study()?;
         let directory = out.and_then(Path::parent).unwrap_or(Path::new(""));
-        let here = Path::new(".");
-        let is_here = directory.as_os_str().is_empty();
-        let text = study.text_in(if is_here { here } else { directory });
+        let text = study.text_in(directory);
         let own = Study::elastic_from_text(&study.name, &text, directory)?;
         Ok(own.with_points_of(study))
     }
@@ -303,7 +308,7 @@ impl Source {
     pub(super) fn outgoing(&self) -> Result<Outgoing<'_>, Stop> {
         let study = self.study()?;
         Ok(match &self.rounded {
-            Some(rounded) => Outgoing::rounded(study, rounded, self.frame),
+            Some(rounded) => Outgoing::rounded(study, rounded, self.unit, self.frame),
             None => Outgoing::of(study, self.unit, self.frame),
         })
     }
@@ -377,12 +382,7 @@ fn of_sweep(study: &Study, number: u64, path: &Path) -> Result<Study, Stop> {
     let sweep = sweep.ok_or_else(|| refused("--design needs [sweep], but the study has none"))?;
     let plan = SweepPlan::of(study, sweep)
         .map_err(|_| refused("the sweep cannot start; `hardpoint sweep` prints the reason"))?;
-    if number >= plan.record.designs {
-        return Err(refused(&format!(
-            "there is no design {number}; the sweep has {}, numbered from 0",
-            plan.record.designs
-        )));
-    }
+    check_number(number, &plan.record).map_err(|reason| refused(&reason))?;
     Ok(plan.moved(number))
 }
 

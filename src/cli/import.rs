@@ -89,12 +89,10 @@ fn file_unit(name: &str) -> Result<FileUnit, String> {
 }
 
 pub(super) fn frame(name: &str) -> Result<FrameConvention, String> {
-    let mut all = FrameConvention::ALL.into_iter();
-    all.find(|frame| frame.name() == name)
-        .ok_or_else(|| "expected iso8855, sae_j670 or x_rear".to_owned())
+    FrameConvention::named(name).ok_or_else(|| "expected iso8855, sae_j670 or x_rear".to_owned())
 }
 
-fn side(name: &str) -> Result<Side, String> {
+pub(super) fn side(name: &str) -> Result<Side, String> {
     let mut all = Side::ALL.into_iter();
     all.find(|side| side.name() == name)
         .ok_or_else(|| "expected left or right".to_owned())
@@ -348,7 +346,7 @@ fn study_text(arguments: &ImportArguments, imported: &mut Imported) -> Result<St
         let reason = format!("the points do not form a valid suspension\n{summary}{reason}");
         Stop::in_file(&arguments.file, reason)
     })?;
-    imported.notes.extend(notes);
+    imported.notes.add(&notes);
     Ok(text)
 }
 

@@ -2,11 +2,11 @@
 
 use super::exit::{Exit, Stop};
 use super::import::{Answers, ImportArguments, Questions, origin};
-use super::import_summary::{facts, listed, roles, warnings};
+use super::import_summary::{listed, roles, warnings};
 use super::save::save_all;
 use super::terminal::note;
 use crate::exchange::{
-    CAR_FILES, ImportOptions, ImportedCar, for_shell, import_car, read_car_points,
+    CAR_FILES, ImportOptions, ImportedCar, Notes, for_shell, import_car, read_car_points,
 };
 use crate::model::{AxlePosition, Topology};
 use crate::study::CarStudy;
@@ -79,7 +79,7 @@ pub(super) fn run(
 
 fn summary(file: &Path, directory: &Path, car: &ImportedCar) -> String {
     let mut text = String::new();
-    let mut notes: Vec<String> = Vec::new();
+    let mut notes = Notes::default();
     let mut left_out: Vec<String> = Vec::new();
     for (axle, name) in car.axles.iter().zip(crate::car::AXLE_NAMES) {
         text += &format!(
@@ -91,11 +91,10 @@ fn summary(file: &Path, directory: &Path, car: &ImportedCar) -> String {
             axle.frame.name(),
             roles(axle)
         );
-        for (all, own) in [(&mut notes, &axle.notes), (&mut left_out, &axle.left_out)] {
-            for line in own {
-                if !all.contains(line) {
-                    all.push(line.clone());
-                }
+        notes.add(&axle.notes);
+        for line in &axle.left_out {
+            if !left_out.contains(line) {
+                left_out.push(line.clone());
             }
         }
     }
@@ -104,7 +103,7 @@ fn summary(file: &Path, directory: &Path, car: &ImportedCar) -> String {
             .to_owned(),
     );
     text = warnings(&notes) + &text;
-    text += &listed("Values read and assumed", &facts(&notes));
+    text += &listed("Values read and assumed", notes.facts());
     text += &listed("Left out", &left_out);
     let paths = CAR_FILES.map(|file| directory.join(file));
     let [whole, front, rear] = paths
@@ -114,7 +113,7 @@ fn summary(file: &Path, directory: &Path, car: &ImportedCar) -> String {
         if let Err(errors) = CarStudy::read(&paths[0], &[]) {
             text += &listed(
                 "The car cannot be solved yet",
-                &[errors.render(false).trim_end().replace('\n', "\n  ")],
+                [errors.render(false).trim_end().replace('\n', "\n  ")],
             );
         }
         text += &format!("To view it: hardpoint check {whole}, hardpoint studio {front}\n");

@@ -1,18 +1,15 @@
 //! Summary of `hardpoint import`: warnings, roles of the points, values that were read or assumed, and parts that are left out.
 
-use crate::exchange::{Hardpoint, Imported, for_shell};
+use crate::exchange::{Hardpoint, Imported, Notes, for_shell};
+use std::fmt::Display;
 use std::path::Path;
 
 /// Summary of an import: roles of the points, units and axes that were read or assumed, parts left out, and the command that
 /// shows the result.
 pub(super) fn summary(imported: &Imported, out: Option<Option<&Path>>) -> String {
     let mut text = roles(imported);
-    for (title, lines) in [
-        ("Values read and assumed", &facts(&imported.notes)),
-        ("Left out", &imported.left_out),
-    ] {
-        text += &listed(title, lines);
-    }
+    text += &listed("Values read and assumed", imported.notes.facts());
+    text += &listed("Left out", &imported.left_out);
     match out {
         Some(Some(out)) => {
             let out = for_shell(&out.display().to_string());
@@ -26,27 +23,19 @@ pub(super) fn summary(imported: &Imported, out: Option<Option<&Path>>) -> String
     text
 }
 
-/// Beginning of a note that is a warning.
-const DOUBT: &str = "please check: ";
-
 /// Warnings among the notes, one per line. The summary begins with them, because the study may be wrong.
-pub(super) fn warnings(notes: &[String]) -> String {
-    let doubts = notes.iter().filter(|note| note.contains(DOUBT));
+pub(super) fn warnings(notes: &Notes) -> String {
+    let doubts = notes.doubts();
     doubts.map(|doubt| format!("warning: {doubt}\n")).collect()
 }
 
-/// Notes that are not warnings.
-pub(super) fn facts(notes: &[String]) -> Vec<String> {
-    let facts = notes.iter().filter(|note| !note.contains(DOUBT));
-    facts.cloned().collect()
-}
-
 /// A title with lines below it. Empty if there are no lines.
-pub(super) fn listed(title: &str, lines: &[String]) -> String {
+pub(super) fn listed(title: &str, lines: impl IntoIterator<Item = impl Display>) -> String {
+    let lines = lines.into_iter().map(|line| format!("  {line}\n"));
+    let lines: String = lines.collect();
     if lines.is_empty() {
-        return String::new();
+        return lines;
     }
-    let lines: String = lines.iter().map(|line| format!("  {line}\n")).collect();
     format!("{title}:\n{lines}")
 }
 

@@ -94,7 +94,7 @@ enum Command {
     Report(ReportArguments),
     /// Print a study of points from a table (.csv, .xlsx), JSON, YAML or an Adams/Car subsystem
     Import(import::ImportArguments),
-    /// Write a study in other units and axes, with its comments
+    /// Write a study in other units and axes, or for the wheel on the other side, with its comments
     Convert(convert::ConvertArguments),
     /// Export points and curves to other tools: CSV, XLSX, Adams/Car, OptimumKinematics, Assetto Corsa, CAD
     Export(export::ExportArguments),

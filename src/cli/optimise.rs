@@ -249,9 +249,10 @@ impl Finished<'_> {
             output.main_csv("curves.csv", &after.csv())?;
             files.extend(output.file_if_any("kc.csv", figures_of(tuned).map_err(fault)?)?);
             let tuned = study.with_points_of(tuned);
-            output.file("optimised.toml", tuned.as_bytes())?;
             let directory = self.path.parent().unwrap_or(Path::new(""));
             refused = Study::elastic_from_text("optimised.toml", &tuned, directory).err();
+            let tuned = output.text_here(study, tuned);
+            output.file("optimised.toml", tuned.as_bytes())?;
             files = [&["curves.csv", "optimised.toml"], &files[..]].concat();
         } else {
             output.without("curves.csv")?;
@@ -357,7 +358,8 @@ fn keep(
         interrupt::end();
     };
     output.mark_interrupted();
-    output.file("optimised.toml", study.with_points_of(tuned).as_bytes())?;
+    let text = output.text_here(study, study.with_points_of(tuned));
+    output.file("optimised.toml", text.as_bytes())?;
     output.file("history.csv", &history_csv(&tuning.starts))
 }
 

@@ -175,12 +175,18 @@ impl Output {
 
     /// Writes the study of the run, if the output is a directory.
     pub(super) fn keep_study(&self, study: &Study) -> Result<(), Stop> {
+        if self.directory.is_none() {
+            return Ok(());
+        }
+        let text = self.text_here(study, study.text.clone());
+        self.file(STUDY_COPY, text.as_bytes())
+    }
+
+    /// Text of a study for a file of the output. The paths of other files become relative to the directory of the output.
+    pub(super) fn text_here(&self, study: &Study, text: String) -> String {
         match &self.directory {
-            Some(directory) => {
-                let text = study.text_in(directory.path());
-                self.file(STUDY_COPY, text.as_bytes())
-            }
-            None => Ok(()),
+            Some(directory) => study.with_paths_in(text, directory.path()),
+            None => text,
         }
     }
 

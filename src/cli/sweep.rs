@@ -421,14 +421,20 @@ fn to_standard_output(swept: Swept<'_>, text: &SweepText) -> Result<SweepStatist
     Ok(all)
 }
 
+/// Checks that a sweep has a design with this number. The error is the reason in words.
+pub(super) fn check_number(number: u64, record: &SweepRecord) -> Result<(), String> {
+    let designs = record.designs;
+    if number < designs {
+        return Ok(());
+    }
+    Err(format!(
+        "there is no design {number}; the sweep has {designs}, numbered from 0"
+    ))
+}
+
 /// Prints the study with the hardpoints of one design.
 fn print_design(study: &Study, plan: &SweepPlan, number: u64) -> Result<Exit, Stop> {
-    let designs = plan.record.designs;
-    if number >= designs {
-        return Err(Stop::wrong_input(format!(
-            "there is no design {number}; the sweep has {designs}, numbered from 0"
-        )));
-    }
+    check_number(number, &plan.record).map_err(Stop::wrong_input)?;
     let text = study.with_points_of(&plan.moved(number));
     std::io::stdout().write_all(text.as_bytes())?;
     Ok(Exit::Done)

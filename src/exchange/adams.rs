@@ -16,6 +16,7 @@
 //! hardpoint; the right hardpoint is the mirror image. x points rearward, y to the right and z up. As in studies, camber is
 //! positive if the top of the wheel leans outward. Toe is positive if the front of the wheel turns inward.
 
+use super::adams_blocks::{assignment, block, heading, length_unit, name_of_unit};
 use super::decimals::LARGEST;
 use crate::model::LengthUnit;
 use crate::report::shortest;
@@ -124,12 +125,6 @@ pub(super) fn bytes_of(text: &str) -> Vec<u8> {
         .collect()
 }
 
-/// Name of the block that begins on this line, in capitals. `None` if no block begins here.
-pub(super) fn block(line: &str) -> Option<String> {
-    let name = line.trim().strip_prefix('[')?.split(']').next()?;
-    Some(name.trim().to_ascii_uppercase())
-}
-
 /// Lines of a text with their line breaks, each after the name of its block. A heading and the lines of another part of the block
 /// have an empty name.
 pub(super) fn in_blocks(text: &str) -> impl Iterator<Item = (String, &str)> {
@@ -203,23 +198,6 @@ pub(super) fn read(text: &str) -> Result<Subsystem, String> {
         }
     }
     Ok(subsystem)
-}
-
-/// Unit of length with this name, in upper or lower case. `None` for any other unit.
-pub(super) fn length_unit(name: &str) -> Option<LengthUnit> {
-    match name.to_ascii_lowercase().as_str() {
-        "mm" | "millimeter" => Some(LengthUnit::Millimetre),
-        "m" | "meter" => Some(LengthUnit::Metre),
-        "in" | "inch" => Some(LengthUnit::Inch),
-        _ => None,
-    }
-}
-
-/// Splits `KEY = 'value'` into the key in capitals and the value without quotes.
-pub(super) fn assignment(line: &str) -> Option<(String, String)> {
-    let (key, value) = line.split_once('=')?;
-    let value = value.trim().trim_matches('\'').trim();
-    Some((key.trim().to_ascii_uppercase(), value.to_owned()))
 }
 
 fn units(line: &str, subsystem: &mut Subsystem) -> Result<(), String> {
@@ -354,19 +332,14 @@ pub(super) fn written(
     points: &[(String, Symmetry, [f64; 3])],
     parameters: &[(String, Symmetry, f64)],
 ) -> String {
-    let unit = match length {
-        LengthUnit::Millimetre => "mm",
-        LengthUnit::Metre => "meter",
-        LengthUnit::Inch | LengthUnit::InchPound => "inch",
-    };
-    let rule = |name: &str| format!("${name:->79}\n[{name}]\n");
-    let mut text = rule("MDI_HEADER");
+    let unit = name_of_unit(length);
+    let mut text = heading("MDI_HEADER");
     text += " FILE_TYPE     =  'sub'\n FILE_VERSION  =  7.0\n FILE_FORMAT   =  'ASCII'\n";
-    text += &rule("UNITS");
+    text += &heading("UNITS");
     text += &format!(
         " LENGTH  =  '{unit}'\n FORCE   =  'newton'\n ANGLE   =  'deg'\n MASS    =  'kg'\n TIME    =  'sec'\n"
     );
-    text += &rule("HARDPOINT");
+    text += &heading("HARDPOINT");
     text += "{hardpoint_name                  symmetry         x_value         y_value         z_value}\n";
     for (name, symmetry, [x, y, z]) in points {
         let (_, symmetry) = Symmetry::NAMES[*symmetry as usize];
@@ -374,7 +347,7 @@ pub(super) fn written(
         text += &format!(" '{name:<28}'  '{symmetry:<10}'  {x:>14}  {y:>14}  {z:>14}\n");
     }
     if !parameters.is_empty() {
-        text += &rule("PARAMETER");
+        text += &heading("PARAMETER");
         text += "{parameter_name                  symmetry       type       value}\n";
     }
     for (name, symmetry, value) in parameters {

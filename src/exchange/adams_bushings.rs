@@ -16,7 +16,8 @@
 //! bushings for which the remaining orientation does not matter. For such a bushing, the curves along and about x equal the
 //! curves along and about y. All its curves are odd functions (equal in both directions).
 
-use super::adams::{assignment, block, text_of};
+use super::adams::text_of;
+use super::adams_blocks::{assignment, block};
 use super::source::bytes_of;
 use crate::model::LengthUnit;
 use crate::study::bushing_file::{self, CurvePoint};

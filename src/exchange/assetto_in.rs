@@ -28,6 +28,7 @@
 
 use super::assetto_axle::{self, End, Link};
 use super::decimals::LARGEST;
+use super::notes::Notes;
 use super::source::{bytes_of, decoded};
 use super::table::{AxleFigures, CarFigures, Figure, Kind, Marks, Mass, NamedPoint, PointTable};
 use crate::model::{AxlePosition, Topology};
@@ -281,7 +282,7 @@ impl File<'_> {
     }
 
     /// Masses, centre of gravity and position of the rear axle, as far as this file and `car.ini` have them.
-    fn car(&self, path: &Path, notes: &mut Vec<String>) -> Result<CarFigures, String> {
+    fn car(&self, path: &Path, notes: &mut Notes) -> Result<CarFigures, String> {
         let below = ["FRONT", "REAR"].map(|name| self.number(name, "BASEY"));
         let [front, rear] = below;
         let (front, rear) = (front?, rear?);
@@ -441,7 +442,7 @@ impl File<'_> {
 }
 
 /// Mass of the car in `car.ini` in the same folder, in kg. `None` if that file does not exist, or has no mass above 0.
-fn total_mass(path: &Path, notes: &mut Vec<String>) -> Result<Option<f64>, String> {
+fn total_mass(path: &Path, notes: &mut Notes) -> Result<Option<f64>, String> {
     let beside = path.with_file_name("car.ini");
     if !beside.is_file() {
         return Ok(None);

@@ -212,9 +212,7 @@ impl Declared {
 
     /// Axes of a convention of studies by its name, such as `iso8855`. `None` for other names.
     pub(super) fn named(name: &str) -> Option<Self> {
-        let mut all = FrameConvention::ALL.into_iter();
-        let known = all.find(|convention| convention.name() == name)?;
-        Some(Declared::whole(Axes::of(known)))
+        FrameConvention::named(name).map(|known| Declared::whole(Axes::of(known)))
     }
 
     /// Axes, if the file states all of them.

@@ -3,6 +3,7 @@
 use super::axes::Axes;
 use super::compose::one_line;
 use super::import::{ImportOptions, Imported, for_axle};
+use super::notes::Notes;
 use super::refusal::Refusal;
 use super::table::PointTable;
 use crate::model::{AxlePosition, Side};
@@ -62,8 +63,7 @@ pub fn import_car(
                 "the points of the {name} axle do not form a valid suspension\n{reason}"
             ))
         })?;
-        let notes = notes.into_iter().map(|note| format!("{name} axle: {note}"));
-        left.notes.extend(notes);
+        left.notes.add(&notes.about(&format!("{name} axle")));
         texts.push(text);
         axles.push(left);
     }
@@ -74,10 +74,10 @@ pub fn import_car(
         ));
     }
     let mut missing = Vec::new();
-    let mut notes = Vec::new();
+    let mut notes = Notes::default();
     let lists = (&mut missing, &mut notes);
     let car = car(table, &front, &rear, origin, lists);
-    front.notes.extend(notes);
+    front.notes.add(&notes);
     let [front_text, rear_text] = <[String; 2]>::try_from(texts).expect("there are two axles");
     Ok(ImportedCar {
         axles: [front, rear],
@@ -141,7 +141,7 @@ fn across(axle: &Imported) -> f64 {
 fn position(
     table: &PointTable,
     [front, rear]: [&Imported; 2],
-    (missing, notes): (&mut Vec<String>, &mut Vec<String>),
+    (missing, notes): (&mut Vec<String>, &mut Notes),
 ) -> String {
     let unit = front.unit.symbol();
     let wheelbase = match (front.wheelbase, rear.wheelbase) {
@@ -181,7 +181,7 @@ fn car(
     front: &Imported,
     rear: &Imported,
     origin: &str,
-    (missing, notes): (&mut Vec<String>, &mut Vec<String>),
+    (missing, notes): (&mut Vec<String>, &mut Notes),
 ) -> String {
     for (axle, file) in [(front, CAR_FILES[1]), (rear, CAR_FILES[2])] {
         let needs = needs_of(axle);

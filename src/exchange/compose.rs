@@ -2,6 +2,7 @@
 
 use super::bushings;
 use super::import::{Hardpoint, Imported, is_held_across};
+use super::notes::Notes;
 use super::seats::Seat;
 use super::slips::in_words;
 use crate::model::{AxlePosition, LengthUnit};
@@ -79,11 +80,7 @@ impl Imported {
     /// # Errors
     ///
     /// The faults of the suspension in words.
-    pub fn study_and_notes(
-        &self,
-        name: &str,
-        origin: &str,
-    ) -> Result<(String, Vec<String>), String> {
+    pub fn study_and_notes(&self, name: &str, origin: &str) -> Result<(String, Notes), String> {
         let (text, notes) = if self.topology.carries_both_wheels() {
             self.running(name, origin, Part::Solid)
         } else {
@@ -102,7 +99,7 @@ impl Imported {
         right: Option<&Imported>,
         name: &str,
         origin: &str,
-    ) -> Result<(String, Vec<String>), String> {
+    ) -> Result<(String, Notes), String> {
         if self.topology.carries_both_wheels() {
             return self.running(name, origin, Part::Solid);
         }
@@ -139,12 +136,7 @@ impl Imported {
     /// # Errors
     ///
     /// The faults of the suspension in words, or that it cannot move even the smallest travel.
-    fn running(
-        &self,
-        name: &str,
-        origin: &str,
-        part: Part<'_>,
-    ) -> Result<(String, Vec<String>), String> {
+    fn running(&self, name: &str, origin: &str, part: Part<'_>) -> Result<(String, Notes), String> {
         let read = |text: &str| Study::from_text(name, text, Path::new(""));
         let with = |travel: f64, outputs: &[&str]| self.text(origin, part, travel, outputs);
         // The first read has no outputs, so it reports a fault of the points once. With outputs, each output would report it
@@ -186,8 +178,10 @@ impl Imported {
         for travel in TRAVELS {
             match runs(travel)? {
                 Ok((text, doubts)) => {
-                    let shortened = note.map(|why| self.shortened(travel, &why));
-                    return Ok((text, doubts.into_iter().chain(shortened).collect()));
+                    let mut notes = Notes::default();
+                    doubts.into_iter().for_each(|doubt| notes.doubt(doubt));
+                    notes.extend(note.map(|why| self.shortened(travel, &why)));
+                    return Ok((text, notes));
                 }
                 Err(failures) => note = Some(failures),
             }

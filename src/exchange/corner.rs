@@ -1,6 +1,7 @@
 //! Chooses the axle and the wheel, and selects a point of this wheel for each hardpoint. Points of two axles are never
 //! mixed.
 
+use super::notes::Notes;
 use super::refusal::{Question, Refusal};
 use super::roles::{self, Role};
 use super::table::{Kind, Marks, NamedPoint, PointTable};
@@ -53,7 +54,7 @@ pub(super) fn choose(
     table: &PointTable,
     named: &[Named<'_>],
     options: &ImportOptions<'_>,
-    notes: &mut Vec<String>,
+    notes: &mut Notes,
 ) -> Result<Corner, Refusal> {
     let axle = axle(table, named, options, notes)?;
     let of_axle = |named: &&Named<'_>| {
@@ -76,7 +77,7 @@ fn axle(
     table: &PointTable,
     named: &[Named<'_>],
     options: &ImportOptions<'_>,
-    notes: &mut Vec<String>,
+    notes: &mut Notes,
 ) -> Result<Option<AxlePosition>, Refusal> {
     let of_points = named.iter().map(Named::marks);
     let of_kinds = table.kinds.iter().map(|(axle, _)| Marks {

@@ -193,6 +193,17 @@ pub(super) fn plain_number(text: &str, comma: bool) -> Result<f64, String> {
     number.ok_or_else(|| format!("expected a number, found {text:?}"))
 }
 
+/// Length of a command line, with or without a unit: `0.5` or `0.5mm`. Lengths in cm and ft are converted to mm and inches. `None`
+/// if the text is not a length.
+pub fn length_with_unit(text: &str) -> Option<(f64, Option<LengthUnit>)> {
+    let (number, unit) = split_unit(text);
+    let length = bare_number(number, false)?;
+    Some(match unit {
+        Some(unit) => (unit.to_study(length), Some(unit.unit)),
+        None => (length, None),
+    })
+}
+
 /// Parses a number without a unit. `None` if the text is not a number, or if its absolute value is above [`LARGEST`].
 fn bare_number(text: &str, comma: bool) -> Option<f64> {
     let plain = text.trim().replace('\u{2212}', "-");

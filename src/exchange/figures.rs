@@ -6,6 +6,7 @@ use super::angle_remark::{Direction, Sign, Wheels, sign, wheels};
 use super::angle_unit::{AngleUnit, of_angle};
 use super::corner::Corner;
 use super::figure_names::{FigureKind, figure};
+use super::notes::Notes;
 use super::table::{Figure, Marks, PointTable};
 use super::unit::FileUnit;
 use crate::model::LengthUnit;
@@ -74,7 +75,7 @@ pub(super) fn read(
     unit: LengthUnit,
     options: &ImportOptions<'_>,
     toe_out: bool,
-    notes: &mut Vec<String>,
+    notes: &mut Notes,
 ) -> Result<Figures, String> {
     let mut found = Figures::default();
     let mut given: Vec<(FigureKind, f64, Marks)> = Vec::new();
@@ -150,7 +151,7 @@ fn angle(
     kind: FigureKind,
     row: &Figure,
     (unit, toe_out): (Option<AngleUnit>, bool),
-    notes: &mut Vec<String>,
+    notes: &mut Notes,
 ) -> Result<f64, String> {
     if row.value == 0.0 {
         return Ok(0.0);
@@ -179,7 +180,7 @@ struct Angle<'a> {
 
 impl Angle<'_> {
     /// Adds a note with the value that the study gets.
-    fn note(&self, value: &str, why: &str, notes: &mut Vec<String>) {
+    fn note(&self, value: &str, why: &str, notes: &mut Notes) {
         let key = if self.is_toe {
             "static_toe"
         } else {
@@ -200,7 +201,7 @@ impl Angle<'_> {
     }
 
     /// Converts the angle to degrees. `unit` applies if the angle has no unit of its own. Without both, it is in degrees.
-    fn in_degrees(&self, unit: Option<AngleUnit>, notes: &mut Vec<String>) -> Result<f64, String> {
+    fn in_degrees(&self, unit: Option<AngleUnit>, notes: &mut Notes) -> Result<f64, String> {
         let row = self.row;
         let own_unit = of_angle(&row.read_as, &row.remark);
         let Some(unit) = own_unit.or(unit) else {
@@ -224,7 +225,7 @@ impl Angle<'_> {
     }
 
     /// Returns the toe of one wheel: half of the sum of both wheels, if the angle is this sum. Refuses a sum of camber.
-    fn of_one_wheel(&self, value: f64, notes: &mut Vec<String>) -> Result<f64, String> {
+    fn of_one_wheel(&self, value: f64, notes: &mut Notes) -> Result<f64, String> {
         match (wheels(&self.row.read_as, &self.row.remark), self.is_toe) {
             (Wheels::One, _) | (Wheels::Unclear, false) => Ok(value),
             (Wheels::Sum, false) => Err(self.unclear("expected the camber of one wheel")),
@@ -245,7 +246,7 @@ impl Angle<'_> {
         &self,
         value: f64,
         toe_out: bool,
-        notes: &mut Vec<String>,
+        notes: &mut Notes,
     ) -> Result<f64, String> {
         let signs = [sign(&self.row.read_as), sign(&self.row.remark)];
         let [named, remarked] = signs.map(Sign::direction);

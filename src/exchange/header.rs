@@ -35,7 +35,7 @@ pub(super) struct Header {
     pub unit: Option<FileUnit>,
     pub declared: Declared,
     /// Note about signs that are not used.
-    pub note: Option<String>,
+    pub doubt: Option<String>,
 }
 
 /// Meaning of one coordinate column, from its own header.
@@ -129,18 +129,18 @@ pub(super) fn header(
         columns,
         unit,
         declared,
-        note: unused_signs(sheet, row, &found),
+        doubt: unused_signs(sheet, row, &found),
     }))
 }
 
-/// Note about the signs in the headers of coordinates that are not used. `None` if there are no such signs.
+/// Warning about the signs in the headers of coordinates that are not used. `None` if there are no such signs.
 fn unused_signs(sheet: &Sheet, row: u32, found: &[(u32, Coordinates)]) -> Option<String> {
     let signed = found.iter().filter(|(_, header)| header.has_unused_sign);
     let texts = signed.filter_map(|(column, _)| text(sheet.cell(row, *column)?));
     let texts: Vec<String> = texts.map(|text| format!("{text:?}")).collect();
     (!texts.is_empty()).then(|| {
         format!(
-            "{}: the minus in {} is not used, because it may be a sign or a dash. Please check the axes, or give them with --axes",
+            "please check: {}: the minus in {} is not used, because it may be a sign or a dash. If the axes are wrong, give them with --axes",
             sheet.row_place(row),
             texts.join(", ")
         )

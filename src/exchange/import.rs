@@ -11,6 +11,7 @@ use super::complete;
 use super::corner::{self, Corner, Named, Picked};
 use super::figures::{self, Figures};
 use super::names::{cut, side_of};
+use super::notes::Notes;
 use super::place::{self, Placed};
 use super::refusal::Refusal;
 use super::right_half;
@@ -109,7 +110,7 @@ pub struct Imported {
     /// Bodies that carry the ends of springs and rods.
     pub(super) seats: Vec<Seat>,
     /// Notes about guesses and assumptions.
-    pub notes: Vec<String>,
+    pub notes: Notes,
     /// Unused parts of the file, each with its reason.
     pub left_out: Vec<String>,
 }
@@ -158,7 +159,7 @@ fn select(
     table: &PointTable,
     options: &ImportOptions<'_>,
     (roles, named): (&[Option<Role>], &[Named<'_>]),
-    notes: &mut Vec<String>,
+    notes: &mut Notes,
 ) -> Result<Selection, Refusal> {
     let is_optimum = roles::is_optimum(&table.points);
     let mut corner = corner::choose(table, named, options, notes)?;
@@ -219,7 +220,7 @@ fn locate(
     options: &ImportOptions<'_>,
     named: &[Named<'_>],
     selection: &mut Selection,
-    notes: &mut Vec<String>,
+    notes: &mut Notes,
 ) -> Result<Located, Refusal> {
     let is_optimum = roles::is_optimum(&table.points);
     let corner = selection.corner;
@@ -480,7 +481,7 @@ fn in_order(topology: &Topology, picked: Vec<Picked>) -> Vec<Hardpoint> {
 fn to_study_frame(
     placed: Placed,
     hardpoints: [&mut Vec<Hardpoint>; 2],
-    notes: &mut Vec<String>,
+    notes: &mut Notes,
 ) -> FrameConvention {
     if let Some(convention) = placed.axes.convention() {
         return convention;

@@ -22,6 +22,7 @@
 //! the importer moves the points outboard by the half track.
 
 mod adams;
+mod adams_blocks;
 mod adams_bushings;
 mod angle_remark;
 mod angle_unit;
@@ -50,6 +51,7 @@ mod hub_face;
 mod import;
 mod map;
 mod names;
+mod notes;
 mod optimum;
 mod optimum_table;
 mod outgoing;
@@ -76,9 +78,11 @@ pub use car::{CAR_FILES, ImportedCar, import_car};
 pub use car_points::{car_point_pages, car_points_csv};
 pub use centre_lines::drawing;
 pub use curve_columns::{Tool, cases_in, curves_in, under_names_of};
+pub use decimals::length_with_unit;
 pub use envelope::{Envelope, Span, Tyre};
 pub use export::{csv, page_of_csv, point_rows};
 pub use import::{Hardpoint, ImportOptions, Imported, import};
+pub use notes::Notes;
 pub use optimum_table::{RowsAndNotes, optimum_k_rows};
 pub use outgoing::Outgoing;
 pub use property_file::property_file;

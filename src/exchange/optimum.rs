@@ -16,6 +16,7 @@ use super::Hardpoint;
 use super::axes::Axes;
 use super::corner::{Corner, Named, Picked, of_other_wheel};
 use super::figures::Figures;
+use super::notes::Notes;
 use super::place::Placed;
 use crate::model::{Side, Topology};
 
@@ -45,7 +46,7 @@ pub(super) fn bar_axis(named: &[Named<'_>], corner: Corner, picked: &mut Vec<Pic
 
 /// Assigns the front and the rear point of the rocker's axis according to their positions. Changes a rod to a pullrod if
 /// its end at the wheel is above its end at the rocker.
-pub(super) fn rod(topology: &Topology, axes: Axes, picked: &mut [Picked], notes: &mut Vec<String>) {
+pub(super) fn rod(topology: &Topology, axes: Axes, picked: &mut [Picked], notes: &mut Notes) {
     let along = |picked: &[Picked], name: &str| {
         let found = picked.iter().find(|p| p.hardpoint.name == name)?;
         Some(axes.to_iso(found.hardpoint.position)[0])
@@ -83,11 +84,7 @@ pub(super) fn rod(topology: &Topology, axes: Axes, picked: &mut [Picked], notes:
 }
 
 /// Computes the wheel centre from the contact point. `None` without a half track or a radius. Missing angles are 0.
-pub(super) fn wheel_centre(
-    placed: Placed,
-    figures: &Figures,
-    notes: &mut Vec<String>,
-) -> Option<Picked> {
+pub(super) fn wheel_centre(placed: Placed, figures: &Figures, notes: &mut Notes) -> Option<Picked> {
     let half_track = figures.half_track()?.abs();
     let radius = figures.radius()?;
     let camber = figures.camber.unwrap_or(0.0).to_radians();

@@ -34,7 +34,7 @@ impl<'s> Outgoing<'s> {
         let suspension = study.wheel();
         let unit = unit.unwrap_or(suspension.length_unit);
         let converted = |wheel: &Suspension| {
-            let length = |x: f64| unit.convert(x, wheel.length_unit);
+            let length = |x: f64| unit.convert_decimal(x, wheel.length_unit);
             wheel.design.iter().map(|p| p.map(length)).collect()
         };
         let right = study.axle().and_then(|a| a.axle.right.as_ref());
@@ -48,16 +48,19 @@ impl<'s> Outgoing<'s> {
     }
 
     /// Prepares a study with the rounded coordinates of its wheel, which are exact in the unit of the grid. The right wheel of an
-    /// axle with its own points is not rounded.
+    /// axle with its own points is not rounded. `unit` and `convention` are those of the file, as in [`Outgoing::of`].
     pub fn rounded(
         study: &'s Study,
         rounded: &Rounded,
+        unit: Option<LengthUnit>,
         convention: Option<FrameConvention>,
     ) -> Self {
-        let mut outgoing = Outgoing::of(study, Some(rounded.grid.unit), convention);
-        let frame = study.wheel().frame;
+        let mut outgoing = Outgoing::of(study, unit, convention);
+        let (frame, unit) = (study.wheel().frame, outgoing.unit);
+        let length = |x: f64| unit.convert_decimal(x, rounded.grid.unit);
         let points = rounded.coordinates.iter();
-        outgoing.own = points.map(|p| frame.vector(Vector3::from(*p))).collect();
+        let points = points.map(|p| frame.vector(Vector3::from(*p).map(length)));
+        outgoing.own = points.collect();
         outgoing
     }
 
@@ -71,7 +74,8 @@ impl<'s> Outgoing<'s> {
 
     /// Converts a length of the study to the file's unit.
     pub fn length(&self, length: f64) -> f64 {
-        self.unit.convert(length, self.study.wheel().length_unit)
+        self.unit
+            .convert_decimal(length, self.study.wheel().length_unit)
     }
 
     /// Axes of the file as seen from a left or a right wheel.

@@ -14,6 +14,7 @@
 use super::ImportOptions;
 use super::axes::{Axes, of_reading, reading_of};
 use super::corner::Picked;
+use super::notes::Notes;
 use super::refusal::{Question, Refusal};
 use super::table::PointTable;
 use crate::model::Side;
@@ -47,7 +48,7 @@ pub(super) fn place(
     options: &ImportOptions<'_>,
     wanted: Option<Side>,
     picked: &[Picked],
-    notes: &mut Vec<String>,
+    notes: &mut Notes,
 ) -> Result<Placed, Refusal> {
     let (origin, points) = evidence(picked, wanted);
     let side = origin.or(wanted);
@@ -69,7 +70,7 @@ fn stated(
     (side, is_asked): (Option<Side>, bool),
     directions: &Directions,
     options: &ImportOptions<'_>,
-    notes: &mut Vec<String>,
+    notes: &mut Notes,
 ) -> Result<Placed, Refusal> {
     if !axes.is_right_handed() && options.axes.is_none() {
         return Err(left_handed(
@@ -124,7 +125,7 @@ fn stated(
                 Some(shown_axes(&other, side)),
             ));
         }
-        notes.push(format!(
+        notes.doubt(format!(
             "please check: in the points {shown}, but the stated axes x, y and z point {axes}"
         ));
     }
@@ -136,7 +137,7 @@ fn found(
     table: &PointTable,
     side: Option<Side>,
     directions: &Directions,
-    notes: &mut Vec<String>,
+    notes: &mut Notes,
 ) -> Result<Placed, Refusal> {
     let wheel = side.unwrap_or(Side::Left);
     let declared = table.declared;
@@ -244,7 +245,7 @@ pub(super) fn mirror(
     placed: &mut Placed,
     wanted: Option<Side>,
     picked: &mut [Picked],
-    notes: &mut Vec<String>,
+    notes: &mut Notes,
 ) {
     let wheel = wanted.unwrap_or(placed.side);
     let (across, _) = placed.axes.across();
@@ -280,7 +281,7 @@ pub(super) fn to_half_track(
     half_track: Option<f64>,
     (asked, compare): (bool, bool),
     picked: &mut [Picked],
-    notes: &mut Vec<String>,
+    notes: &mut Notes,
 ) -> Result<(), Refusal> {
     let (across, left) = placed.axes.across();
     let outward = left * placed.side.sign();
@@ -314,7 +315,7 @@ pub(super) fn to_half_track(
         if let Some(half_track) = half_track.filter(|_| compare)
             && (half_track - wheel).abs() > 1e-3 * wheel
         {
-            notes.push(format!(
+            notes.doubt(format!(
                 "please check: the half track of the file is {half_track}, but its wheel centre is {wheel} from the centre \
                  plane; the study uses the points"
             ));
@@ -397,12 +398,14 @@ mod tests {
         ] {
             let outer = [-f64::sqrt(1.0 - cosine * cosine), cosine, 0.0];
             let points = [("lower_ball_joint", outer), ("lower_arm_front", [0.0; 3])];
-            let mut notes = Vec::new();
+            let mut notes = Notes::default();
             let directions = Directions::of(&points);
             let unknown = (None, false);
             let placed = stated(axes, true, unknown, &directions, &options, &mut notes).unwrap();
             assert_eq!(placed.side, side, "{cosine}");
-            let shown = notes[0].contains("on that side of the body");
+            let shown = notes
+                .texts()
+                .any(|note| note.contains("on that side of the body"));
             assert_eq!(shown, is_shown, "{cosine}: {notes:?}");
             // A stated side is refused only if the points show the other side.
             for wheel in Side::ALL {
@@ -431,10 +434,13 @@ mod tests {
                 picked("tie_rod_outer", outward * 7.0),
             ];
             let placed = Placed { axes, side };
-            let mut notes = Vec::new();
+            let mut notes = Notes::default();
             to_half_track(placed, half_track, (asked, false), &mut points, &mut notes)?;
             let along = |p: &Picked| outward * p.hardpoint.position[1];
-            assert_eq!(notes.len(), usize::from(along(&points[0]) != wheel));
+            assert_eq!(
+                notes.texts().count(),
+                usize::from(along(&points[0]) != wheel)
+            );
             Ok::<Vec<f64>, Refusal>(points.iter().map(along).collect())
         };
         for side in Side::ALL {

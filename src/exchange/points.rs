@@ -33,7 +33,9 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
             }
             table.declare(found.declared, &place)?;
             names_beside::refuse(sheet, *row, &found.columns)?;
-            table.notes.extend(found.note);
+            if let Some(doubt) = found.doubt {
+                table.notes.doubt(doubt);
+            }
             headers.push((*row, found.columns));
         }
     }

@@ -8,6 +8,7 @@
 //! max |f''| h^2/8 = 3 c D h^2/4                                                                   (1)
 //! ```
 
+use super::adams_blocks::{heading, name_of_unit};
 use super::outgoing::Outgoing;
 use super::subsystem::Written;
 use crate::compliance::{Relaxed, Shape};
@@ -68,27 +69,18 @@ pub fn property_file(outgoing: &Outgoing<'_>, hardpoint: Option<&str>) -> Result
 }
 
 fn head(unit: LengthUnit) -> String {
-    let length = match unit {
-        LengthUnit::Millimetre => "mm",
-        LengthUnit::Metre => "meter",
-        LengthUnit::Inch | LengthUnit::InchPound => "inch",
-    };
+    let length = name_of_unit(unit);
     let mut text = format!(
-        "{}[MDI_HEADER]\n FILE_TYPE     =  'bus'\n FILE_VERSION  =  4.0\n FILE_FORMAT   =  'ASCII'\n{}[UNITS]\n \
-         LENGTH  =  '{length}'\n ANGLE   =  'radians'\n FORCE   =  'newton'\n MASS    =  'kg'\n TIME    =  'second'\n\
-         {}[DAMPING]\n",
-        rule("MDI_HEADER"),
-        rule("UNITS"),
-        rule("DAMPING"),
+        "{} FILE_TYPE     =  'bus'\n FILE_VERSION  =  4.0\n FILE_FORMAT   =  'ASCII'\n{} \
+         LENGTH  =  '{length}'\n ANGLE   =  'radians'\n FORCE   =  'newton'\n MASS    =  'kg'\n TIME    =  'second'\n{}",
+        heading("MDI_HEADER"),
+        heading("UNITS"),
+        heading("DAMPING"),
     );
     for axis in AXES {
         let _ = writeln!(text, " {axis}_DAMPING  =  0.0");
     }
     text
-}
-
-fn rule(name: &str) -> String {
-    format!("${name:->79}\n")
 }
 
 /// Remarks about properties of a bushing that the file cannot hold.
@@ -136,11 +128,10 @@ impl File<'_> {
         };
         let columns = if is_force { "x  fx" } else { "a  tx" };
         let columns = columns.replace('x', &AXES[axis][1..].to_lowercase());
-        let _ = write!(
+        let _ = writeln!(
             self.text,
-            "{}[{}_CURVE]\n{{ {columns} }}\n",
-            rule(&format!("{}_CURVE", AXES[axis])),
-            AXES[axis]
+            "{}{{ {columns} }}",
+            heading(&format!("{}_CURVE", AXES[axis]))
         );
         for [d, f] in points {
             // A torque is a force times a length.

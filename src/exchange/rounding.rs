@@ -336,7 +336,7 @@ impl<'a> Problem<'a> {
                 if stays(numbers[axis]) {
                     of_study[axis]
                 } else {
-                    own.convert(written[axis], self.grid.unit)
+                    own.convert_decimal(written[axis], self.grid.unit)
                 }
             });
             design.push(suspension.frame.vector(Vector3::new(x, y, z)));

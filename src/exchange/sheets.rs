@@ -9,17 +9,42 @@ use super::table::PointTable;
 use super::{points, workbook};
 use crate::model::AxlePosition;
 
-/// Reads the points of a workbook. `wanted` is the name of the requested sheet, and `axle` is the requested axle.
+/// Reads the points of a workbook, from the bytes of its file. `wanted` is the name of the requested sheet, and `axle` is the
+/// requested axle.
 ///
 /// # Errors
-/// No sheet has points, or the named sheet has none. Several sheets have points, and none is named. The only sheet with points is
-/// for the other axle.
+/// As for [`of_book`]. The bytes are not a workbook.
 pub(super) fn of_workbook(
     bytes: Vec<u8>,
     wanted: Option<&str>,
     axle: Option<AxlePosition>,
 ) -> Result<PointTable, Refusal> {
+    of_book(&workbook::Workbook::open(bytes)?, wanted, axle)
+}
+
+/// Reads the points of both axles of a workbook: one sheet for each axle, or otherwise the sheet with points.
+///
+/// # Errors
+/// As for [`of_book`]. The bytes are not a workbook. One of the sheets of the two axles cannot be read, or these sheets state
+/// different units or axes.
+pub(super) fn of_car(bytes: Vec<u8>) -> Result<PointTable, Refusal> {
     let book = workbook::Workbook::open(bytes)?;
+    match by_axle(&book)? {
+        Some(table) => Ok(table),
+        None => of_book(&book, None, None),
+    }
+}
+
+/// Reads the points of a workbook. `wanted` is the name of the requested sheet, and `axle` is the requested axle.
+///
+/// # Errors
+/// No sheet has points, or the named sheet has none. Several sheets have points, and none is named. The only sheet with points is
+/// for the other axle.
+fn of_book(
+    book: &workbook::Workbook,
+    wanted: Option<&str>,
+    axle: Option<AxlePosition>,
+) -> Result<PointTable, Refusal> {
     let names: Vec<String> = book.names().map(str::to_owned).collect();
     if let Some(wanted) = wanted {
         let Some(number) = names.iter().position(|name| name == wanted) else {
@@ -28,14 +53,14 @@ pub(super) fn of_workbook(
                 quoted(names.iter().map(String::as_str))
             )));
         };
-        let table = read(&book, number).map_err(|reason| format!("sheet {wanted:?}: {reason}"))?;
+        let table = read(book, number).map_err(|reason| format!("sheet {wanted:?}: {reason}"))?;
         let table = table.ok_or_else(|| format!("sheet {wanted:?}: {NO_POINTS}"))?;
         return Ok(table);
     }
     let mut found: Vec<(&str, PointTable)> = Vec::new();
     let mut unreadable: Vec<String> = Vec::new();
     for (number, name) in names.iter().enumerate() {
-        match read(&book, number) {
+        match read(book, number) {
             Ok(Some(table)) => found.push((name, table)),
             Ok(None) => (),
             Err(reason) => unreadable.push(format!("sheet {name:?}: {reason}")),
@@ -98,8 +123,7 @@ fn read(book: &workbook::Workbook, number: usize) -> Result<Option<PointTable>, 
 ///
 /// # Errors
 /// One of the two sheets cannot be read, or the sheets state different units or axes.
-pub(super) fn of_car(bytes: Vec<u8>) -> Result<Option<PointTable>, Refusal> {
-    let book = workbook::Workbook::open(bytes)?;
+fn by_axle(book: &workbook::Workbook) -> Result<Option<PointTable>, Refusal> {
     let names: Vec<String> = book.names().map(str::to_owned).collect();
     let mut car = PointTable::default();
     let mut of_axles = Vec::new();
@@ -108,7 +132,7 @@ pub(super) fn of_car(bytes: Vec<u8>) -> Result<Option<PointTable>, Refusal> {
         let numbers = (0..names.len()).filter(|number| axle_of(&names[*number]) == Some(axle));
         for number in numbers {
             let place = format!("sheet {:?}", names[number]);
-            match read(&book, number) {
+            match read(book, number) {
                 Ok(None) => (),
                 Ok(Some(table)) => own.push((names[number].as_str(), place, table)),
                 Err(reason) => unreadable.push(format!("{place}: {reason}")),

@@ -2,6 +2,7 @@
 //! axes or the half track are uncertain. Then the importer names the typing error instead of asking about the whole file.
 
 use super::corner::Picked;
+use super::notes::Notes;
 use super::place;
 use super::refusal::{Question, Refusal};
 use super::table::PointTable;
@@ -31,7 +32,7 @@ pub(super) struct Checks<'a> {
 impl Checks<'_> {
     /// True if the points pass all checks.
     fn pass(&self, mut picked: Vec<Picked>) -> bool {
-        let mut notes = Vec::new();
+        let mut notes = Notes::default();
         let placed = place::place(self.table, self.options, self.wanted, &picked, &mut notes);
         let Ok(mut placed) = placed else {
             return false;
@@ -41,7 +42,7 @@ impl Checks<'_> {
         }
         let flags = (self.options.half_track.is_some(), self.compare);
         let moved = place::to_half_track(placed, self.half_track, flags, &mut picked, &mut notes);
-        moved.is_ok() && !notes.iter().any(|note| note.starts_with("please check"))
+        moved.is_ok() && notes.doubts().next().is_none()
     }
 
     /// Replaces the reason of a refusal by the typing error that explains it, if there is one. `picked` are the points as

@@ -36,13 +36,9 @@ pub fn read(
 /// The file has no readable points, it has points of one axle only, or the sheets of both axles contradict each other.
 pub fn read_car(path: &Path, sheet: Option<&str>) -> Result<PointTable, Refusal> {
     let bytes = all_bytes(path)?;
-    let by_axle = match sheet {
-        None if is_workbook(&bytes) => sheets::of_car(bytes.clone())?,
-        _ => None,
-    };
-    let table = match by_axle {
-        Some(table) => table,
-        None => of_bytes(path, bytes, sheet, None)?,
+    let table = match sheet {
+        None if is_workbook(&bytes) => sheets::of_car(bytes)?,
+        _ => of_bytes(path, bytes, sheet, None)?,
     };
     if table.has_two_axles() {
         Ok(table)

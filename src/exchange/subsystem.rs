@@ -81,7 +81,7 @@ pub fn into_subsystem(outgoing: &Outgoing<'_>, file: &[u8]) -> Result<Written, S
             _ => Side::Left,
         };
         let position = outgoing.in_axes(of_side, outgoing.place(side, *id));
-        is_for(symmetry).then(|| position.map(|number| unit.convert(number, outgoing.unit)))
+        is_for(symmetry).then(|| position.map(|number| unit.convert_decimal(number, outgoing.unit)))
     });
     let mut notes = vec![format!("{} rows of [HARDPOINT] written", rewritten.rows)];
     let mechanism = &suspension.mechanism;

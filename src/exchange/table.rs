@@ -4,6 +4,7 @@ use super::adams_bushings::AdamsBushing;
 use super::angle_unit::AngleUnit;
 use super::axes::{Axes, Declared};
 use super::figure_names::figure;
+use super::notes::Notes;
 use super::refusal::{Question, Refusal};
 use super::roles;
 use super::unit::FileUnit;
@@ -162,7 +163,7 @@ pub struct PointTable {
     /// Bushings of an Adams/Car subsystem.
     pub(super) bushings: Vec<AdamsBushing>,
     /// Notes for the user about the file.
-    pub(super) notes: Vec<String>,
+    pub(super) notes: Notes,
     /// Unused parts of the file, with the reasons.
     pub(super) left_out: Vec<String>,
 }
@@ -265,7 +266,7 @@ impl PointTable {
                 figure.marks.axle = Some(axle);
                 figure
             }));
-        self.notes.extend(sheet.notes);
+        self.notes.add(&sheet.notes);
         self.left_out.extend(sheet.left_out);
         Ok(())
     }

@@ -6,6 +6,7 @@
 use super::ImportOptions;
 use super::corner::Picked;
 use super::figure_names::figure;
+use super::notes::Notes;
 use super::refusal::{Question, Refusal};
 use super::table::PointTable;
 use crate::model::LengthUnit;
@@ -168,7 +169,7 @@ pub(super) fn unit(
     table: &PointTable,
     options: &ImportOptions<'_>,
     picked: &[Picked],
-    notes: &mut Vec<String>,
+    notes: &mut Notes,
 ) -> Result<LengthUnit, Refusal> {
     // If the file has no wheel centre, any joint at the wheel is sufficient.
     let at_wheel = ["wheel_centre", "lower_ball_joint", "lower_front_link_outer"];
@@ -207,7 +208,7 @@ pub(super) fn unit(
             let better = fitting.map_or(String::new(), |unit| {
                 format!("; in {} they would be", unit_in_words(unit.symbol()))
             });
-            notes.push(format!(
+            notes.doubt(format!(
                 "please check: the points are up to {size:.4} {} from {from}, which is not the size of \
                  a car's suspension{better}",
                 unit.symbol()

@@ -28,8 +28,8 @@ impl Slot {
     /// derivatives of y slot by slot, and `turn` is the angular velocity.
     ///
     /// Let h and g be the derivatives of y with respect to u and u'. Let u_p be the derivative of u with respect to p. Then dy/dp =
-    /// h.u_p + g.u_p'. For any seed series S, an adjoint pass returns the series of S.u_p. If S has the coefficients S_i = h_(i-1)
-    /// + (j+1-i) g_i, coefficient j+1 of S.u_p is coefficient j of dy/dp: sum_n h_(j-n) (u_p)_n + sum_n n g_(j+1-n) (u_p)_n.
+    /// h.u_p + g.u_p'. For any seed series S, an adjoint pass returns the series of S.u_p. If S has the coefficients
+    /// S_i = h_(i-1) + (j+1-i) g_i, coefficient j+1 of S.u_p is coefficient j of dy/dp: sum_n h_(j-n) (u_p)_n + sum_n n g_(j+1-n) (u_p)_n.
     /// `shifted` computes the contribution of h to S, `by_rate` computes the contribution of g.
     #[inline(always)]
     pub(super) fn push_rates<V: Real, T: Real, G: Gradient<T> + ?Sized>(

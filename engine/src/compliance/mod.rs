@@ -62,7 +62,7 @@ pub use kc::{
     AxleKcRun, AxleVehicle, FigureGradients, KcAxleState, KcFigure, KcGradient, KcLevel, KcOutcome,
     KcRun, KcState, KcStation, KcSubject, KcTest, KcValue, KcWheelState, TestLoad, TestMode,
     TestPlace, figure_and_keys, figure_names, figures_by, follows_y_axis, is_figure_of_axles,
-    loads_of_figure, quantities, sign_of_figure,
+    is_steer_to_left, loads_of_figure, quantities, sign_of_figure,
 };
 pub(crate) use lanes::{EquilibriaInLanes, LaneMemory, WheelsInLanes};
 pub use law::Shape;

@@ -4,7 +4,7 @@
 //! wheels differ only in the signs of coordinates. So the change of frame is exact, and a mirrored car gives mirrored results
 //! bit for bit.
 
-use crate::number::{Each, Vector3};
+use crate::number::{Each, Vector3, short_decimal};
 use std::ops::{Index, IndexMut};
 
 /// A coordinate axis of the study.
@@ -120,6 +120,12 @@ impl FrameConvention {
     /// Name of the convention in studies.
     pub fn name(self) -> &'static str {
         ["iso8855", "sae_j670", "x_rear"][self as usize]
+    }
+
+    /// Convention with this name. `None` for other names.
+    pub fn named(name: &str) -> Option<Self> {
+        let mut all = FrameConvention::ALL.into_iter();
+        all.find(|convention| convention.name() == name)
     }
 
     /// Directions of the axes in words, as in the comments of templates.
@@ -243,6 +249,18 @@ impl LengthUnit {
             (LengthUnit::Inch, LengthUnit::Metre) => length * 0.0254,
             _ => length,
         }
+    }
+
+    /// Converts a length for a file. If the length and the result are decimal numbers with at most 15 digits, the result has
+    /// no rounding error: 9.5 in are 241.3 mm, not 241.29999999999998 mm. Otherwise the result is that of
+    /// [`LengthUnit::convert`].
+    pub fn convert_decimal(self, length: f64, from: LengthUnit) -> f64 {
+        if from.with_newtons() == self.with_newtons() {
+            return length;
+        }
+        let there = |length| self.convert(length, from);
+        let back = |length| from.convert(length, self);
+        short_decimal(length, there, back).unwrap_or_else(|| there(length))
     }
 }
 

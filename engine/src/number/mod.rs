@@ -7,6 +7,7 @@
 //! with respect to the drive.
 
 mod arc;
+mod decimal;
 mod dual;
 mod interval;
 mod jet;
@@ -20,6 +21,7 @@ mod vector;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
+pub(crate) use decimal::short_decimal;
 pub use dual::Dual;
 pub use interval::Interval;
 pub use jet::Jet;

@@ -135,7 +135,7 @@ pub(super) fn axle(
     }
     if suspension.frame.meaning().1 == Side::Right {
         let place = file.suspension.side.as_ref().map_or(place, Text::span);
-        let message = "[suspension] of an axle is its left wheel; expected side = \"left\". `hardpoint import --side left` writes the mirror image of a right wheel";
+        let message = "[suspension] of an axle is its left wheel; expected side = \"left\". `hardpoint convert --side left` writes the mirror image of the study of a right wheel";
         problems.add(place, message);
         sound = false;
     }

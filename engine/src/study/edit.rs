@@ -7,7 +7,7 @@ use crate::compliance::{AxialStiffness, Compliance, LinkPart, Shape};
 use crate::model::{Axis, Frame, HINGE, Mechanism, PointId, SPINDLE_INNER, Suspension};
 use crate::number::{Each, Vector3};
 pub(super) use inside::{with_bushings_inside, with_curves_inside};
-use std::path::{Component, Path};
+use std::path::{Component, Path, PathBuf};
 use toml_edit::{Array, DocumentMut, Item, Table, TableLike, Value};
 
 impl Study {
@@ -193,25 +193,29 @@ impl Study {
 
     /// Returns the text for a file in another directory. The path of a file of designs becomes relative to this directory.
     pub fn text_in(&self, directory: &Path) -> String {
+        self.with_paths_in(self.text.clone(), directory)
+    }
+
+    /// Returns another text of this study for a file in another directory, like [`Study::text_in`].
+    pub fn with_paths_in(&self, text: String, directory: &Path) -> String {
         let designs = match self.sweep.as_ref().map(|sweep| &sweep.designs) {
             Some(Designs::File(path)) => path_from(directory, path),
             _ => None,
         };
-        match (designs, self.text.parse::<DocumentMut>()) {
+        match (designs, text.parse::<DocumentMut>()) {
             (Some(path), Ok(mut document)) => {
                 document["sweep"]["designs"] = path.into();
                 document.to_string()
             }
-            _ => self.text.clone(),
+            _ => text,
         }
     }
 }
 
-/// Path of a file relative to a directory. The full path if file and directory have no common parent. `None` if a path does
-/// not exist, or has no Unicode name.
+/// Path of a file relative to a directory. The full path if file and directory have no common parent. `None` if the file does
+/// not exist, or has no Unicode name. The directory need not exist yet.
 fn path_from(directory: &Path, file: &Path) -> Option<String> {
-    let [directory, file] = [directory, file].map(|path| path.canonicalize());
-    let (directory, file) = (directory.ok()?, file.ok()?);
+    let (directory, file) = (resolved(directory)?, file.canonicalize().ok()?);
     let common = |(a, b): &(Component<'_>, Component<'_>)| a == b;
     let shared = directory.components().zip(file.components());
     let shared = shared.take_while(common).count();
@@ -224,6 +228,15 @@ fn path_from(directory: &Path, file: &Path) -> Option<String> {
         .chain(down.map(|name| name.as_os_str().to_str()))
         .collect();
     Some(names?.join("/"))
+}
+
+/// Full path of a directory without symbolic links, also if the directory does not exist yet.
+fn resolved(directory: &Path) -> Option<PathBuf> {
+    if directory.as_os_str().is_empty() {
+        return Path::new(".").canonicalize().ok();
+    }
+    let full = directory.canonicalize().ok();
+    full.or_else(|| Some(resolved(directory.parent()?)?.join(directory.file_name()?)))
 }
 
 /// Writes the coordinates that differ from the suspension's design. `find` returns the array of a point in the document.

@@ -47,7 +47,13 @@ pub(in crate::cli) fn optimise(curves: &CurveArguments, with_prices: bool) -> Re
     let unsolved = |why| Stop::unsolved(path, why);
     let tuned = pool.install(|| study.tuned(wanted, control));
     let tuned = tuned.map_err(unsolved)?;
-    let texts = optimised_car(&study, &tuned.study.car, tuned.fit.x.as_slice());
+    let [text, front, rear] = optimised_car(&study, &tuned.study.car, tuned.fit.x.as_slice());
+    let [front_study, rear_study] = &study.axles;
+    let texts = [
+        text,
+        output.text_here(front_study, front),
+        output.text_here(rear_study, rear),
+    ];
     let is_interrupted = interrupt::is_raised();
     if is_interrupted {
         // A signal has ended the tuning early. So the program writes the tuned design now, before it computes anything else.

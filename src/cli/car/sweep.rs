@@ -2,7 +2,7 @@
 
 use super::super::SweepArguments;
 use super::super::exit::{Exit, Stop};
-use super::super::sweep::{Ready, carry_out, is_to_stdout};
+use super::super::sweep::{Ready, carry_out, check_number, is_to_stdout};
 use super::{KEPT_NAMES, kept};
 use crate::report::{SweepText, settings_of_car};
 use crate::study::CarStudy;
@@ -28,7 +28,7 @@ pub(in crate::cli) fn sweep(arguments: &SweepArguments) -> Result<Exit, Stop> {
         text: SweepText::without_curves(),
         inputs: study.inputs.clone(),
         kept_names: &KEPT_NAMES,
-        kept: &|_| kept(&study),
+        kept: &|directory| kept(&study, directory),
         draw: &|_, _| Ok(()),
     };
     carry_out(arguments, &ready, || ())
@@ -36,12 +36,7 @@ pub(in crate::cli) fn sweep(arguments: &SweepArguments) -> Result<Exit, Stop> {
 
 /// Prints the `--set` options that change the study to one design of the sweep.
 fn print_settings(study: &CarStudy, plan: &CarSweepPlan<'_>, number: u64) -> Result<Exit, Stop> {
-    let designs = plan.record.designs;
-    if number >= designs {
-        return Err(Stop::wrong_input(format!(
-            "there is no design {number}; the sweep has {designs}, numbered from 0"
-        )));
-    }
+    check_number(number, &plan.record).map_err(Stop::wrong_input)?;
     let values = plan.values(number);
     let variables = study.sweep.iter().flat_map(|sweep| &sweep.variables);
     let variables: Vec<_> = variables.cloned().collect();

@@ -3,6 +3,7 @@
 use super::super::complete;
 use super::super::corner::Corner;
 use super::super::names::cut;
+use super::super::notes::Notes;
 use super::super::roles::{Role, end_of_drop_link};
 use super::super::table::{Marks, PointTable};
 use super::{Hardpoint, ImportOptions};
@@ -40,7 +41,7 @@ impl Unused<'_> {
     pub(super) fn say(
         &self,
         hardpoints: &[Hardpoint],
-        notes: &mut Vec<String>,
+        notes: &mut Notes,
         left_out: &mut Vec<String>,
     ) {
         let topology = self.options.topology;
@@ -48,7 +49,7 @@ impl Unused<'_> {
         let (table, meanings) = (&table, meanings(&roles));
         let unused = complete::unused(table, &meanings, hardpoints);
         if let Some(other) = complete::rather(topology, &unused, table) {
-            notes.push(format!(
+            notes.doubt(format!(
                 "please check: together with the unused points, the points form a {}; --topology {} \
                  would use them",
                 other.name.replace('_', " "),

@@ -3,6 +3,7 @@
 use super::super::corner::{Corner, Picked};
 use super::super::figure_names::{FigureKind, figure};
 use super::super::figures::Figures;
+use super::super::notes::Notes;
 use super::super::place::Placed;
 use super::super::table::{NamedPoint, PointTable};
 use super::Imported;
@@ -46,7 +47,7 @@ pub(super) fn radius(
     contact: Option<(String, f64)>,
     is_optimum: bool,
     figures: &mut Figures,
-    notes: &mut Vec<String>,
+    notes: &mut Notes,
 ) {
     if figures.radius.is_some() {
         return;

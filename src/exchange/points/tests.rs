@@ -27,7 +27,10 @@ fn columns_stand_in_any_order() {
 #[test]
 fn a_table_may_have_no_header() {
     let read = table("a,1,2,3\nb,4,5,6\n");
-    assert_eq!((position(&read, 1), read.notes.len()), ([4.0, 5.0, 6.0], 1));
+    assert_eq!(
+        (position(&read, 1), read.notes.texts().count()),
+        ([4.0, 5.0, 6.0], 1)
+    );
 }
 
 #[test]
@@ -153,10 +156,13 @@ fn decimal_signs_of_all_blocks_are_compared() {
     assert_eq!(position(&read, 1), [4.5, 5.0, 6.0]);
 }
 
-/// A minus in a header may be a sign or a dash. A note says that it is not used.
+/// A minus in a header may be a sign or a dash. A warning says that it is not used.
 #[test]
 fn unused_signs_of_headers_are_reported() {
-    let notes = |head: &str| table(&format!("{head}\na,1,2,3\n")).notes.join("\n");
+    let doubts = |head: &str| {
+        let notes = table(&format!("{head}\na,1,2,3\n")).notes;
+        notes.doubts().collect::<Vec<_>>().join("\n")
+    };
     for head in [
         "name,-x,y,z",
         "name,x (-forward),y (left),z (up)",
@@ -164,17 +170,17 @@ fn unused_signs_of_headers_are_reported() {
         "name,x,y (right -),z",
         "name,negative x,y,z",
     ] {
-        assert!(notes(head).contains("line 1: the minus in"), "{head}");
+        assert!(doubts(head).contains("line 1: the minus in"), "{head}");
     }
     for head in [
         "name,x - mm,y - mm,z - mm",
         "name,x,y (right +),z",
         "name,x-value,y,z",
     ] {
-        assert_eq!(notes(head), "", "{head}");
+        assert_eq!(doubts(head), "", "{head}");
     }
-    let note = notes("name,negative x,y,z");
-    assert!(note.contains("\"negative x\""), "{note}");
+    let doubt = doubts("name,negative x,y,z");
+    assert!(doubt.contains("\"negative x\""), "{doubt}");
 }
 
 #[test]

@@ -198,7 +198,10 @@ impl CarFiles {
         }
         let mut texts = with_designs(opened, designs);
         texts[0] = car_with_axles(&texts[0], &names[1], &names[2]);
-        // The files that an axle's study names are relative to its new folder.
+        let folder = self.path().parent().unwrap_or(Path::new(""));
+        for (text, axle) in texts[1..].iter_mut().zip(&opened.study.axles) {
+            *text = axle.with_paths_in(std::mem::take(text), folder);
+        }
         let files = CarFiles([0, 1, 2].map(|number| paths[number].clone()));
         files.understood(&texts)?;
         let there = paths.iter().filter(|path| path.exists());

@@ -1,6 +1,8 @@
 //! Tests of `hardpoint convert`: after conversion to other units and axes, a study describes the same vehicle.
 
+mod mirror;
 mod physical;
+mod repointed;
 mod texts;
 mod trails;
 

@@ -40,7 +40,7 @@ fn split_unit(column: &str) -> (String, f64) {
 }
 
 /// Sign that converts a column to ISO 8855. `signs` are the signs of the study's axes relative to ISO 8855.
-fn sign(stem: &str, signs: [f64; 3]) -> f64 {
+pub(super) fn sign(stem: &str, signs: [f64; 3]) -> f64 {
     if ["rack", "steer_by_rack", "caster_by_rack", "rack_force"].contains(&stem) {
         return signs[1];
     }
@@ -65,8 +65,11 @@ fn signs(options: &[&str]) -> [f64; 3] {
 
 type Rows = Vec<Vec<Result<f64, String>>>;
 
-/// Names of columns without units, and rows in SI units and ISO axes, ordered by station.
-fn table(file: &Path, signs: [f64; 3]) -> (Vec<String>, Rows) {
+/// Sign that converts a column, given by its name without the unit, to the axes of the first study.
+type Signs<'a> = &'a dyn Fn(&str) -> f64;
+
+/// Names of columns without units, and rows in SI units and in the axes of the first study, ordered by station.
+fn table(file: &Path, sign: Signs<'_>) -> (Vec<String>, Rows) {
     let mut reader = csv::Reader::from_path(file).unwrap();
     let header: Vec<(String, f64)> = reader.headers().unwrap().iter().map(split_unit).collect();
     let names: Vec<String> = header.iter().map(|(stem, _)| stem.clone()).collect();
@@ -83,7 +86,7 @@ fn table(file: &Path, signs: [f64; 3]) -> (Vec<String>, Rows) {
             let name = if is_figure { quantity } else { stem };
             let number = text.parse::<f64>();
             number
-                .map(|number| number * factor * sign(name, signs) + 0.0)
+                .map(|number| number * factor * sign(name) + 0.0)
                 .map_err(|_| {
                     if stem == "unit" {
                         String::new()
@@ -116,8 +119,8 @@ fn table(file: &Path, signs: [f64; 3]) -> (Vec<String>, Rows) {
 }
 
 /// Compares two tables by column, relative to the largest value of the column.
-fn compare(label: &str, one: &Path, other: &Path, signs: [f64; 3], bound: f64) {
-    let (names, expected) = table(one, [1.0; 3]);
+pub(super) fn compare(label: &str, one: &Path, other: &Path, signs: Signs<'_>, bound: f64) {
+    let (names, expected) = table(one, &|_| 1.0);
     let (others, found) = table(other, signs);
     assert_eq!(names, others, "{label}");
     assert_eq!(expected.len(), found.len(), "{label}");
@@ -146,7 +149,7 @@ fn compare(label: &str, one: &Path, other: &Path, signs: [f64; 3], bound: f64) {
     }
 }
 
-fn tables_of_results(directory: &Path) -> Vec<String> {
+pub(super) fn tables_of_results(directory: &Path) -> Vec<String> {
     let entries = fs::read_dir(directory).unwrap();
     let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
     let is_curve = |name: &String| {
@@ -183,7 +186,7 @@ fn every_sample_study_gives_the_same_physical_results_in_other_units_and_axes() 
                     &label,
                     &old.join(&name),
                     &new.join(&name),
-                    signs(options),
+                    &|name| sign(name, signs(options)),
                     bound,
                 );
                 compared += 1;
@@ -193,12 +196,17 @@ fn every_sample_study_gives_the_same_physical_results_in_other_units_and_axes() 
     assert!(compared > 90, "{compared}");
 }
 
-fn summary(directory: &Path) -> serde_json::Value {
+pub(super) fn summary(directory: &Path) -> serde_json::Value {
     let text = fs::read_to_string(directory.join("summary.json")).unwrap();
     serde_json::from_str(&text).unwrap()
 }
 
-fn assert_near(label: &str, old: &serde_json::Value, new: &serde_json::Value, bound: f64) {
+pub(super) fn assert_near(
+    label: &str,
+    old: &serde_json::Value,
+    new: &serde_json::Value,
+    bound: f64,
+) {
     let (one, other) = (old.as_f64(), new.as_f64());
     let (Some(one), Some(other)) = (one, other) else {
         panic!("{label}: {old} {new}");

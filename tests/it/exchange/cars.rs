@@ -62,7 +62,7 @@ fn axles_of_one_body_come_back_from_tables() {
                 let frame = Frame::new(convention, Side::Left);
                 for hardpoint in &back.hardpoints {
                     let id = mechanism.point(hardpoint.name).unwrap();
-                    let length = |x: f64| unit.convert(x, own.wheel().length_unit);
+                    let length = |x: f64| unit.convert_decimal(x, own.wheel().length_unit);
                     let wanted = frame
                         .vector(own.wheel().design[id.0].map(length))
                         .to_array();

@@ -85,7 +85,7 @@ fn a_rounded_workbook_has_the_curves_of_its_points() {
                         assert!((x / step - (x / step).round()).abs() < 1e-9, "{x}");
                     }
                     let place = Vector3::from(written);
-                    let place = place.map(|x| suspension.length_unit.convert(x, unit));
+                    let place = place.map(|x| suspension.length_unit.convert_decimal(x, unit));
                     let place = suspension.frame.vector(place);
                     moved += usize::from(place != suspension.design[n]);
                     // A coordinate that does not change keeps its bits.
@@ -271,6 +271,58 @@ fn rounding_moves_what_was_set() {
     let changed: Vec<_> = one.iter().filter(|(name, p)| **p != same[*name]).collect();
     assert_eq!(changed.len(), 1);
     assert_eq!(changed[0].1[2] % 7.0, 0.0);
+}
+
+/// The length of `--round` may have its own unit. Without a unit, it has the unit of the file.
+#[test]
+fn the_length_of_a_rounding_has_a_unit() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = studies().join("double_wishbone_solve.toml");
+    let path = path.to_str().unwrap();
+    let export = |to: &str, more: &[&str]| {
+        let file = directory.path().join("file");
+        let out = file.to_str().unwrap();
+        let base = [
+            "export",
+            path,
+            "--to",
+            to,
+            "--force",
+            "--round-all",
+            "--out",
+            out,
+        ];
+        let (_, said) = run(&[&base[..], more].concat(), 0);
+        (std::fs::read_to_string(&file).unwrap(), said)
+    };
+    let (plain, _) = export("csv", &["--round", "7"]);
+    for same in ["7mm", "7 mm", "0.7cm", "7.0mm"] {
+        let (text, said) = export("csv", &["--round", same]);
+        assert_eq!(text, plain, "{same}");
+        assert!(said.contains("rounded to 7 mm"), "{said}");
+    }
+    // In a file in inches, the coordinates are multiples of 7 mm.
+    export("csv", &["--round", "7mm", "--unit", "in"]);
+    for x in points(&directory.path().join("file")).values().flatten() {
+        let steps = x * 25.4 / 7.0;
+        assert!((steps - steps.round()).abs() < 1e-12, "{x}");
+    }
+    // The study is in millimetres. Multiples of 0.25 in have at most two decimals there.
+    let (study, said) = export("toml", &["--round", "0.25in"]);
+    assert!(said.contains("rounded to 0.25 in"), "{said}");
+    let study = Study::from_text("rounded.toml", &study, Path::new("")).unwrap();
+    let coordinates = study.wheel().design.iter().flat_map(|p| p.to_array());
+    for x in coordinates {
+        assert!((x / 6.35 - (x / 6.35).round()).abs() < 1e-12, "{x}");
+        assert_eq!(format!("{x:.2}").parse(), Ok(x), "{x}");
+    }
+    for wrong in ["7kg", "mm", "0mm", "-7mm", "7mmm"] {
+        let (_, said) = run(
+            &["export", path, "--to", "csv", &format!("--round={wrong}")],
+            2,
+        );
+        assert!(said.contains("0.5mm"), "{wrong}: {said}");
+    }
 }
 
 /// A command never overwrites its inputs, under any name.

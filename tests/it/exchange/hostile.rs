@@ -36,7 +36,7 @@ fn what_was_guessed_and_assumed_is_said() {
         (read.unit, read.side, read.frame),
         (LengthUnit::Millimetre, Side::Left, FrameConvention::Iso8855)
     );
-    let said = read.notes.join("\n");
+    let said = read.notes.texts().collect::<Vec<_>>().join("\n");
     assert_eq!(read.hardpoints[0].called, "LCA front");
     for expected in [
         "unit: mm",
@@ -190,7 +190,7 @@ fn sheets_are_chosen_by_name_or_by_their_points() {
     let read = imported(&one, "macpherson", &Said::default()).unwrap();
     assert!(
         read.notes
-            .iter()
+            .texts()
             .any(|note| note.contains("sheet \"front\""))
     );
     let two = workbook(&[notes, page("front", cells()), page("rear", cells())]);
@@ -323,7 +323,7 @@ fn keys_of_scripts_hide_no_names() {
         assert_eq!(read.hardpoints.len(), 9, "{:?}", read.left_out);
         let axle = read
             .notes
-            .iter()
+            .texts()
             .find(|note| note.starts_with("axle: front"));
         assert!(axle.is_some(), "{:?}", read.notes);
     }

@@ -190,5 +190,9 @@ fn one_sheet_of_optimum_kinematics_is_chosen() {
         ..Said::default()
     };
     let read = imported(&path, "double_wishbone", &said).unwrap();
-    assert!(read.notes.join(" ").contains("Rear Suspension"));
+    assert!(
+        read.notes
+            .texts()
+            .any(|note| note.contains("Rear Suspension"))
+    );
 }

@@ -178,19 +178,21 @@ fn every_unit_and_frame_goes_out_and_comes_back() {
                     let back = imported(&path, topology, &said).unwrap();
                     let left_over = back
                         .notes
-                        .iter()
+                        .texts()
                         .find(|note| note.contains("unused points"));
                     assert_eq!(left_over, None, "{name}");
                     assert_eq!((back.unit, back.frame, back.side), (unit, convention, side));
                     let frame = Frame::new(convention, side);
                     for (name, position) in written(&study, frame) {
                         let found = back.hardpoints.iter().find(|h| h.name == name).unwrap();
-                        let converted = position.map(|x| unit.convert(x, suspension.length_unit));
+                        let converted =
+                            position.map(|x| unit.convert_decimal(x, suspension.length_unit));
                         assert_eq!(found.position.map(|x| x + 0.0), converted, "{name}");
                     }
                     if name != "new.sub" {
                         let radius = suspension.wheel_radius;
-                        let radius = radius.map(|r| unit.convert(r, suspension.length_unit));
+                        let radius =
+                            radius.map(|r| unit.convert_decimal(r, suspension.length_unit));
                         assert_eq!(back.wheel_radius, radius);
                     }
                 }
@@ -321,7 +323,7 @@ fn the_wheels_of_a_subsystem_are_told_apart() {
     assert_eq!(left.side, Side::Left);
     assert!(
         left.notes
-            .iter()
+            .texts()
             .any(|note| note.contains("wheel and mirrored: "))
     );
 }

@@ -2,7 +2,7 @@
 //! points with an error.
 
 use super::{Said, file, imported};
-use hardpoint::exchange::{FileUnit, Imported};
+use hardpoint::exchange::{FileUnit, Imported, Notes};
 use hardpoint::model::LengthUnit;
 
 /// Double wishbone with pushrod in millimetres: names and coordinates.
@@ -109,7 +109,7 @@ fn inches_and_centimetres_are_not_confused() {
     // In centimetres, this suspension would have a size of only 0.2 m. So the import reads inches.
     let inches = read(&table(1.0 / 25.4)).unwrap();
     assert_eq!(inches.unit, LengthUnit::Inch);
-    let note = inches.notes.iter().find(|note| note.starts_with("unit:"));
+    let note = inches.notes.texts().find(|note| note.starts_with("unit:"));
     assert!(note.unwrap().contains("inches"), "{:?}", inches.notes);
     let millimetres = read(&table(1.0)).unwrap();
     assert_eq!(millimetres.unit, LengthUnit::Millimetre);
@@ -189,7 +189,7 @@ fn a_shortened_travel_is_reported_with_its_reason() {
     let found = read(&text).unwrap();
     let (study, notes) = found.study_and_notes("s", "there").unwrap();
     assert!(!study.contains("from = -80.0"), "{study}");
-    let note = notes.last().unwrap();
+    let note = notes.texts().last().unwrap();
     for words in [
         "instead of the usual 80 mm",
         "pushrod",
@@ -211,7 +211,7 @@ fn a_shortened_travel_is_reported_with_its_reason() {
         .unwrap()
         .study_and_notes("s", "there")
         .unwrap();
-    assert_eq!(notes, Vec::<String>::new());
+    assert_eq!(notes, Notes::default());
 }
 
 /// The import names a coordinate with a wrong decimal place, even if the suspension with this point moves.
@@ -226,8 +226,8 @@ fn a_wrong_decimal_place_is_named_by_the_import() {
     };
     let named = "upper_ball_joint seems to have y = -668 instead of -66.8 (a wrong decimal place)";
     let found = notes(text);
-    assert!(found[0].contains(named), "{found:?}");
-    assert_eq!(notes(&text.replace("-66.8", "-668")), Vec::<String>::new());
+    assert!(found.doubts().next().unwrap().contains(named), "{found:?}");
+    assert_eq!(notes(&text.replace("-66.8", "-668")), Notes::default());
 }
 
 /// The import finds a value outside the table of points: above the header, with its unit in a separate cell, or with its name in

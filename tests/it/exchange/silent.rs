@@ -164,7 +164,7 @@ fn an_axle_beside_an_unknown_one_keeps_its_unit() {
     };
     let read = imported(&path, "double_wishbone", &said).unwrap();
     assert_eq!(read.unit, LengthUnit::Metre);
-    let notes = read.notes.join("\n");
+    let notes = read.notes.texts().collect::<Vec<_>>().join("\n");
     assert!(
         !notes.contains("assumed: the file states none") && !notes.contains("deduced"),
         "{notes}"

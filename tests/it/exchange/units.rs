@@ -82,7 +82,7 @@ fn stated_centimetres_and_feet_are_converted() {
         assert_eq!(found.unit, LengthUnit::Millimetre, "{head}");
         is_the_wheel(&found, 1.0, head);
         assert!(
-            found.notes.iter().any(|note| note.contains("states cm")),
+            found.notes.texts().any(|note| note.contains("states cm")),
             "{head}: {:?}",
             found.notes
         );
@@ -129,7 +129,7 @@ fn lengths_beside_points_are_converted_too() {
     };
     let found = read("points.csv", &head, &said).unwrap();
     assert_eq!(found.unit, LengthUnit::Metre);
-    assert!(found.notes.iter().any(|note| note.contains("replaces")));
+    assert!(found.notes.texts().any(|note| note.contains("replaces")));
 }
 
 #[test]

@@ -17,8 +17,8 @@ pub(crate) use axle::{AxleFigure, Conditions, Here};
 pub use axle::{AxleKcRun, AxleVehicle, FigureGradients};
 pub use gradients::{KcGradient, KcValue};
 pub use names::{
-    figure_and_keys, figure_names, figures_by, follows_y_axis, is_figure_of_axles, loads_of_figure,
-    sign_of_figure,
+    figure_and_keys, figure_names, figures_by, follows_y_axis, is_figure_of_axles,
+    is_steer_to_left, loads_of_figure, sign_of_figure,
 };
 pub use test::{KcTest, TestLoad, TestMode, TestPlace};
 

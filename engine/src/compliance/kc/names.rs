@@ -179,6 +179,11 @@ pub fn follows_y_axis(figure: &str) -> bool {
     ALONG_Y.iter().any(|start| figure.starts_with(start))
 }
 
+/// Returns true if a positive value of a result means steer to the left, on both sides of the car.
+pub fn is_steer_to_left(figure: &str) -> bool {
+    figure.starts_with("steer_by")
+}
+
 /// Parts of result names, each with the meaning of a positive value. The first of these parts that occurs in a name
 /// applies.
 const SIGNS: &[(&str, &str)] = &[

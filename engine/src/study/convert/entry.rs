@@ -7,7 +7,7 @@ use crate::ask::Unit;
 use crate::axle::Coordinate;
 use crate::car::CarQuantity;
 use crate::characteristics::{Characteristic, Measure, Quantity};
-use crate::compliance::follows_y_axis;
+use crate::compliance::{follows_y_axis, is_steer_to_left};
 use crate::model::Axis;
 use crate::number::Each;
 use hardpoint_study_file::dimension::Powers;
@@ -88,14 +88,17 @@ fn rate(name: &str) -> Option<Powers> {
     }
 }
 
-/// Sign of a result in the new axes, relative to the old axes. Characteristics do not depend on the axes, but some test
-/// results do.
+/// Sign of a result in the new text, relative to the old text. Characteristics depend neither on the axes nor on the side of the
+/// wheel, but some test results do.
 fn sign_of_name(name: &str, conversion: &Conversion) -> f64 {
-    if follows_y_axis(name) {
+    let along = if follows_y_axis(name) {
         conversion.sign(Axis::Y)
     } else {
         1.0
-    }
+    };
+    // A mirror image turns a steer to the left into a steer to the right.
+    let turns_back = is_steer_to_left(name) && conversion.mirrors();
+    along * if turns_back { -1.0 } else { 1.0 }
 }
 
 /// Number of entries before an entry of a list, such as a target. `all` counts every entry. `of_axle` counts only the entries

@@ -1,4 +1,4 @@
-//! Writes a study in other units and axes, as an edit of its text.
+//! Writes a study in other units and axes, or for the other side of the car, as an edit of its text.
 //!
 //! The crate `hardpoint-study-file` gives the dimension of each number ([`dimension`](hardpoint_study_file::dimension)).
 //! Module [`scale`] converts the numbers. In entries such as targets, other keys determine the unit ([`entry`]).
@@ -10,7 +10,7 @@ mod walk;
 use super::error::{Problems, Source, StudyErrors};
 use super::place::place_of;
 use super::{CarStudy, Study};
-use crate::model::{FrameConvention, LengthUnit, MassUnit};
+use crate::model::{FrameConvention, LengthUnit, MassUnit, Side};
 use crate::number::Each;
 use entry::Subject;
 use hardpoint_study_file::schema::Root;
@@ -20,7 +20,7 @@ use std::sync::Arc;
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 use walk::Walk;
 
-/// Units and axes of a study.
+/// Units and axes of a study, and the side of its wheel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Units {
     /// Unit of lengths, with the unit of forces.
@@ -29,9 +29,11 @@ pub struct Units {
     pub mass: MassUnit,
     /// Directions of the axes.
     pub frame: FrameConvention,
+    /// Side of the car on which the wheel of the study is. The study of an axle describes its left wheel.
+    pub side: Side,
 }
 
-/// Requested units and axes. `None` keeps the unit or the axes of the study.
+/// Requested units, axes and side. `None` keeps the unit, the axes or the side of the study.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct UnitChoice {
     /// Unit of lengths: millimetres, metres or inches.
@@ -42,6 +44,8 @@ pub struct UnitChoice {
     pub mass: Option<MassUnit>,
     /// Directions of the axes.
     pub frame: Option<FrameConvention>,
+    /// Side of the car. On the other side, the study describes the mirror image of its wheel. Only for the study of one wheel.
+    pub side: Option<Side>,
 }
 
 impl UnitChoice {
@@ -67,24 +71,29 @@ impl UnitChoice {
             length,
             mass: self.mass.unwrap_or(from.mass),
             frame: self.frame.unwrap_or(from.frame),
+            side: self.side.unwrap_or(from.side),
         })
     }
 }
 
 impl Study {
-    /// Units and axes of the study.
+    /// Units and axes of the study, and the side of its wheel.
     pub fn units(&self) -> Units {
         let written = self.text.parse::<DocumentMut>().ok();
         let section = written.as_ref().and_then(|own| own.get("suspension"));
+        let (frame, side) = self.wheel().frame.meaning();
         Units {
             length: self.wheel().length_unit,
             mass: mass_unit(section),
-            frame: self.wheel().frame.meaning().0,
+            frame,
+            side,
         }
     }
 
-    /// Returns the text of the same study in other units and axes, with its comments. The function does not read files of
-    /// target curves. `name` is the file name in messages. Errors name the keys that cannot be converted.
+    /// Returns the text of the same study in other units and axes, with its comments. For the other side of the car, the new
+    /// study is the mirror image of the old one: its results are the same, apart from the signs of lateral components. The
+    /// function does not read files of target curves. `name` is the file name in messages. Errors name the keys that cannot be
+    /// converted.
     pub fn in_units(&self, name: &str, choice: &UnitChoice) -> Result<String, StudyErrors> {
         let from = self.units();
         let source = source(name, &self.text);
@@ -93,10 +102,14 @@ impl Study {
             let message = "a study with elastic parts cannot have forces in lbf";
             return Err(refusal(&source, &["suspension", "force_unit"], message));
         }
+        if choice.side.is_some() && self.axle().is_some() {
+            let message = "this study describes both wheels of an axle: only the study of one wheel has a mirror image on the other side";
+            return Err(refusal(&source, &["suspension", "topology"], message));
+        }
         // Reads the text again, so that the entries of the study have the same order as the entries of the text. The
         // text contains the target curves of other files.
         let study = self.read_again(name, &self.text)?;
-        let conversion = Conversion::new(from, to, self.wheel().frame.meaning().1);
+        let conversion = Conversion::new(from, to);
         let walk = Walk::new(Root::Suspension, Subject::Study(&study), [conversion; 2]);
         let text = walk.text(&source, |root| {
             let section = root.get_mut("suspension").and_then(Item::as_table_like_mut);
@@ -114,7 +127,14 @@ impl Study {
                     [from, to].each(|own| own.mass.symbol()),
                 );
                 write_unit(section, "frame", [from, to].each(|own| own.frame.name()));
-                describe_axes(section, from.frame, to.frame);
+                write_unit(section, "side", [from, to].each(|own| own.side.name()));
+                correct_comment(
+                    section,
+                    "frame",
+                    [from, to].each(|own| own.frame.directions()),
+                );
+                // The comment names the alternative to the value.
+                correct_comment(section, "side", [to, from].each(|own| own.side.name()));
             }
         })?;
         self.read_again(name, &text)?;
@@ -152,7 +172,7 @@ impl CarStudy {
         let to = applied(choice, from, &source, "car")?;
         let ends = [front_units, rear_units].map(|own| {
             let to = applied(choice, own, &source, "car");
-            to.map(|to| Conversion::new(own, to, crate::model::Side::Left))
+            to.map(|to| Conversion::new(own, to))
         });
         let [first, second] = ends;
         let walk = Walk::new(Root::Car, Subject::Car(self), [first?, second?]);
@@ -208,7 +228,7 @@ fn mass_unit(section: Option<&Item>) -> MassUnit {
     named.next().unwrap_or_default()
 }
 
-/// Writes the name of a unit or of axes, if it changes. `both` has the old and the new name.
+/// Writes the name of a unit, of axes or of a side, if it changes. `both` has the old and the new name.
 fn write_unit(section: &mut dyn TableLike, key: &str, both: [&str; 2]) {
     if both[0] == both[1] {
         return;
@@ -223,13 +243,13 @@ fn write_unit(section: &mut dyn TableLike, key: &str, both: [&str; 2]) {
     }
 }
 
-/// Corrects the comment behind `frame` that states the directions of the axes.
-fn describe_axes(section: &mut dyn TableLike, from: FrameConvention, to: FrameConvention) {
-    let frame = section.get_mut("frame").and_then(Item::as_value_mut);
-    if let Some(decor) = frame.map(Value::decor_mut)
+/// Replaces words in the comment behind a key. `both` has the old and the new words.
+fn correct_comment(section: &mut dyn TableLike, key: &str, both: [&str; 2]) {
+    let value = section.get_mut(key).and_then(Item::as_value_mut);
+    if let Some(decor) = value.map(Value::decor_mut)
         && let Some(comment) = decor.suffix().and_then(|suffix| suffix.as_str())
     {
-        let new = comment.replace(from.directions(), to.directions());
+        let new = comment.replace(both[0], both[1]);
         decor.set_suffix(new);
     }
 }

@@ -2,7 +2,8 @@
 
 use super::Units;
 use crate::ask::Unit;
-use crate::model::{Axis, Frame, LengthUnit, MassUnit, Side};
+use crate::model::{Axis, Frame, LengthUnit, MassUnit};
+use crate::number::short_decimal;
 use hardpoint_study_file::dimension::Powers;
 
 /// Change from one set of units and axes to another.
@@ -14,11 +15,11 @@ pub(super) struct Conversion {
 }
 
 impl Conversion {
-    pub(super) fn new(from: Units, to: Units, side: Side) -> Self {
+    pub(super) fn new(from: Units, to: Units) -> Self {
         Conversion {
             lengths: [from.length, to.length],
             masses: [from.mass, to.mass],
-            frames: [from, to].map(|units| Frame::new(units.frame, side)),
+            frames: [from, to].map(|units| Frame::new(units.frame, units.side)),
         }
     }
 
@@ -34,10 +35,22 @@ impl Conversion {
         self.frames
     }
 
+    /// True if the coordinates of a point change: the unit of lengths, the axes or the side.
+    pub(super) fn moves_points(&self) -> bool {
+        let [from, to] = self.frames;
+        from != to || self.powers(1.0, Powers::LENGTH) != 1.0
+    }
+
     /// Sign of a component along an axis in the new text, relative to the old text.
     pub(super) fn sign(&self, axis: Axis) -> f64 {
         let [from, to] = self.frames;
         from.sign(axis) * to.sign(axis)
+    }
+
+    /// True if the new text describes the mirror image: the wheel on the other side of the car.
+    pub(super) fn mirrors(&self) -> bool {
+        let [from, to] = self.frames.each_ref().map(|frame| frame.meaning().1);
+        from != to
     }
 
     /// Sign of a rotation or torque about an axis in the new text, relative to the old text.
@@ -67,11 +80,18 @@ impl Conversion {
         }
     }
 
-    /// Converts a value without its sign, and returns the shortest decimal number whose conversion back gives exactly the
-    /// old value. So a length of 240 mm is 240 mm again after a conversion to inches and back. If no number gives exactly
-    /// the old value, the function returns the converted value with all digits.
+    /// Converts a value without its sign, and rounds the result so that a conversion back gives exactly the old value. So a
+    /// length of 240 mm is 240 mm again after a conversion to inches and back.
+    ///
+    /// - If possible, the result has no rounding error: 9.5 in are 241.3 mm, not 241.29999999999998 mm.
+    /// - Otherwise, the result is the shortest decimal number whose conversion back gives exactly the old value.
+    /// - If no number gives exactly the old value, the result has all digits.
     pub(super) fn rounded(&self, value: f64, scale: Scale) -> f64 {
         let (new, back) = (self.scaled(value, scale), self.reversed());
+        let there = |value| self.scaled(value, scale);
+        if let Some(short) = short_decimal(value, there, |value| back.scaled(value, scale)) {
+            return short;
+        }
         let decimals = (0..17).map(|digits| format!("{new:.digits$e}").parse());
         let mut decimals = decimals.filter_map(Result::ok);
         let shortest = decimals.find(|short| back.scaled(*short, scale) == value);
@@ -134,15 +154,50 @@ impl Measured {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::FrameConvention;
+    use crate::model::{FrameConvention, Side};
 
     fn conversion(from: LengthUnit, to: LengthUnit) -> Conversion {
         let units = |length| Units {
             length,
             mass: MassUnit::default(),
             frame: FrameConvention::Iso8855,
+            side: Side::Left,
         };
-        Conversion::new(units(from), units(to), Side::Left)
+        Conversion::new(units(from), units(to))
+    }
+
+    /// Inches with up to 6 decimals are exactly representable as decimal millimetres and metres. The conversion writes these
+    /// decimals, and the conversion back gives the inches. A decimal differs from the computed product by at most 2 units in
+    /// the last place.
+    #[test]
+    fn decimal_inches_become_decimal_millimetres() {
+        let scale = Scale::Powers(Powers::LENGTH);
+        let mut state = 1_u64;
+        let mut noisy = 0;
+        for k in 0..200_000_u32 {
+            // Linear congruential generator of Knuth (MMIX).
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            let decimals = (k % 7) as usize;
+            let parts = 1 + (state >> 33) % (80 * 10_u64.pow(decimals as u32));
+            let shifted = |number: u64, decimals: usize| -> f64 {
+                format!("{number}e-{decimals}").parse().unwrap()
+            };
+            let inches = shifted(parts, decimals);
+            let units = [(LengthUnit::Millimetre, 1), (LengthUnit::Metre, 4)];
+            for (unit, more) in units {
+                let there = conversion(LengthUnit::Inch, unit);
+                let back = conversion(unit, LengthUnit::Inch);
+                let new = there.rounded(inches, scale);
+                assert_eq!(new, shifted(254 * parts, decimals + more), "{inches} in");
+                assert_eq!(back.rounded(new, scale), inches, "{new} {}", unit.symbol());
+                let product = there.scaled(inches, scale);
+                assert!(new.to_bits().abs_diff(product.to_bits()) <= 2, "{inches}");
+                noisy += usize::from(new != product);
+            }
+        }
+        assert!(noisy > 10_000, "{noisy}");
     }
 
     /// Every written length equals the length before the conversion, without a difference in the last digits.

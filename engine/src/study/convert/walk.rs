@@ -145,8 +145,9 @@ impl Pass<'_> {
                 return self.refuse(&path, &reason);
             }
         };
-        if at.place == "sweep" && table.contains_key("designs") {
-            let reason = "the file of designs has columns in the old units and axes; write the variables into the study";
+        let moves_points = self.facts.ends.iter().any(Conversion::moves_points);
+        if at.place == "sweep" && table.contains_key("designs") && moves_points {
+            let reason = "the file of designs has coordinates in the old units and axes; write the variables into the study";
             self.refuse(&at.and("designs"), reason);
         }
         let has_rows = table.get("combine").and_then(Item::as_str) == Some("rows");
@@ -325,12 +326,31 @@ fn one(value: &mut Value, conversion: &Conversion, of: Measured) {
     let Some(old) = number(value) else {
         return;
     };
-    let new = of.sign * conversion.scaled(old, of.scale);
-    if new != old {
-        // The added zero turns -0 into 0.
-        let new = of.sign * conversion.rounded(old, of.scale) + 0.0;
+    let size = conversion.scaled(old, of.scale);
+    // Zero has no sign.
+    if size == old && of.reverses() && old != 0.0 {
+        put(value, negated(value));
+    } else if size != old {
+        let new = of.sign * conversion.rounded(old, of.scale);
         put(value, new.into());
     }
+}
+
+/// The number with the opposite sign, and with the same digits as in the text: 80.50 becomes -80.50.
+fn negated(value: &Value) -> Value {
+    let text = match value {
+        Value::Float(number) => number.display_repr(),
+        Value::Integer(number) => number.display_repr(),
+        _ => return value.clone(),
+    };
+    let positive = text.trim_start_matches(['-', '+']);
+    let new = if text.starts_with('-') {
+        positive.parse()
+    } else {
+        format!("-{positive}").parse()
+    };
+    // A whole number may also be written in hexadecimal digits, which cannot have a sign.
+    new.unwrap_or_else(|_| (-number(value).unwrap_or_default()).into())
 }
 
 /// Converts a number, or every number of a list.

@@ -82,7 +82,7 @@ fn axles_are_never_mixed() {
         rows(&FRONT, |name| format!("Front {name}"))
     );
     let read = of("points.csv", &text, &Said::default()).unwrap();
-    assert!(read.notes.iter().any(|note| note.contains("axle: front")));
+    assert!(read.notes.texts().any(|note| note.contains("axle: front")));
     let rear = Said {
         axle: Some(AxlePosition::Rear),
         ..Said::default()
@@ -161,7 +161,8 @@ fn the_other_axle_suggests_no_topology() {
         .map(|line| line.split_once(',').unwrap().1.to_owned() + "\n")
         .collect();
     let read = of("points.csv", &one, &Said::default());
-    let said = read.unwrap().notes.join(" ");
+    let read = read.unwrap();
+    let said = read.notes.texts().collect::<Vec<_>>().join(" ");
     assert!(said.contains("--topology five_link"), "{said}");
 }
 
@@ -209,7 +210,7 @@ fn the_other_wheel_is_the_mirror_image() {
     let left = of("points.csv", &sheet, &said).unwrap();
     assert_eq!(left.side, Side::Left);
     let note = "points taken from the right wheel and mirrored: all points";
-    assert!(left.notes.iter().any(|n| n == note), "{:?}", left.notes);
+    assert!(left.notes.texts().any(|n| n == note), "{:?}", left.notes);
     for (own, mirrored) in right.hardpoints.iter().zip(&left.hardpoints) {
         let [x, y, z] = own.position;
         assert_eq!(mirrored.position, [x, -y, z]);

@@ -80,8 +80,8 @@ fn a_half_track_beside_the_points_is_compared() {
     let with = |line: &str| {
         let text = format!("name,x,y,z\n{}{line}\n", rows(&FRONT, str::to_owned));
         let read = of("points.csv", &text, &Said::default()).unwrap();
-        let differs = |note: &String| note.contains("half track of the file");
-        read.notes.iter().any(differs)
+        let differs = |note: &str| note.contains("half track of the file");
+        read.notes.texts().any(differs)
     };
     for (line, differs) in [
         ("half track,500,,", true),
@@ -140,7 +140,7 @@ fn static_angles_have_the_sign_of_their_tool() {
         assert_eq!(read.static_camber, Some(camber), "{line}");
         let is_reported = read
             .notes
-            .iter()
+            .texts()
             .any(|n| n.starts_with("static_camber: -1.0 deg"));
         assert_eq!(is_reported, camber < 0.0 && line.contains(",1,"), "{line}");
     }

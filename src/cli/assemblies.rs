@@ -1,4 +1,4 @@
-//! `hardpoint assemblies`
+//! `hardpoint assemblies`: finds all positions ("assemblies") in which the parts of a design fit together at a given travel.
 
 use super::exit::{Exit, Stop};
 use super::printer::Printer;
@@ -35,7 +35,7 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
     }
     if let (Some(_), [_]) = (study.axle(), &found.wheels[..]) {
         out.remark(
-            "The right wheel is the mirror image: its assemblies are those of the left wheel.\n",
+            "The right wheel is the mirror image of the left wheel and has the same assemblies.\n",
         )?;
     }
     out.finish()?;
@@ -45,7 +45,7 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
     Ok(Exit::of(is_complete))
 }
 
-/// Prints the number of assemblies of a wheel.
+/// Prints the number of assemblies of a wheel, with the travel and the rack displacement if there is none.
 fn print_number(
     out: &Printer,
     wheel: &WheelAssemblies,

@@ -1,4 +1,4 @@
-//! `hardpoint bench`
+//! `hardpoint bench`: measures the computing time and the accuracy of this program on this machine.
 
 use super::exit::{Exit, Stop};
 use super::output::{Destination, Output, design_fault, inputs};
@@ -20,7 +20,7 @@ use crate::study::{CarStudy, Study};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Content of `machine.json`: conditions of the benchmark.
+/// Content of `KIND_machine.json`: benchmark, study and machine of the measurement.
 #[derive(Serialize)]
 struct Circumstances<'a> {
     benchmark: &'a str,
@@ -116,7 +116,7 @@ impl Subject {
     }
 }
 
-/// Error of a study that cannot be measured.
+/// Error for a study that the benchmark cannot measure. `reason` becomes its text.
 fn stop(path: &Path, study: &Study, reason: Unmeasurable) -> Stop {
     match reason {
         Unmeasurable::Design(fault) => design_fault(study, path, &fault),
@@ -200,10 +200,10 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     Ok(Exit::Done)
 }
 
-/// SVG picture of measurements, with a short table.
+/// SVG picture of an accuracy measurement, and the short table of its results for text output.
 type Picture = (String, Table);
 
-/// Table of the measurements. Accuracy also has a picture.
+/// Measures the computing time of a study. Returns the table of the measurements. Only `accuracy` also returns a picture.
 fn measure(
     study: &Study,
     kind: BenchKind,
@@ -233,7 +233,7 @@ fn measure(
     })
 }
 
-/// Refuses measurements that only make sense for one wheel.
+/// Returns an error for `accuracy` and `effects`, because these benchmarks measure a single wheel and the study has an axle.
 fn refuse_for_axle(kind: BenchKind, study: &Study, path: &Path) -> Result<(), Stop> {
     let why = match kind {
         BenchKind::Throughput | BenchKind::Equilibria | BenchKind::Cars => return Ok(()),

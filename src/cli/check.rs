@@ -1,4 +1,4 @@
-//! `hardpoint check`
+//! `hardpoint check`: validates a study, and solves its design position.
 
 use super::exit::{Exit, Stop};
 use super::output::design_fault;
@@ -68,7 +68,7 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     Ok(Exit::of(checked.is_complete()))
 }
 
-/// Prints the design-position values of a study of one wheel, then the requested results and their computing cost.
+/// Prints the outputs of one wheel in the design position. Then prints which computations the study requests, and their cost.
 fn say_wheel(out: &mut Printer, study: &Study, own: &WheelStudy, path: &Path) -> Result<(), Stop> {
     let plan = Plan::of(own);
     let fault = |fault: DesignFault| design_fault(study, path, &fault);
@@ -96,8 +96,8 @@ fn say_wheel(out: &mut Printer, study: &Study, own: &WheelStudy, path: &Path) ->
     )
 }
 
-/// Prints the headline of an axle's study, the ranges of its outputs, and sentences about the sections that `solve` does not
-/// use.
+/// Prints the headline of an axle's study, and the ranges of its outputs over the motion. Then prints sentences about sections
+/// such as `[sweep]`, which `solve` does not use.
 fn say_axle(out: &mut Printer, study: &Study, summary: &Summary) -> Result<(), Stop> {
     out.say(&format!("{}\n\n", summary.headline()))?;
     if let Some([ranges, ..]) = summary.tables() {
@@ -192,7 +192,7 @@ fn asked(study: &Study) -> Vec<String> {
     lines
 }
 
-/// Sentence about a robust tuning.
+/// Sentence about a robust tuning, which compares many builds (assembled parts with random deviations) with the targets.
 fn robust(scatter: &Scatter) -> String {
     let builds = counted(scatter.builds, "build");
     if scatter.lowers_misfit() {
@@ -202,7 +202,8 @@ fn robust(scatter: &Scatter) -> String {
     }
 }
 
-/// Sentence about the scatter. If builds do not use SIMD lanes, the sentence states the reason.
+/// Sentence about `[tolerance]`: numbers of builds (assembled parts with random deviations), scattering numbers and bands. If
+/// the program does not solve several builds at once in SIMD lanes, the sentence states the reason.
 fn scattered(study: &Study, tolerance: &Tolerance) -> String {
     let mut text = format!(
         "Tolerances (tolerance only): {}, {}, {}.",
@@ -220,7 +221,8 @@ fn scattered(study: &Study, tolerance: &Tolerance) -> String {
     text
 }
 
-/// Sentence about a sweep. If the designs do not use SIMD lanes, the sentence states the reason.
+/// Sentence about `[sweep]`: its method and its numbers of designs and variables. If the program does not solve several designs
+/// at once in SIMD lanes, the sentence states the reason.
 fn swept(study: &Study, sweep: &Sweep) -> String {
     let mut text = match &sweep.designs {
         Designs::Sampled(sampled) => format!(
@@ -242,7 +244,7 @@ fn swept(study: &Study, sweep: &Sweep) -> String {
     text
 }
 
-/// Sentence that explains why the designs of a sweep do not use SIMD lanes. `None` if they do.
+/// Sentence that explains why a sweep does not solve several designs at once in SIMD lanes. `None` if it does.
 pub(super) fn one_by_one(plan: &SweepPlan) -> Option<String> {
     let why = plan.worker().ok()?.not_in_lanes()?;
     let mut text = format!(
@@ -259,7 +261,7 @@ pub(super) fn one_by_one(plan: &SweepPlan) -> Option<String> {
     Some(text + ".")
 }
 
-/// Length of the rod of each rocker, with the bodies at its ends.
+/// One sentence for each rocker: length of its rod (pushrod or drop link), and the bodies at the ends of the rod.
 fn rods(suspension: &Suspension) -> impl Iterator<Item = String> {
     let Suspension {
         mechanism, design, ..

@@ -1,4 +1,4 @@
-//! `hardpoint compare`
+//! `hardpoint compare`: compares curves, hardpoints and key values of two or more designs.
 
 use super::TableFormat;
 use super::exit::{Exit, Stop};
@@ -30,7 +30,7 @@ pub(super) struct CompareArguments {
     /// [default: out/compare]
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
-    /// Overwrite existing files, also those of other runs
+    /// Overwrite existing files, also files of other runs
     #[arg(long)]
     pub(super) force: bool,
     /// Format of printed tables
@@ -100,7 +100,8 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
     Ok(Exit::of(designs.iter().all(|own| own.curves.is_complete())))
 }
 
-/// Writes `comparison.csv` and the page, if there is one. The CSV may go to standard output.
+/// Writes `comparison.csv` and the page `report.html` to the directory. Without a page, removes an old `report.html`. If the
+/// output is standard output, writes only the CSV.
 pub(super) fn write(
     arguments: &CompareArguments,
     inputs: &[PathBuf],
@@ -171,7 +172,7 @@ fn of_kc_runs(arguments: &CompareArguments) -> Result<Exit, Stop> {
     Ok(Exit::Done)
 }
 
-/// Prints the tables. The tables go to standard error if the CSV goes to standard output.
+/// Prints the tables of the comparison. The tables go to standard error if the CSV goes to standard output.
 pub(super) fn print_tables(arguments: &CompareArguments, tables: &Tables) -> Result<(), Stop> {
     let format: Format = arguments.format.into();
     let text = tables.render(format, width());
@@ -185,8 +186,8 @@ pub(super) fn print_tables(arguments: &CompareArguments, tables: &Tables) -> Res
     Ok(())
 }
 
-/// Unique labels of the sources: name of the directory, or of the file without its extension. A repeated name becomes the whole
-/// path.
+/// Unique labels of the compared sources: name of the directory, or of the file without its extension. If two sources have the
+/// same name, the label is the whole path.
 pub(super) fn labels(sources: &[PathBuf]) -> Vec<String> {
     let mut labels: Vec<String> = Vec::new();
     for path in sources {
@@ -215,8 +216,9 @@ fn of_study(path: &Path, label: String, first: &mut Option<FirstMotion>) -> Resu
     crate::compared::of_study(study, label, first).map_err(|why| Stop::in_file(path, why))
 }
 
-/// Returns the results of a finished run. If the run lacks stations of the first design, its kept study is solved again over the
-/// motion of the first design, if possible. A run of `setup` has the adjusted design.
+/// Returns the curves and points of a finished run for the comparison. If the run lacks stations of the first design, this
+/// function solves the kept study again over the motion of the first design, if possible. For a run of `setup`, the study has
+/// the adjusted points.
 fn of_run(
     path: &Path,
     label: String,
@@ -242,7 +244,7 @@ fn of_run(
     match crate::compared::of_study(study, label, motion) {
         Ok(solved) => {
             note(&format!(
-                "{}: its stations differ from those of {}, so its study is solved again over the same motion\n",
+                "{}: its stations differ from the stations of {}, so its study is solved again over the same motion\n",
                 path.display(),
                 first.label
             ));
@@ -254,7 +256,8 @@ fn of_run(
     }
 }
 
-/// Study with the adjustments of a run of `setup`. The run keeps the study before the adjustments, so they are found again.
+/// Study with the adjustments of a run of `setup`. The run keeps the study before the adjustments, so this function computes
+/// them again.
 fn adjusted_study(path: &Path, study: &Study) -> Result<Study, Stop> {
     let Some(setup) = &study.setup else {
         let reason = "study.toml has no section [setup], so the adjusted points of this set-up are not known; run \

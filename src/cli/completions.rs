@@ -1,4 +1,4 @@
-//! `hardpoint completions`
+//! `hardpoint completions`: prints the completions of commands and options for a shell.
 
 use super::Arguments;
 use super::exit::{Exit, Stop};

@@ -1,4 +1,4 @@
-//! `hardpoint convert`
+//! `hardpoint convert`: writes a study in other units and axes, or for the wheel on the other side.
 
 use super::exit::{Exit, Stop};
 use super::import::{frame, side, unit};
@@ -35,7 +35,7 @@ pub(super) struct ConvertArguments {
     /// Override a field of the study before the conversion; may be given more than once
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<String>,
-    /// File for the study [default: standard output]; directory for those of a car
+    /// File for the study [default: standard output]; directory for the files of a car
     #[arg(long, short = 'o', value_name = "STUDY")]
     out: Option<PathBuf>,
     /// Replace an existing file, but never an input
@@ -112,8 +112,8 @@ fn car(arguments: &ConvertArguments, choice: &UnitChoice) -> Result<Exit, Stop> 
     Ok(Exit::Done)
 }
 
-/// Names of the new files: equal to the names of the old files. If two old files have the same name, the files of the axles get
-/// other names.
+/// Names of the converted files of a car: car, front axle, rear axle. They equal the names of the old files. If two old files
+/// have the same name, the files of the axles get other names.
 fn names(car: &Path, text: &str) -> [String; 3] {
     let name = |path: &Path| {
         let name = path.file_name().unwrap_or_default();
@@ -133,7 +133,7 @@ fn names(car: &Path, text: &str) -> [String; 3] {
     [own.clone(), axle("front"), axle("rear")]
 }
 
-/// Prints the old and the new units, axes and side.
+/// Prints the units, axes and side of a study before and after the conversion.
 fn describe(path: &Path, from: Units, to: Units) {
     let words = |units: Units| {
         let mut words = vec![

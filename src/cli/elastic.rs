@@ -19,7 +19,8 @@ const DOUBTFUL_RATE: f64 = 1e6;
 const COMMANDS: &str = "`hardpoint kc` runs the tests; `solve`, `sweep`, `optimise`, `tolerance`, \
                         `setup`, `limits` and `compare` also include the elastic parts.";
 
-/// Prints the elastic parts, and the wheel in the design position.
+/// Prints the table of elastic parts, and the values of the wheel in equilibrium at the design height. Returns exit code 1
+/// (`Incomplete`) without an equilibrium.
 pub(super) fn check(
     arguments: &StudyArguments,
     study: &Study,
@@ -37,7 +38,8 @@ pub(super) fn check(
     Ok(Exit::of(complete))
 }
 
-/// Prints the elastic parts of an axle, and both wheels at the design height.
+/// Prints the table of elastic parts of an axle, and the values of both wheels in equilibrium at the design height. Returns exit
+/// code 1 (`Incomplete`) without an equilibrium.
 pub(super) fn check_axle(
     arguments: &StudyArguments,
     study: &Study,
@@ -87,7 +89,8 @@ fn say_doubts(
     Ok(out)
 }
 
-/// Prints both wheels at the design height. Returns false if they have no equilibrium.
+/// Prints camber, toe, vertical force and spring force of both wheels in equilibrium at the design height. Returns false if they
+/// have no equilibrium.
 fn say_axle_design(
     out: &mut Printer,
     study: &AxleStudy,
@@ -147,7 +150,8 @@ fn relaxed_in_words(relaxed: Relaxed) -> &'static str {
     }
 }
 
-/// Prints the wheel at the design height. Returns false if it has no equilibrium.
+/// Prints angles, vertical force and spring force of the wheel in equilibrium at the design height. Returns false if it has no
+/// equilibrium.
 fn say_design(out: &mut Printer, study: &Study, elastic: &ComplianceStudy) -> Result<bool, Stop> {
     // Reading the study has already built the wheel once, so building it again does not fail.
     let Ok(wheel) = ElasticWheel::new(study.wheel(), &elastic.parts) else {
@@ -187,7 +191,8 @@ fn say_design(out: &mut Printer, study: &Study, elastic: &ComplianceStudy) -> Re
     Ok(true)
 }
 
-/// Warnings about the elastic parts of a wheel, one per line. Each warning names the wheel with the words `wheel`.
+/// Warnings about the elastic parts of a wheel, one per line. `wheel` is the text that names the wheel in each warning, such as
+/// `right wheel: `. It may be empty.
 fn doubts(study: &Study, parts: &Compliance, wheel: &str) -> Vec<String> {
     let mechanism = &study.wheel().mechanism;
     let mut doubts = Vec::new();

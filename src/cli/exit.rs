@@ -6,7 +6,7 @@ use crate::study::StudyErrors;
 use std::io::{self, ErrorKind};
 use std::path::Path;
 
-/// Longest word in an error message, in characters. Only a cell of a malicious or broken file is longer.
+/// Longest word in an error message, in characters. Only a table cell of a malicious or broken input file is longer.
 const LONGEST_WORD: usize = 300;
 /// Length in bytes beyond which no further word is added to an error message.
 const LONGEST_REASON: usize = 20_000;
@@ -159,7 +159,7 @@ impl From<io::Error> for Stop {
 mod tests {
     use super::*;
 
-    /// Messages of usual length stay unchanged. If a cell has millions of characters, the message is shortened.
+    /// Messages of usual length stay unchanged. If a table cell has millions of characters, the message is shortened.
     #[test]
     fn reasons_have_a_bounded_length() {
         let usual = "line 4: expected a number,\n  found \"1.5 mm\"";

@@ -1,4 +1,4 @@
-//! `hardpoint export`
+//! `hardpoint export`: writes points and curves in the file formats of other tools.
 
 use super::exit::{Exit, Stop};
 use super::export_source::Source;
@@ -31,11 +31,11 @@ pub(super) struct ExportArguments {
     /// Axes of the file: iso8855, sae_j670 or x_rear [default: the axes of the study or of the format]
     #[arg(long, value_parser = frame)]
     pub(super) frame: Option<FrameConvention>,
-    /// Round the moved or tuned coordinates so that each is a multiple of this length, with the smallest increase of the misfit.
-    /// The length has a unit, as in 0.5mm, or else the unit of the file
+    /// Round the coordinates that --set, --design or a tuning changed, and the variables of [optimise], to multiples of this
+    /// length, with the smallest increase of the misfit. The length has a unit, as in 0.5mm, or else the unit of the file
     #[arg(long, value_name = "LENGTH", value_parser = step)]
     pub(super) round: Option<Step>,
-    /// With --round: round every coordinate
+    /// With --round: round every coordinate of the hardpoints
     #[arg(long)]
     pub(super) round_all: bool,
     /// With --to csv: the curves instead of the points
@@ -75,17 +75,17 @@ pub(super) struct ExportArguments {
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum Target {
-    /// The points as a table, or with --curves the curves
+    /// The hardpoints as a table, or with --curves the curves over the motion
     Csv,
-    /// The points and the curves as a workbook
+    /// The hardpoints and the curves over the motion as a workbook
     Xlsx,
-    /// The points as hardpoints of an Adams/Car subsystem
+    /// The hardpoints as an Adams/Car subsystem
     Adams,
-    /// The points in the layout of OptimumKinematics: a workbook, or a table (.csv, standard output)
+    /// The hardpoints in the layout of OptimumKinematics: a workbook, or a table (.csv, standard output)
     Optimumk,
     /// The axle's section of Assetto Corsa's suspensions.ini
     Assetto,
-    /// Points and centre lines for CAD
+    /// Hardpoints, and centre lines of the links, for CAD
     Dxf,
     /// The space of the tyre over travel and steer, as solids for CAD
     Stl,
@@ -113,7 +113,7 @@ fn step(text: &str) -> Result<Step, String> {
     step.ok_or_else(|| "expected a length above 0, as in 0.1 or 0.5mm".to_owned())
 }
 
-/// Lengths that an option accepts.
+/// Range of the lengths that an option accepts, in the unit of the length.
 const LENGTHS: RangeInclusive<f64> = 1e-9..=1e6;
 
 fn length(text: &str) -> Result<f64, String> {
@@ -122,7 +122,7 @@ fn length(text: &str) -> Result<f64, String> {
     length.ok_or_else(|| "expected a length above 0, as in 0.1".to_owned())
 }
 
-/// Largest number of values in a range of travel or rack. The number of poses is the product of these numbers.
+/// Largest number of values in the range of `--travel` or `--rack`. The number of exported poses is the product of both numbers.
 const MOST_VALUES: usize = 200;
 
 fn span(text: &str) -> Result<Span, String> {
@@ -190,7 +190,7 @@ pub(super) fn run_of(arguments: &ExportArguments, given: Option<&Study>) -> Resu
     Ok(Exit::of(source.keeps_constraints()))
 }
 
-/// Refuses options that cannot be combined.
+/// Returns an error if options contradict each other, or do not work with the format of `--to`.
 fn check_call(arguments: &ExportArguments) -> Result<(), Stop> {
     let to = arguments.to;
     let only = |given: bool, option: &str, target: Target, name: &str| {
@@ -258,14 +258,14 @@ fn check_call(arguments: &ExportArguments) -> Result<(), Stop> {
     Ok(())
 }
 
-/// Files that the export reads.
+/// Files that the export reads: the files of the source, and the subsystem of `--into`.
 fn inputs(source: &Source, arguments: &ExportArguments) -> Vec<PathBuf> {
     let mut inputs = source.inputs.clone();
     inputs.extend(arguments.into.clone());
     inputs
 }
 
-/// Prints a note about content that the file format cannot contain, and returns the file.
+/// Prints the notes about content that the file format cannot contain, and returns the bytes of the exported file.
 pub(super) fn say(written: Written) -> Vec<u8> {
     for line in written.notes {
         note(&format!("{line}\n"));
@@ -309,7 +309,7 @@ fn optimum_k(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, St
     Ok(say(Written { bytes, notes }))
 }
 
-/// Table of the curves, with the names of this program or of another tool.
+/// CSV table of the curves. With `--names`, the table has the names of another tool and only the curves that this tool defines.
 fn curves(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, Stop> {
     let outgoing = source.outgoing()?;
     let page = curves_in(&outgoing, source.curves()?);

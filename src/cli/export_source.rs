@@ -27,13 +27,13 @@ pub(super) struct Source {
     path: PathBuf,
     /// True for a study in memory. Then `path` is only its name in messages, even if a file or a directory has this name.
     is_in_memory: bool,
-    /// Files that were read.
+    /// Files that the export has read. The exported file must not replace one of them.
     pub(super) inputs: Vec<PathBuf>,
     /// Study at the exported design. `None` for a run that keeps no study.
     study: Option<Study>,
     /// Rounded design, if rounding was requested.
     rounded: Option<Rounded>,
-    /// Tables of a run's directory: names and contents.
+    /// Names and contents of the CSV tables in the directory of a run. Empty for a study.
     tables: Vec<(String, Vec<u8>)>,
     unit: Option<LengthUnit>,
     frame: Option<FrameConvention>,
@@ -191,7 +191,8 @@ impl Source {
         !self.is_in_memory && self.path.is_dir() && self.path.join(TUNED).is_file()
     }
 
-    /// Rounds the moved or tuned coordinates, and prints the effect on the targets.
+    /// Rounds the coordinates that were moved or tuned to multiples of `step`, or with `all` every coordinate. Prints the effect
+    /// on the misfit of the targets. `before` is the design without the moves.
     fn round(
         &mut self,
         (step, unit): Step,
@@ -213,8 +214,8 @@ impl Source {
         } else {
             vec![true; 3 * design.len()]
         };
-        // In the directory of a tuning, the tuned coordinates are those that differ between the two designs. In any other
-        // source, the variables of the study name them.
+        // In the directory of a tuning, the tuned coordinates differ between `design` and `before`. In any other source, the
+        // variables of the study name the tuned coordinates.
         if !self.is_tuning() {
             let tuned = tuned_coordinates(study);
             free.iter_mut()
@@ -304,7 +305,7 @@ impl Source {
         Ok(own.with_points_of(study))
     }
 
-    /// Study in the unit and the axes of the file.
+    /// Exported study, in the unit and the axes of the exported file.
     pub(super) fn outgoing(&self) -> Result<Outgoing<'_>, Stop> {
         let study = self.study()?;
         Ok(match &self.rounded {
@@ -324,7 +325,7 @@ impl Source {
         page_of_csv("curves", &solved.csv()).map_err(refused)
     }
 
-    /// Sheets of a workbook.
+    /// Sheets of a workbook: hardpoints, curves, and the other tables of a run.
     pub(super) fn pages(&self) -> Result<Vec<Page>, Stop> {
         let mut pages = Vec::new();
         let outgoing = match self.study {
@@ -375,7 +376,7 @@ impl Source {
     }
 }
 
-/// Study at one design of its sweep.
+/// Study with the hardpoints of the design with this number in its sweep. Errors name the file `path`.
 fn of_sweep(study: &Study, number: u64, path: &Path) -> Result<Study, Stop> {
     let refused = |reason: &str| Stop::in_file(path, reason);
     let sweep = study.sweep.as_ref();
@@ -441,7 +442,8 @@ fn say_loss(before: &Study, after: &Study, rounded: &Rounded, free: &[bool]) {
     }
 }
 
-/// Largest change of each output. The first `motion` columns describe the motion and are left out.
+/// Table of the largest absolute change of each output between two tables of curves. The first `motion` columns describe the
+/// motion and are left out.
 fn changes(motion: usize, before: &Page, after: &Page) -> Table {
     let mut table = Table::new(["output", "largest change"]);
     let header = before.rows.first().map_or(&[][..], Vec::as_slice);

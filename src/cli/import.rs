@@ -1,4 +1,4 @@
-//! `hardpoint import`
+//! `hardpoint import`: makes a study from a file of points.
 
 use super::exit::{Exit, Stop};
 use super::import_car;
@@ -63,7 +63,7 @@ pub(super) struct ImportArguments {
     /// Sheet of a workbook [default: the one with points]
     #[arg(long, value_name = "NAME")]
     sheet: Option<String>,
-    /// File for the study [default: standard output]; directory for those of a car
+    /// File for the study [default: standard output]; directory for the files of a car
     #[arg(long, value_name = "STUDY")]
     pub(super) out: Option<PathBuf>,
     /// Replace an existing file, but never an input
@@ -328,7 +328,7 @@ fn imported(
     })
 }
 
-/// Name of the source of the points, for a comment in the study.
+/// Name of the file with the points, or `standard input`, for a comment in the imported study.
 pub(super) fn origin(file: &Path) -> String {
     if file == Path::new(STANDARD_INPUT) {
         return "standard input".to_owned();

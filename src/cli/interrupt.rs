@@ -22,7 +22,7 @@ const MOST_WAIT: Duration = Duration::from_secs(2);
 /// Interval between two checks of the time limits for stopping.
 const LOOK: Duration = Duration::from_millis(5);
 
-/// Time limit for the last line on standard error.
+/// Time limit for printing the last line, `interrupted`, on standard error.
 const LAST_WORDS: Duration = Duration::from_millis(20);
 
 static FLAG: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
@@ -30,7 +30,7 @@ static FLAG: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 static SIGNAL: AtomicI32 = AtomicI32::new(0);
 /// True if this module handles signals. False inside another program, which handles them itself.
 static LISTENS: AtomicBool = AtomicBool::new(false);
-/// Number of SIGINT.
+/// Number of the signal SIGINT (Ctrl-C).
 const INTERRUPT: i32 = 2;
 /// Effect that a signal has now.
 static PHASE: Mutex<Phase> = Mutex::new(Phase::Ends);
@@ -81,7 +81,7 @@ pub(super) fn exit_code() -> u8 {
     u8::try_from(128 + signal).unwrap_or(u8::MAX)
 }
 
-/// Payload of the unwinding that ends a command inside another program.
+/// Panic payload with which [`end`] unwinds the stack to end a command inside another program.
 pub(super) struct Ended;
 
 /// After a signal, ends a command that has no results to keep. The function ends the process. Inside another program, it
@@ -173,21 +173,21 @@ fn wait() {
     }
 }
 
-/// Processor time of all threads so far.
+/// Processor time that all threads of the process have used so far.
 #[cfg(unix)]
 fn work_done() -> Duration {
     let clock = nix::time::ClockId::CLOCK_PROCESS_CPUTIME_ID.now();
     clock.map_or(Duration::ZERO, Duration::from)
 }
 
-/// Other systems use elapsed time instead of processor time.
+/// Time since the first call. Systems other than Unix use it instead of the processor time.
 #[cfg(not(unix))]
 fn work_done() -> Duration {
     static BEGUN: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
     BEGUN.get_or_init(Instant::now).elapsed()
 }
 
-/// Prints a line, but does not wait long if nobody reads it.
+/// Prints a line on standard error. Waits at most [`LAST_WORDS`] if no program reads standard error.
 fn say(text: &'static str) {
     let (printed, done) = mpsc::channel();
     let spawned = thread::Builder::new().spawn(move || {

@@ -1,4 +1,4 @@
-//! `hardpoint kc`
+//! `hardpoint kc`: simulates the tests of a kinematics and compliance rig.
 
 use super::exit::{Exit, Stop};
 use super::output::Output;
@@ -30,7 +30,8 @@ pub(super) fn run(arguments: &KcArguments) -> Result<Exit, Stop> {
     Ok(Exit::of(results.is_complete()))
 }
 
-/// Program of `--names`. Refuses SPMM, because no published definition gives all signs.
+/// Program whose names and definitions `--names` requests for the results. Returns an error for SPMM, because no published
+/// definition gives all signs of its results.
 fn other_program(names: Names) -> Result<OtherProgram, Stop> {
     match names {
         Names::Adams => Ok(OtherProgram::Adams),
@@ -43,7 +44,7 @@ fn other_program(names: Names) -> Result<OtherProgram, Stop> {
     }
 }
 
-/// Writes the tables, the machine-readable summary and, if `report` is true, the page. Returns the names of the files.
+/// Writes the tables of the test results, `summary.json` and, if `report` is true, the page. Returns the names of the files.
 fn write_files(
     output: &Output,
     study: &Study,
@@ -71,7 +72,7 @@ fn write_files(
     Ok(files)
 }
 
-/// Prints the design loads and the tables of results, with their signs.
+/// Prints the design loads at the contact points and the tables of the test results, with a note about the signs of the results.
 fn print_summary(output: &Output, study: &Study, tests: &RigTests<'_>) -> Result<(), Stop> {
     let results = &tests.results;
     let stations = counted(results.stations.len(), "station");

@@ -1,4 +1,4 @@
-//! `hardpoint limits`
+//! `hardpoint limits`: finds the limits of travel, rack and arm, with the cause of each limit.
 
 use super::exit::{Exit, Stop};
 use super::printer::Printer;

@@ -1,4 +1,4 @@
-//! `hardpoint limits --builds`: nearest limits among the builds of `[tolerance]`.
+//! `hardpoint limits --builds`: nearest limits among the builds of `[tolerance]` (assembled parts with random deviations).
 
 use super::StudyArguments;
 use super::exit::{Exit, Stop};
@@ -62,7 +62,8 @@ pub(super) fn run(
         && study.motion().drive == Drive::Travel
     {
         let unit = study.wheel().length_unit.symbol();
-        // The travel is within its limits, so a build that does not reach the motion does not reach a rack displacement.
+        // A margin of at least 0 means that the travels of the motion are within the travel limits of all builds. A build that
+        // still does not reach the motion then does not reach one of the rack displacements.
         let where_reached = match nearest.short {
             (0, _) => "",
             _ => " at the rack positions that can be reached",
@@ -86,7 +87,7 @@ pub(super) fn run(
 
 /// Table of the limits of the nominal design, and of the nearest limits of all builds.
 fn table(drawn: &VehicleLimits, nearest: &NearestLimits) -> Table {
-    // A build with unknown limits may have a nearer limit.
+    // A build with an unknown limit may have a nearer limit. The column headings then name only the builds with a known limit.
     let (unknown, _) = nearest.unknown;
     let [lower, upper] = if unknown == 0 {
         ["lower limit, all builds", "upper limit, all builds"]

@@ -1,4 +1,4 @@
-//! `hardpoint man`
+//! `hardpoint man`: prints the manual page of the program.
 
 use super::Arguments;
 use super::exit::{Exit, Stop};

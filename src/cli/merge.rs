@@ -1,4 +1,4 @@
-//! `hardpoint merge`
+//! `hardpoint merge`: joins the parts of a sweep from several directories.
 
 use super::MergeArguments;
 use super::car;
@@ -90,7 +90,7 @@ impl Kept {
         Some(Kept::Suspension(path, Box::new(study)))
     }
 
-    /// Names of the copies of the study.
+    /// File names of the copies of the study in the directory of the results.
     fn names(&self) -> &'static [&'static str] {
         match self {
             Kept::Suspension(..) => &[STUDY_COPY],
@@ -99,8 +99,8 @@ impl Kept {
     }
 }
 
-/// Solves the designs that the page shows, because the best designs of all parts become known only after the merge. If the
-/// study does not belong to these results, the page shows no designs.
+/// Solves the designs that the report page shows, because the best designs of all parts become known only after the merge. If
+/// the study does not belong to these results, writes nothing, and the page shows no curves of designs.
 fn draw_again(output: &Output, study: &Study, parts: &Parts, path: &Path) -> Result<(), Stop> {
     let Some(Ok(plan)) = study
         .sweep

@@ -134,7 +134,7 @@ struct RunArguments {
     /// Directory for the results, or - for the main CSV on standard output [default: out/STUDY]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Overwrite existing files, also those of other runs
+    /// Overwrite existing files, also files of other runs
     #[arg(long)]
     force: bool,
     /// Number of threads [default: one for each core]
@@ -181,7 +181,7 @@ enum Names {
 struct ToleranceArguments {
     #[command(flatten)]
     curves: CurveArguments,
-    /// Only print one build as a study, by its number from 0
+    /// Only print one build (parts with random deviations) as a study, by its number from 0
     #[arg(long, value_name = "N", conflicts_with_all = ["out", "force", "threads", "report", "plots"])]
     build: Option<u64>,
 }
@@ -191,7 +191,7 @@ struct ToleranceArguments {
 struct LimitsArguments {
     #[command(flatten)]
     study: StudyArguments,
-    /// Print the smallest limits of the first N builds of [tolerance], with the build that sets each limit
+    /// Print the nearest limits of the first N builds of [tolerance] (parts with random deviations), with the build of each limit
     #[arg(long, value_name = "N")]
     builds: Option<std::num::NonZeroU64>,
     /// Also write the limits as one self-contained page; not with --builds, not for cars
@@ -207,7 +207,7 @@ struct LimitsArguments {
 struct OptimiseArguments {
     #[command(flatten)]
     curves: CurveArguments,
-    /// Print the misfit against the size of the change, for about ten sizes (--report includes it); not for fits and cars
+    /// Print the smallest misfit for each of about ten sizes of the design change (--report includes it); not for fits and cars
     #[arg(long)]
     prices: bool,
 }
@@ -220,7 +220,7 @@ struct SweepArguments {
     /// Directory for the results, or - for the designs on standard output [default: out/STUDY]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Overwrite existing files, also those of other runs
+    /// Overwrite existing files, also files of other runs
     #[arg(long)]
     force: bool,
     /// Number of threads [default: one for each core]
@@ -243,13 +243,13 @@ struct SweepArguments {
 /// Arguments of `hardpoint merge`.
 #[derive(Args)]
 struct MergeArguments {
-    /// The directories with the parts, in any order
+    /// The directories with the parts of the sweep, in any order
     #[arg(required = true, value_name = "RUN_DIR")]
     parts: Vec<PathBuf>,
     /// Directory for the results
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Overwrite existing files, also those of other runs
+    /// Overwrite existing files, also files of other runs
     #[arg(long)]
     force: bool,
     /// Format of printed tables
@@ -287,13 +287,13 @@ struct BenchArguments {
     /// Directory for the results, or - for the CSV on standard output [default: out/bench_STUDY]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Overwrite existing files, also those of other runs
+    /// Overwrite existing files, also files of other runs
     #[arg(long)]
     force: bool,
     /// Number of threads for throughput, in addition to one thread [default: every core]
     #[arg(long, value_parser = up_to::<MOST_THREADS>, value_name = "N")]
     threads: Option<usize>,
-    /// Number of samples of each time; more samples reduce noise
+    /// Number of samples of each computing time; more samples reduce the noise of the result
     #[arg(long, value_parser = up_to::<MOST_SAMPLES>, value_name = "N", default_value_t = crate::bench::Clock::default().samples)]
     samples: usize,
 }
@@ -302,7 +302,7 @@ struct BenchArguments {
 /// number.
 const MOST_THREADS: usize = 128;
 
-/// Largest number of samples of each time. A measurement keeps all of them in memory.
+/// Largest number of samples of each computing time. A measurement keeps all samples in memory.
 const MOST_SAMPLES: usize = 100_000;
 
 fn up_to<const MOST: usize>(text: &str) -> Result<usize, String> {
@@ -334,7 +334,7 @@ struct ReportArguments {
     /// Write the curves as pictures (SVG and PNG) into a directory
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
-    /// Overwrite existing files, also those of other runs
+    /// Overwrite existing files, also files of other runs
     #[arg(long)]
     force: bool,
 }

@@ -1,4 +1,4 @@
-//! `hardpoint new`
+//! `hardpoint new`: prints a commented study of a topology or a car.
 
 mod bushings;
 mod compose;

@@ -1,4 +1,4 @@
-//! `hardpoint optimise`
+//! `hardpoint optimise`: tunes the hardpoints until they meet the targets.
 
 use super::OptimiseArguments;
 use super::choices::Choices;
@@ -89,8 +89,8 @@ pub(super) fn say_side_effects(output: &Output, effects: &[SideEffect]) -> Resul
     Ok(())
 }
 
-/// Prints the faults of the tuned design, the moves that hardly change the misfit, and the results of the starts. `refused`
-/// holds the errors of the tuned study, if it has any.
+/// Prints the moves of points that hardly change the misfit, and the results of the starts (searches from different designs).
+/// `refused` holds the errors for which other commands refuse the tuned study, if any. They are printed first.
 pub(super) fn say_openings(
     output: &Output,
     summary: &TuningSummary,
@@ -219,7 +219,7 @@ struct Finished<'a> {
     before: &'a Solved<'a>,
     /// Tuned design with its curves. `None` if no start reached a design.
     tuned: Option<(&'a Study, &'a Solved<'a>)>,
-    /// Curves of the nominal and the tuned design over the named motions.
+    /// Curves of the nominal and the tuned design over the named motions of the study.
     in_motions: &'a [InMotion],
     choices: &'a Choices,
     summary: &'a TuningSummary,
@@ -337,7 +337,7 @@ impl Finished<'_> {
     }
 }
 
-/// `kc.csv` of a tuned design with elastic parts. `None` for a rigid design.
+/// Content of `kc.csv`, the rig test results, for a tuned design with elastic parts. `None` for a rigid design.
 fn figures_of(tuned: &Study) -> Result<Option<Vec<u8>>, String> {
     let tests = tuned
         .is_elastic()

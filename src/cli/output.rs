@@ -69,9 +69,9 @@ const TOLERANCE_FILES: [&str; 9] = [
 pub(super) struct Output {
     directory: Option<RunDirectory>,
     format: Format,
-    /// Machine-readable tables. They are printed at the end.
+    /// Machine-readable tables of the summary. The command prints them at its end.
     tables: RefCell<Tables>,
-    /// Directory of the pictures, and their names. Empty without pictures.
+    /// Directory of the pictures, and their file names. `None` without pictures.
     pictures: RefCell<Option<(PathBuf, Vec<String>)>>,
 }
 
@@ -218,7 +218,7 @@ impl Output {
         })
     }
 
-    /// Writes the main CSV to the directory under this name, or to standard output.
+    /// Writes the main CSV of the run to the directory under the name `name`, or to standard output.
     pub(super) fn main_csv(&self, name: &str, contents: &[u8]) -> Result<(), Stop> {
         match &self.directory {
             Some(directory) => directory.write(name, contents).map_err(Stop::unwritten),
@@ -242,7 +242,7 @@ impl Output {
         }
     }
 
-    /// Writes a file and returns its name. If there is no content, it removes the file of an earlier run.
+    /// Writes a file and returns its name. If `contents` is `None`, removes the file of an earlier run and returns `None`.
     pub(super) fn file_if_any<'n>(
         &self,
         name: &'n str,
@@ -255,7 +255,7 @@ impl Output {
         Ok(contents.map(|_| name))
     }
 
-    /// Directory of the results, if there is one.
+    /// Directory of the results. `None` if the output is standard output.
     pub(super) fn directory(&self) -> Option<&RunDirectory> {
         self.directory.as_ref()
     }
@@ -301,7 +301,7 @@ impl Output {
         }
     }
 
-    /// Prints a request that could not be met. This is an error, so it is also printed with `--quiet`.
+    /// Prints the sentence about a request that could not be met. It is an error, so it is also printed with `--quiet`.
     pub(super) fn say_failure(&self, text: &str) -> Result<(), Stop> {
         if terminal::is_quiet() {
             terminal::eprint(text.trim_start_matches('\n'))
@@ -320,7 +320,7 @@ impl Output {
         remarks.try_for_each(|remark| self.say(&format!("\n{remark}\n")))
     }
 
-    /// Prints remarks. If a request could not be met, the warnings among them are also printed with `--quiet`.
+    /// Prints remarks. If `is_complete` is false (a request could not be met), warnings are also printed with `--quiet`.
     pub(super) fn say_plausibility(
         &self,
         remarks: impl IntoIterator<Item = String>,
@@ -425,7 +425,7 @@ fn in_words(removed: &[String]) -> String {
     format!("Removed files of an earlier run: {names}{again}.\n")
 }
 
-/// Study in the run's directory. After a tuning it is the tuned study.
+/// Study that a run keeps in its directory. After a tuning it is the tuned study. `None` if the directory has no study.
 pub(super) fn kept_study(directory: &Path, overrides: &[String]) -> Result<Option<Study>, Stop> {
     let kept = ["optimised.toml", STUDY_COPY].map(|name| directory.join(name));
     let kept = kept.iter().find(|file| file.is_file());

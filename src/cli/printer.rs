@@ -27,7 +27,7 @@ impl Printer {
         }
     }
 
-    /// Prints a remark for people, except with `--quiet`. In formats for programs, the remark is kept apart from the tables.
+    /// Prints a remark for people, except with `--quiet`. In formats for programs, the remark goes to standard error.
     pub(super) fn remark(&self, text: &str) -> Result<(), Stop> {
         match self.format {
             Format::Text => self.say(text)?,
@@ -36,7 +36,7 @@ impl Printer {
         Ok(())
     }
 
-    /// Prints a request that could not be met. This is an error, so it is also printed with `--quiet`.
+    /// Prints the sentence about a request that could not be met. It is an error, so it is also printed with `--quiet`.
     pub(super) fn failure(&self, text: &str) -> Result<(), Stop> {
         if terminal::is_quiet() {
             terminal::eprint(&format!("{}\n", text.trim_matches('\n')))
@@ -55,7 +55,7 @@ impl Printer {
         Ok(())
     }
 
-    /// Prints the tables in formats for programs.
+    /// Prints the collected tables in formats for programs. Text output has printed them already.
     pub(super) fn finish(self) -> Result<(), Stop> {
         if self.format != Format::Text {
             let text = self.tables.render(self.format, terminal::width());

@@ -1,4 +1,4 @@
-//! The progress line.
+//! Progress line on the terminal: bar, finished and total number, rate, and remaining time.
 
 use super::terminal;
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};

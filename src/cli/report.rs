@@ -80,8 +80,8 @@ pub(super) struct ReportOptions {
 }
 
 impl ReportOptions {
-    /// Checks that the pictures can be written, before a command writes its first file. `record` describes the curves in the
-    /// pictures.
+    /// Reads the options `--report` and `--plots`. Returns an error if the pictures cannot be written, before a command writes its
+    /// first file. `record` describes the curves in the pictures.
     pub(super) fn open(
         arguments: &CurveArguments,
         study: &Study,
@@ -114,7 +114,8 @@ impl ReportOptions {
         })
     }
 
-    /// Reads the finished run and makes its page and pictures. Returns the page's file, if any; the output lists the pictures.
+    /// Reads the finished run and makes its page and pictures. Returns the name of the page's file, if
+    /// any. The output lists the pictures.
     pub(super) fn show(&self, output: &Output) -> Result<Vec<&'static str>, Stop> {
         let mut files = Vec::new();
         let Some(directory) = output.directory() else {

@@ -1,4 +1,4 @@
-//! `hardpoint schema`
+//! `hardpoint schema`: prints the JSON schema of studies, for editors.
 
 use super::exit::{Exit, Stop};
 use std::io::Write;

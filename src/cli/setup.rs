@@ -1,4 +1,4 @@
-//! `hardpoint setup`
+//! `hardpoint setup`: computes the adjustments that give the target static values.
 
 use super::RunArguments;
 use super::exit::{Exit, Stop};
@@ -28,7 +28,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     };
     let output = Output::open(arguments, &study, "setup")?;
 
-    // Curves around the new static position, with every output of the study.
+    // Curves over the motion around the new static position, with every output of the study. The drive of Attia's paper has none.
     let by_theta = found.adjusted.motion().drive == Drive::PaperTheta;
     let solved = (!by_theta).then(|| Solved::of(&found.adjusted));
     let solved = solved.transpose();
@@ -78,7 +78,7 @@ fn say_missing(output: &Output, solved: &Solved, study: &Study) -> Result<(), St
     Ok(())
 }
 
-/// Prints the summary of a wheel as text, in narrow tables.
+/// Prints the set-up of a wheel as text: instructions, effects of the steps, static values, and target values that are not met.
 fn print(output: &Output, summary: &SetUpSummary) -> Result<(), Stop> {
     let width = terminal::width();
     output.text_only(&format!(
@@ -125,7 +125,7 @@ fn title(summary: &SetUpSummary, title: &str) -> String {
     }
 }
 
-/// Prints the effects of the adjustments.
+/// Prints the effect of each adjustment on the static values.
 fn print_effects(output: &Output, wheels: &[SetUpSummary]) -> Result<(), Stop> {
     if !output.is_text() {
         return output.table("effects", &effects_table(wheels));
@@ -141,7 +141,8 @@ fn print_effects(output: &Output, wheels: &[SetUpSummary]) -> Result<(), Stop> {
     Ok(())
 }
 
-/// Prints the reason why no set-up exists, and the effect of each adjustment on the design.
+/// Prints the reason why no set-up meets the target values, and the effect of each adjustment on the nominal design. Returns an
+/// error if no effect is known.
 fn not_met(
     arguments: &RunArguments,
     study: &Study,

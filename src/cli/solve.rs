@@ -1,4 +1,4 @@
-//! `hardpoint solve`
+//! `hardpoint solve`: computes curves over the motion of a study.
 
 use super::CurveArguments;
 use super::exit::{Exit, Stop};
@@ -80,7 +80,7 @@ pub(super) fn run(curves: &CurveArguments) -> Result<Exit, Stop> {
     Ok(Exit::of(complete))
 }
 
-/// Prints the ranges of the outputs over the named motions.
+/// Prints the ranges of the outputs over each named motion of the study.
 fn say_motions(
     output: &Output,
     summary: &SolveSummary,

@@ -1,4 +1,4 @@
-//! `hardpoint studio`
+//! `hardpoint studio`: serves the live page on which the user drags points.
 
 use super::exit::{Exit, Stop};
 use super::{interrupt, terminal};

@@ -1,4 +1,4 @@
-//! `hardpoint sweep`
+//! `hardpoint sweep`: solves a batch of designs, which is divided into numbered parts.
 
 mod finish;
 
@@ -23,7 +23,7 @@ use std::time::Duration;
 pub(super) use finish::finish;
 use finish::finish_shard;
 
-/// Interval between two checks of a part that another process is computing.
+/// Interval between two checks of a part of the sweep that another process is computing.
 const WAIT: Duration = Duration::from_millis(200);
 
 /// A sweep that is ready to run.
@@ -32,13 +32,13 @@ pub(super) struct Ready<'s> {
     pub swept: Swept<'s>,
     /// Formatter of the results as text.
     pub text: SweepText,
-    /// Files that were read.
+    /// Files that the command has read: the study, and files that it names.
     pub inputs: Vec<PathBuf>,
     /// Names of the copies of studies that are kept with the results.
     pub kept_names: &'s [&'static str],
     /// Returns the texts of the copies of studies. The argument is the directory of the results, which must exist.
     pub kept: &'s dyn Fn(&Path) -> Vec<String>,
-    /// Writes the data of the designs that the page shows, at the end of the sweep.
+    /// Writes the data of the designs that the report page shows, at the end of the sweep.
     pub draw: &'s dyn Fn(&Output, &SweepStatistics) -> Result<(), Stop>,
 }
 
@@ -117,7 +117,7 @@ pub(super) fn is_to_stdout(arguments: &SweepArguments, format: FileFormat) -> Re
     Ok(to_stdout)
 }
 
-/// Runs a sweep. After the directory is claimed, `note` prints remarks.
+/// Runs a sweep. Calls `note`, which prints remarks, after the run has claimed its output directory.
 pub(super) fn carry_out(
     arguments: &SweepArguments,
     ready: &Ready<'_>,
@@ -291,7 +291,8 @@ fn refuse_other_hypercube(
     )))
 }
 
-/// Writes the curves and the mechanism of the designs that the page shows.
+/// Writes the curves and the mechanism of the designs that the report page shows. Writes nothing for an axle, for standard output,
+/// and before the first design is finished.
 pub(super) fn draw(
     output: &Output,
     study: &Study,
@@ -314,7 +315,7 @@ pub(super) fn draw(
     )
 }
 
-/// Requested outputs that a sweep does not compute.
+/// Keys of the requested outputs that a sweep does not compute.
 fn left_out(study: &Study) -> Vec<&'static str> {
     let asked: Vec<(&'static str, bool)> = match &study.vehicle {
         // A sweep computes points, so points are not in the list of omitted outputs.
@@ -421,7 +422,7 @@ fn to_standard_output(swept: Swept<'_>, text: &SweepText) -> Result<SweepStatist
     Ok(all)
 }
 
-/// Checks that a sweep has a design with this number. The error is the reason in words.
+/// Checks that a sweep has a design with this number. The error states the number of designs in words.
 pub(super) fn check_number(number: u64, record: &SweepRecord) -> Result<(), String> {
     let designs = record.designs;
     if number < designs {

@@ -7,9 +7,9 @@ use std::cell::RefCell;
 use std::io::{self, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Width of lines if standard output is not a terminal and `COLUMNS` has no number.
+/// Width of lines in characters if standard output is not a terminal and `COLUMNS` has no number.
 const PAPER: usize = 100;
-/// Smallest width to which lines are wrapped.
+/// Smallest width to which lines are wrapped, in characters.
 const LEAST: usize = 40;
 
 static QUIET: AtomicBool = AtomicBool::new(false);

@@ -1,4 +1,4 @@
-//! `hardpoint tolerance`
+//! `hardpoint tolerance`: computes the effect of manufacturing scatter, from many builds (assembled parts with random deviations).
 
 use super::ToleranceArguments;
 use super::exit::{Exit, Stop};
@@ -48,7 +48,8 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     let expansion = pool
         .install(|| Expansion::of(&problem))
         .map_err(|reason| not_aligned(&study, path, reason).after_its_input())?;
-    // The forecast is computed before the builds, because after an interruption the run only writes files.
+    // The forecast (predicted yields for other tolerances) is computed before the builds, because after an interruption the
+    // run only writes files.
     let forecast = Forecast::of(&problem, &expansion, &drawn);
     let builds = pool
         .install(|| with_progress(&problem, tolerance, &drawn))
@@ -89,7 +90,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     )
 }
 
-/// Prints the tables of a summary, and remarks about builds without values.
+/// Prints the tables of a tolerance summary, and remarks about builds without values of outputs.
 fn print(
     output: &Output,
     study: &Study,
@@ -135,7 +136,7 @@ pub(super) fn ended(
     })
 }
 
-/// Limit bands of one wheel, as its charts show them. Empty for an axle.
+/// Limit bands of the outputs of one wheel over the drive, as its charts show them. Empty for an axle.
 fn bands(study: &Study, tolerance: &Tolerance) -> Vec<BandCurve> {
     let drive = study.motion().drive;
     let drives: Vec<f64> = study
@@ -149,7 +150,7 @@ fn bands(study: &Study, tolerance: &Tolerance) -> Vec<BandCurve> {
     drawn.collect()
 }
 
-/// Scatter of the parts in a study.
+/// Section `[tolerance]` of a study, with the scatter of the parts. Returns an error if the study does not have it.
 pub(super) fn tolerance_of<'s>(study: &'s Study, path: &Path) -> Result<&'s Tolerance, Stop> {
     let tolerance = study.tolerance.as_ref();
     tolerance.ok_or_else(|| Stop::no_section(path, "tolerance", "the scatter of the parts"))
@@ -216,8 +217,8 @@ fn with_progress(
     found
 }
 
-/// Writes the curves of the nominal design and the percentiles at each station, with the data of the page. Returns the names of
-/// the files.
+/// Writes the curves of the nominal design and the percentile curves of the outputs at each station. Also writes the data of the
+/// report page. Returns the names of the files.
 fn fans(
     output: &Output,
     path: &Path,

@@ -1,4 +1,4 @@
-//! `hardpoint export` of a car: points of both axles, and the results of the cases.
+//! `hardpoint export` of a car: hardpoints of both axles, or results of all load cases.
 
 use super::super::exit::{Exit, Stop};
 use super::super::export::{ExportArguments, Target, say};

@@ -101,7 +101,7 @@ struct TuningResults<'a> {
     tuned: &'a TunedCar,
     before: &'a CarResults<'a>,
     after: &'a CarResults<'a>,
-    /// Tuned studies.
+    /// Texts of the tuned studies, in the order of [`TUNED_NAMES`].
     texts: &'a [String; 3],
     targets: Vec<CarTargetRecord>,
     constraints: Vec<CarConstraintRecord>,
@@ -159,7 +159,8 @@ impl TuningResults<'_> {
         }
     }
 
-    /// Misfit, variables, constraints and starts for the page.
+    /// Data of the tuning for the report page: misfit, variables, constraints, and results of the starts (searches from different
+    /// designs).
     fn record(&self) -> CarTuningRecord {
         let fit = &self.tuned.fit;
         CarTuningRecord {
@@ -219,7 +220,8 @@ impl TuningResults<'_> {
         ))
     }
 
-    /// Prints the results of the starts. In text format, prints them only if there are several starts.
+    /// Prints the results of the starts (searches from different designs). In text format, prints them only if there are
+    /// several starts.
     fn say_starts(&self, output: &Output) -> Result<(), Stop> {
         let best = self.tuned.tuning.starts.best;
         let words = starts_in_words(&self.starts, best, self.tuned.fit.misfit());

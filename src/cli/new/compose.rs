@@ -14,7 +14,7 @@ use std::fmt::Write as _;
 /// Name of the solid axle.
 const SOLID_AXLE: &str = "solid_axle";
 
-/// Targets of the template: constant toe.
+/// Targets of the template of one wheel: constant toe.
 const TARGETS: &str = r#"  { characteristic = "toe", points = [[-80.0, 0.1], [0.0, 0.1], [80.0, 0.1]], tolerance = 0.03 },
 "#;
 
@@ -189,7 +189,7 @@ impl Composed<'_> {
         Ok(())
     }
 
-    /// Adds pushrod and anti-roll bar.
+    /// Adds the pushrod and the anti-roll bar, if they are requested. Returns an error if the topology has no such part.
     fn add_rockers(&mut self, fitting: &Fitting) -> Result<(), String> {
         let name = self.topology.name;
         let carrier = fitting.carrier;
@@ -220,7 +220,8 @@ impl Composed<'_> {
         Ok(())
     }
 
-    /// True if an axle gets springs at their ends. Elastic parts bring their own spring.
+    /// True if the template of an axle gets a spring: it has the end points of a spring or strut, and no elastic parts. Elastic
+    /// parts add their own spring.
     fn is_sprung(&self) -> bool {
         let has_ends = ["\nspring_lower ", "\nstrut_top "]
             .iter()

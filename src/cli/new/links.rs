@@ -73,7 +73,7 @@ fn is_of_spring(line: &str) -> bool {
         .any(|start| line.starts_with(start))
 }
 
-/// Sections for the spring and the relaxed position.
+/// Text of the sections for the spring and for the state of the elastic parts in the design position (`relaxed`).
 const SECTIONS: &str = "\n[spring]\n\
     rate = 32.0                      # N/mm along the spring\n\
     force = 4200.0                   # N in the design position\n\n\

@@ -3,7 +3,7 @@
 use super::*;
 use crate::report::Table;
 
-/// Prints the progress of one shard while the sweep is unfinished.
+/// Prints which parts of the sweep one shard has computed, and how many parts of the whole unfinished sweep are complete.
 pub(super) fn finish_shard(
     output: &Output,
     record: &SweepRecord,
@@ -36,7 +36,7 @@ pub(super) fn finish_shard(
     Ok(Exit::of(own == 0))
 }
 
-/// Writes and prints the results of a sweep, or of its finished parts.
+/// Writes and prints the summary of a sweep, or of its finished parts. Also writes the page if `with_page` is true.
 pub(in crate::cli) fn finish(
     output: &Output,
     record: &SweepRecord,

@@ -186,8 +186,8 @@ pub(super) fn print_tables(arguments: &CompareArguments, tables: &Tables) -> Res
     Ok(())
 }
 
-/// Unique labels of the compared sources: name of the directory, or of the file without its extension. If two sources have the
-/// same name, the label is the whole path.
+/// Unique labels of the compared sources: name of the directory, or of the file without its extension. If an
+/// earlier source has the same name, the label is the whole path. If that is also taken, a number follows the path.
 pub(super) fn labels(sources: &[PathBuf]) -> Vec<String> {
     let mut labels: Vec<String> = Vec::new();
     for path in sources {

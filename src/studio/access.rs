@@ -6,7 +6,7 @@
 
 use std::net::SocketAddr;
 
-/// Values that a request must have.
+/// Token and host names that a request to the server must have.
 pub(super) struct Access {
     token: String,
     hosts: [String; 2],
@@ -24,30 +24,30 @@ impl Access {
         })
     }
 
-    /// Address of the page.
+    /// Address of the page with the token, as a browser needs it.
     pub(super) fn address(&self) -> String {
         format!("http://{}/{}/", self.hosts[0], self.token)
     }
 
-    /// Rest of a path after the token, if the token is correct.
+    /// Rest of the path of a request after the token. `None` if the token is missing or wrong.
     pub(super) fn rest<'p>(&self, path: &'p str) -> Option<&'p str> {
         let (token, rest) = path.strip_prefix('/')?.split_once('/')?;
         is_same(token.as_bytes(), self.token.as_bytes()).then_some(rest)
     }
 
-    /// True if a `Host` is that of this server.
+    /// True if the header `Host` of a request names this server.
     pub(super) fn is_host(&self, host: &str) -> bool {
         self.hosts.iter().any(|own| own.eq_ignore_ascii_case(host))
     }
 
-    /// True if an `Origin` is the page of this server.
+    /// True if the header `Origin` of a request names a page of this server.
     pub(super) fn is_origin(&self, origin: &str) -> bool {
         let host = origin.strip_prefix("http://");
         host.is_some_and(|host| self.is_host(host))
     }
 }
 
-/// Compares texts in a time that does not reveal where they differ.
+/// Compares a given token with the own token, in a time that does not reveal where they differ.
 fn is_same(given: &[u8], own: &[u8]) -> bool {
     let differences = given.iter().zip(own).fold(0, |sum, (a, b)| sum | (a ^ b));
     given.len() == own.len() && differences == 0

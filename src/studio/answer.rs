@@ -18,8 +18,8 @@ use crate::study::{Drive, Study, Vehicle, WheelStudy};
 use std::borrow::Cow;
 use std::time::Instant;
 
-/// Copy of the study that requests these characteristics and figures, but no certificates. Certificates take too long while a
-/// point is dragged. Returns an error if the study does not have one of them.
+/// Copy of the study that requests the characteristics and rig test results (figures) in `names`, but no certificates. Certificates
+/// take too long while a point is dragged. Returns an error if the study cannot compute one of the names.
 pub(super) fn asking_for(own: &WheelStudy, names: &[String]) -> Result<WheelStudy, String> {
     let mut asked = own.clone();
     asked.outputs.certify = false;
@@ -76,7 +76,7 @@ pub(super) fn in_motion<'s>(
     Ok(Cow::Owned(moved))
 }
 
-/// Solves one wheel over the motion of `own`. Targets that name no motion are compared over the motion of `study`.
+/// Answers with the curves of one wheel over the motion of `own`. Targets without a named motion use the motion of `study`.
 fn solved_wheel(
     opened: &Opened,
     study: &Study,
@@ -97,7 +97,7 @@ fn solved_wheel(
         plan.racks = vec![rack];
     }
     // If the page needs only the curve of the shown rack displacement, `left_out` keeps all rack displacements of the motion.
-    // The plan then has only the nearest one.
+    // The plan then has only the rack displacement nearest to the slider position `rack`.
     let needs_shown = request.shown_only && request.over == 0 && plan.time.is_none();
     let left_out = (needs_shown && plan.racks.len() > 1).then(|| plan.racks.clone());
     if let Some(racks) = &left_out {
@@ -145,7 +145,7 @@ fn solved_wheel(
     })
 }
 
-/// Plan that solves only the pose at the slider positions.
+/// Plan that solves only one pose: at the slider positions of the drive (in printed units) and of the rack.
 fn at_sliders(plan: &Plan, [drive, rack]: [f64; 2]) -> Plan {
     Plan {
         station_order: StationOrder::through(&[in_kernel(plan.drive, drive)]),
@@ -166,7 +166,7 @@ pub(super) fn thinned(plan: Plan) -> Plan {
     }
 }
 
-/// Remark that the page shows only some of all stations. `None` if it shows all.
+/// Remark that the page shows only `shown` of the `all` stations of a motion. `None` if it shows all.
 pub(super) fn stations_left_out(shown: usize, all: usize) -> Option<String> {
     (shown < all).then(|| {
         format!(
@@ -176,7 +176,8 @@ pub(super) fn stations_left_out(shown: usize, all: usize) -> Option<String> {
     })
 }
 
-/// Groups of stations, and the horizontal-axis value of each station. The drive value is `None` without a pose.
+/// Groups of stations that form one curve each, and the value of each station on the horizontal axis: drive or rack
+/// displacement. The drive value is `None` without a pose.
 fn grouped(found: &Curves, plan: &Plan, request: &SolveRequest) -> (Groups, Vec<Option<f64>>) {
     let along = plan.station_order.values().len().max(1);
     let stations = found.stations.len();
@@ -194,7 +195,8 @@ fn grouped(found: &Curves, plan: &Plan, request: &SolveRequest) -> (Groups, Vec<
     (Groups::of(&places, 1, &request.at), racks.collect())
 }
 
-/// Curves of a design over a named motion or over the study's own motion, as `hardpoint solve` writes them.
+/// CSV of the curves of a design over the named motion `motion`, or without a name over the study's own motion. The format
+/// equals `curves.csv` of `hardpoint solve`.
 pub(super) fn csv(
     opened: &Opened,
     design: &Coordinates,
@@ -204,13 +206,13 @@ pub(super) fn csv(
     Ok(Solved::of(&*in_motion(&study, motion)?)?.csv())
 }
 
-/// Hardpoints of a design as a table.
+/// Hardpoints of a design as a CSV table, in the unit and axes of the study.
 pub(super) fn points(opened: &Opened, of: &Designed) -> Result<Vec<u8>, String> {
     let study = opened.moved(&of.design)?;
     Ok(csv_of_rows(&point_rows(&Outgoing::of(&study, None, None))))
 }
 
-/// Hardpoints and centre lines of a design, for CAD.
+/// DXF drawing of the hardpoints and centre lines of a design, for CAD.
 pub(super) fn drawing(opened: &Opened, of: &Designed) -> Result<Vec<u8>, String> {
     let study = opened.moved(&of.design)?;
     Ok(exchange::drawing(&Outgoing::of(&study, None, None)))
@@ -225,7 +227,7 @@ pub(super) fn columns(found: &Curves) -> Vec<ColumnValues> {
     columns.map(column).collect()
 }
 
-/// Converts a printed drive value to the internal unit.
+/// Converts a printed drive value (degrees for an angle) to the internal unit (radians for an angle).
 fn in_kernel(drive: Drive, printed: f64) -> f64 {
     if drive.is_angle() {
         printed.to_radians()

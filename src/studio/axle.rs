@@ -26,7 +26,7 @@ use crate::study::{AxleStudy, Study};
 use std::collections::HashSet;
 use std::time::Instant;
 
-/// Coordinates of a motion. A coordinate without values stays at 0.
+/// Coordinates of an axle's motion, such as heave, roll and rack. A coordinate for which the motion has no values stays at 0.
 fn coordinates(motion: &AxleMotion) -> Vec<Coordinate> {
     let mut found = match motion.wheels {
         WheelMotion::Heave(_) => vec![Coordinate::Heave],
@@ -37,7 +37,7 @@ fn coordinates(motion: &AxleMotion) -> Vec<Coordinate> {
     found
 }
 
-/// Coordinate for the horizontal axis of curves: the first one that moves.
+/// Coordinate for the horizontal axis of curves: the first coordinate that changes over the motion.
 fn main(motion: &AxleMotion) -> Coordinate {
     let all = coordinates(motion);
     let main = match motion.moving()[0] {
@@ -47,7 +47,7 @@ fn main(motion: &AxleMotion) -> Coordinate {
     *all.iter().find(|c| **c == main).unwrap_or(&all[0])
 }
 
-/// Different printed values of a coordinate over a motion, in the order of the motion.
+/// Values of a coordinate over a motion, in printed units and in the order of the motion, each value only once.
 fn values(motion: &AxleMotion, coordinate: Coordinate, axle: &Axle) -> Vec<f64> {
     let mut motion = motion.clone();
     let values = motion.along(coordinate).into_iter().flatten();
@@ -68,7 +68,8 @@ pub(super) fn slider_of(motion: &AxleMotion, coordinate: Coordinate) -> Option<u
     coordinates(motion).iter().position(|c| *c == coordinate)
 }
 
-/// Sliders, and the index of the slider whose coordinate is initially on the horizontal axis of the curves.
+/// One slider for each coordinate of an axle's motion, and the index of the slider whose coordinate is initially on the
+/// horizontal axis of the curves.
 pub(super) fn sliders(both: &AxleStudy) -> (Vec<Slider>, usize) {
     let (motion, axle) = (&both.plan.motion, &both.axle);
     let left = &axle.left;
@@ -101,7 +102,7 @@ pub(super) fn sliders(both: &AxleStudy) -> (Vec<Slider>, usize) {
     (all.iter().map(slider).collect(), number)
 }
 
-/// Name of a quantity's column.
+/// Name of a quantity's column in the curves, with its unit at the end.
 pub(super) fn column(quantity: Quantity, length: LengthUnit) -> String {
     with_unit(quantity.name(), &quantity.info().unit.suffix(length))
 }
@@ -128,8 +129,9 @@ pub(super) fn catalogue(study: &Study, both: &AxleStudy) -> Vec<CharacteristicOv
         .collect()
 }
 
-/// Plan that computes these quantities, with the rack at `curves_rack` if it is given, and the number of all its stations. The
-/// plan has at most [`MOST_STATIONS`] of them, unless the motion runs over time.
+/// Plan that computes the quantities with these names, with the rack held at `curves_rack` (study axes and unit) if it is given.
+/// Also returns the number of stations of the motion. The plan has at most [`MOST_STATIONS`] of these stations, unless the
+/// motion runs over time.
 fn plan_of(
     plan: &AxlePlan,
     axle: &Axle,
@@ -145,7 +147,7 @@ fn plan_of(
     Ok((plan, all))
 }
 
-/// Plan that computes these quantities.
+/// Plan that computes the quantities with these names. Returns an error if the study does not have one of them.
 fn asking_for(plan: &AxlePlan, axle: &Axle, names: &[String]) -> Result<AxlePlan, String> {
     let mut quantities: Vec<Quantity> = Vec::new();
     for name in names {
@@ -185,7 +187,7 @@ fn hold_rack(motion: &mut AxleMotion, rack: f64) {
     motion.steering_wheel = None;
 }
 
-/// Printed values of all coordinates at each station of a motion.
+/// Values of all slider coordinates in printed units, at each station of a motion.
 fn places(motion: &AxleMotion, axle: &Axle) -> Vec<Vec<f64>> {
     let all = coordinates(motion);
     let place = |placement: &Placement| {
@@ -197,7 +199,7 @@ fn places(motion: &AxleMotion, axle: &Axle) -> Vec<Vec<f64>> {
     motion.placements().iter().map(place).collect()
 }
 
-/// Solves an axle after a point was dragged.
+/// Answers with the curves of an axle, after a point was dragged. An error names the fault of the design or the request.
 pub(super) fn solved(
     opened: &Opened,
     study: &Study,
@@ -276,7 +278,8 @@ pub(super) fn solved(
     })
 }
 
-/// Groups of the stations of a motion. If the motion is given as a table of rows, all its stations form one group.
+/// Groups of the stations of a motion that form one curve each. If the motion is given as a table of rows, all its stations form
+/// one group.
 fn grouped(motion: &AxleMotion, axle: &Axle, request: &SolveRequest) -> Groups {
     let places = places(motion, axle);
     if motion.has_rows() {
@@ -313,7 +316,8 @@ fn shown_alone(motion: &AxleMotion, (over, at): (usize, &[f64]), axle: &Axle) ->
     shown
 }
 
-/// Both wheels at the positions of the sliders, or the reason why there is no pose. `None` if the axle cannot be solved.
+/// Poses of both wheels at the slider positions `at` (printed units), or the reason why there is no pose. `None` if the axle cannot
+/// be solved.
 fn frames(axle: &Axle, motion: &AxleMotion, at: &[f64]) -> Option<[Frame; 2]> {
     let mut here = motion.clone();
     here.steering_wheel = None;
@@ -336,8 +340,8 @@ fn frames(axle: &Axle, motion: &AxleMotion, at: &[f64]) -> Option<[Frame; 2]> {
     })
 }
 
-/// Derivatives of each column with respect to a coordinate of a point, for each station, in the column's unit per length unit. The
-/// point moves on both wheels as mirror images.
+/// Derivatives of each column of the curves with respect to one coordinate of a point, at each station. Unit: unit of the column
+/// per length unit. The point moves on both wheels as mirror images.
 pub(super) fn influence(
     AxleStudy { axle, plan, .. }: &AxleStudy,
     request: &InfluenceRequest,

@@ -5,7 +5,8 @@ use crate::threads::stoppable;
 use std::panic::resume_unwind;
 use std::thread::{Builder, scope};
 
-/// Runs one task on a new thread and another task on this thread. Returns an error if the flag has stopped one of the tasks.
+/// Runs one task on a new thread and another task on this thread. Returns an error if the flag `stop` has stopped
+/// one of the tasks.
 pub(super) fn beside<A: Send, B>(
     stop: &Stop,
     aside: impl Fn() -> A + Sync,

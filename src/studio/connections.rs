@@ -35,7 +35,7 @@ pub(super) struct Place {
 }
 
 impl Connections {
-    /// Gives a new connection a slot among those without the token. If all slots are taken, it closes the oldest connection.
+    /// Gives a new connection a slot for connections without the token. If all slots are taken, it closes the oldest connection.
     ///
     /// # Errors
     /// If the system cannot duplicate the connection.
@@ -64,8 +64,8 @@ impl Connections {
 }
 
 impl Place {
-    /// Moves a connection that has shown the token to a slot for such connections. Returns false if all of these slots are
-    /// taken.
+    /// Moves a connection that has shown the token to one of the [`MOST_ADMITTED`] slots. Returns false if all of these slots
+    /// are taken.
     pub(super) fn admit(&mut self) -> bool {
         if self.is_admitted {
             return true;

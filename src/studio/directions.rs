@@ -9,8 +9,8 @@ use crate::optimise::{Bounds, Identifiability, Linearisation, assessed};
 use crate::report::{brief, to_digits, with_plus};
 use crate::study::Variable;
 
-/// Largest change of the misfit that counts as no change, for a move across the whole range. The misfit is a multiple of the
-/// tolerances.
+/// Largest change of the misfit (in multiples of the tolerances) that counts as no change, if the variables move across their
+/// whole ranges.
 const UNSEEN: f64 = 0.01;
 /// Largest number of directions in an answer.
 const MOST: usize = 8;
@@ -45,8 +45,8 @@ pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAns
     Ok(unseen(&found.goal, &shown, &left, suspension.design.len()))
 }
 
-/// Directions that leave the residuals (the rows of `goal`) unchanged, to first order. The columns of `goal` belong to the
-/// variables. `left` has the ranges of the variables relative to the present design. `points` is the number of points of the
+/// Directions that leave the residuals of the targets (the rows of `goal`) unchanged, to first order. The columns of `goal` belong
+/// to the variables. `left` has the ranges of the variables relative to the present design. `points` is the number of points of the
 /// design. The name of a direction leaves out variables that move by at most a thousandth of their range.
 pub(super) fn unseen(
     goal: &Linearisation,
@@ -91,7 +91,7 @@ pub(super) fn unseen(
     }
 }
 
-/// Limits of the mechanism, with the parts that end its motion.
+/// Table of the limits of a design's motion, with the parts that cause the limits.
 pub(super) fn limits(opened: &Opened, of: &Designed) -> Result<LimitsAnswer, String> {
     let limits = LimitTable::of(&opened.moved(&of.design)?)?;
     Ok(LimitsAnswer::of(
@@ -106,7 +106,7 @@ pub(super) fn limits(opened: &Opened, of: &Designed) -> Result<LimitsAnswer, Str
 mod tests {
     use super::*;
 
-    /// Small moves, as in a study in metres, have three digits.
+    /// The name of a direction gives small amounts of its variables, as in a study in metres, with three digits.
     #[test]
     fn amounts_of_small_moves_have_digits() {
         let variable = |name: &str| VariableOverview {

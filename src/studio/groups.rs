@@ -2,7 +2,7 @@
 
 /// Groups of stations. Stations of one group differ only in the coordinate on the horizontal axis.
 pub(super) struct Groups {
-    /// Group of each station.
+    /// Index of the group of each station.
     pub of_stations: Vec<usize>,
     /// Values of all sliders at the first station of each group. NaN for a value that is not known.
     pub places: Vec<Vec<f64>>,
@@ -11,8 +11,8 @@ pub(super) struct Groups {
 }
 
 impl Groups {
-    /// Groups the stations at `places`. `over` is the index of the slider whose coordinate is on the horizontal axis. `at` has the
-    /// present values of the sliders.
+    /// Groups stations. `places` has the values of all sliders at each station. `over` is the index of the slider whose coordinate
+    /// is on the horizontal axis. `at` has the present values of the sliders.
     pub(super) fn of(places: &[Vec<f64>], over: usize, at: &[f64]) -> Self {
         let others = |k: &usize| *k != over;
         let mut found: Vec<Vec<f64>> = Vec::new();
@@ -62,7 +62,7 @@ impl Groups {
         }
     }
 
-    /// Groups for an answer that contains only the `stations` of the shown group.
+    /// Groups for an answer that contains only the shown group, which has `stations` stations.
     pub(super) fn with_shown_only(self, stations: usize) -> Self {
         Groups {
             of_stations: vec![self.shown; stations],

@@ -28,7 +28,7 @@ pub(super) struct Head {
     pub content_type: Option<String>,
     /// True if the client wants to send further requests on this connection.
     pub keeps: bool,
-    /// Length of the body in bytes.
+    /// Length of the request's body in bytes.
     length: usize,
 }
 
@@ -36,7 +36,7 @@ pub(super) struct Head {
 pub(super) enum Unread {
     /// The connection is closed, broken or too slow.
     Gone,
-    /// The request is refused with this status.
+    /// The server refuses the request with this HTTP status and this reason.
     Refused(u16, &'static str),
 }
 
@@ -123,7 +123,8 @@ impl Connection {
     }
 }
 
-/// Parses the head at the start of some bytes. Returns it with its length, if it is complete.
+/// Parses the head of a request at the start of `bytes`. Returns the head with its length in bytes, or `None` if the head is not
+/// complete.
 fn parsed(bytes: &[u8]) -> Result<Option<(Head, usize)>, Unread> {
     let mut headers = [httparse::EMPTY_HEADER; MOST_HEADERS];
     let mut request = httparse::Request::new(&mut headers);
@@ -190,12 +191,12 @@ pub(super) struct Response {
     pub status: u16,
     pub content_type: &'static str,
     pub body: Cow<'static, [u8]>,
-    /// Content security policy.
+    /// Value of the header `Content-Security-Policy`.
     pub policy: Cow<'static, str>,
 }
 
-/// The page loads only its own files and connects only to its own server. Pictures that the page saves come from data in the
-/// page.
+/// Content security policy of the page. The page loads only its own files and connects only to its own server. Pictures that the
+/// page saves come from data in the page.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; \
      connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
@@ -213,7 +214,7 @@ impl Response {
         }
     }
 
-    /// Refusal with a text.
+    /// Response that refuses a request with an HTTP status and a reason as plain text.
     pub(super) fn refusal(status: u16, why: &str) -> Self {
         Response::new(
             status,

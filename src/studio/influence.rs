@@ -1,4 +1,4 @@
-//! Influence of one coordinate on each curve.
+//! Influence of one hardpoint coordinate on each curve of a wheel or an axle.
 
 use super::answer::{asking_for, in_motion, thinned};
 use super::message::{InfluenceAnswer, InfluenceColumn, InfluenceRequest};
@@ -8,8 +8,8 @@ use crate::model::{Axis, PointId};
 use crate::plan::Plan;
 use crate::study::Vehicle;
 
-/// Derivatives of the requested columns with respect to a coordinate at each station, in the column's unit per length unit. The
-/// stations equal the stations of the curves at the same `curves_rack`.
+/// Derivatives of the requested columns of the curves with respect to one hardpoint coordinate, at each station. Unit: unit of
+/// the column per length unit. The stations equal the stations of the curves at the same `curves_rack`.
 pub(super) fn influence(
     opened: &Opened,
     request: &InfluenceRequest,

@@ -8,7 +8,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-/// File that leads to an address. It is deleted when this value is dropped.
+/// File that leads a browser to the address of the page. It is deleted when this value is dropped.
 pub struct Invitation {
     _folder: TempDir,
     path: PathBuf,
@@ -40,7 +40,7 @@ impl Invitation {
         })
     }
 
-    /// Path of the file.
+    /// Path of the file that leads to the address.
     pub fn path(&self) -> &Path {
         &self.path
     }

@@ -35,7 +35,7 @@ fn panicked(panic: &(dyn Any + Send)) -> String {
 }
 
 /// Converts a range relative to the design in the file to a range relative to the present design. The page has moved the points
-/// of the variable by `moved` units of the variable, one number for each point. The result always contains the present position.
+/// of the variable by `moved` units of the variable, one number for each point. The result always contains 0, the present position.
 /// If the points have moved by different amounts, the range stays as it is and becomes relative to their present positions. The
 /// second value is a note if the tuning may therefore go beyond the range in the file.
 pub(super) fn counted_from_file(
@@ -103,9 +103,9 @@ pub(super) struct Job {
     number: u64,
     interrupt: AtomicBool,
     iterations: AtomicU64,
-    /// Number of starts that have begun.
+    /// Number of starts (searches from different designs) that have begun.
     starts: AtomicUsize,
-    /// Smallest misfit so far.
+    /// Smallest misfit that the tuning has reached so far. `None` before the first iteration.
     misfit: Mutex<Option<f64>>,
     ended: Mutex<Option<Result<Proposal, String>>>,
 }
@@ -133,7 +133,8 @@ impl Job {
         Ok(job)
     }
 
-    /// Tuning of a design of a wheel or an axle, without the variables that move a locked coordinate.
+    /// Tuning of a design of a wheel or an axle, without the variables that move a locked coordinate. Returns an error without
+    /// `[optimise]`, and if no variable is left.
     pub(super) fn of_study(opened: Arc<Opened>, request: &TuneRequest) -> Result<Tuning, String> {
         let mut study = opened.moved(&request.of.design)?;
         let study_design = study.wheel().design.clone();
@@ -230,7 +231,7 @@ impl Job {
         self.number
     }
 
-    /// Requests the end of the tuning after the present iteration, with its present result.
+    /// Requests that the tuning ends after its present iteration and returns the best design so far.
     pub(super) fn cancel(&self) {
         self.interrupt.store(true, Ordering::SeqCst);
     }

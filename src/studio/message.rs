@@ -25,12 +25,12 @@ pub(super) type Coordinates = Vec<[f64; 3]>;
 pub(super) struct Overview {
     pub name: String,
     pub file: String,
-    /// Names of all files that saving may write: the file, then those of the axles of a car.
+    /// Names of all files that saving may write: the study, then the two axle studies of a car.
     pub files: Vec<String>,
-    /// Path of the file. With it, a browser distinguishes the stored data of different studies.
+    /// Path of the study file. With it, a browser distinguishes the stored data of different studies.
     pub place: String,
     pub digest: String,
-    /// SHA-256 of the file's text, as it was read, without unsaved changes.
+    /// SHA-256 of the study file's text as the server read it, without unsaved changes.
     pub base: String,
     /// Sections of the study text with its unsaved edits, for the forms of the page. For a car: sections of its three texts, and
     /// the units of their numbers.
@@ -59,10 +59,11 @@ pub(super) struct Overview {
     pub variables: Vec<VariableOverview>,
     /// True if the study has a section `[optimise]`.
     pub tunes: bool,
-    /// Number of builds whose misfit a tuning lowers. `None` if the tuning lowers the misfit of the nominal design.
+    /// Number of builds (parts with random deviations) whose misfit a tuning lowers. `None` if the tuning lowers the misfit of the
+    /// nominal design.
     pub builds: Option<usize>,
     pub has_constraints: bool,
-    /// Number of starts of a tuning.
+    /// Number of starts (searches from different designs) of a tuning.
     pub starts: usize,
 }
 
@@ -84,15 +85,15 @@ pub(super) struct Slider {
     pub unit: &'static str,
     pub low: f64,
     pub high: f64,
-    /// Value in the design position.
+    /// Value of the slider in the design position, in the slider's unit.
     pub home: f64,
-    /// Values over the motion.
+    /// Values of the slider's coordinate over the motion, in the slider's unit.
     pub values: Vec<f64>,
     /// Names of the values, if the slider selects from a list. The value of the slider is then the index in this list.
     pub names: Vec<String>,
 }
 
-/// Drawing of the left side, with its wheels.
+/// Points and lines for the drawing of the left side of the vehicle, with its wheels.
 #[derive(Serialize)]
 pub(super) struct WholeScene {
     #[serde(flatten)]
@@ -102,7 +103,7 @@ pub(super) struct WholeScene {
 
 #[derive(Serialize)]
 pub(super) struct WheelDrawn {
-    /// Point at the centre of the wheel.
+    /// Index of the point at the centre of the wheel.
     pub centre: usize,
     pub radius: f64,
 }
@@ -119,7 +120,7 @@ pub(super) struct TextChange {
 pub(super) struct PointOverview {
     pub name: String,
     pub about: String,
-    /// Axle of a car, and the point's name in the study of this axle.
+    /// Axle of a car to which the point belongs, and the point's name in the study of this axle. `None` without a car.
     pub axle: Option<[String; 2]>,
     /// Displacement from the point's coordinates to its position in a drawing of the whole vehicle.
     pub shift: [f64; 3],
@@ -133,7 +134,7 @@ pub(super) struct MemberOverview {
     pub name: String,
     /// Axle of a car to which the member belongs.
     pub axle: Option<String>,
-    /// Indices of the points at its ends.
+    /// Indices of the points at the ends of the member.
     pub ends: [usize; 2],
 }
 
@@ -158,20 +159,20 @@ pub(super) struct CharacteristicOverview {
     pub available: bool,
 }
 
-/// A target in the form for drawing.
+/// A target for the charts of the page.
 #[derive(Serialize)]
 pub(super) struct TargetOverview {
     pub column: String,
     /// Columns of the curves that the target limits.
     pub columns: Vec<String>,
     pub tolerance: f64,
-    /// Drive value, lowest and highest target value. `None` without a limit.
+    /// Points of the target: value on the horizontal axis, lowest and highest target value there. `None` without such a limit.
     pub points: Vec<(f64, Option<f64>, Option<f64>)>,
     /// Name of the target's motion. `None` for the study's own motion.
     pub motion: Option<String>,
     /// Index of the slider of this motion to which the points refer. `None` if the points do not refer to a slider.
     pub over: Option<usize>,
-    /// Rack displacements to which the target applies. Empty for all.
+    /// Rack displacements to which the target applies. Empty if it applies at every rack displacement.
     pub racks: Vec<f64>,
     pub is_band: bool,
 }
@@ -179,7 +180,7 @@ pub(super) struct TargetOverview {
 #[derive(Serialize)]
 pub(super) struct VariableOverview {
     pub name: String,
-    /// Point, axis, and displacement per unit of the variable.
+    /// Moved coordinates: index of the point, axis (0 to 2), and displacement of the coordinate per unit of the variable.
     pub moves: Vec<(usize, usize, f64)>,
     /// True if the variable rotates points about an axis, so that they do not move on straight lines.
     pub is_turn: bool,
@@ -192,14 +193,14 @@ pub(super) struct SolvedAnswer {
     pub columns: Vec<ColumnValues>,
     /// Horizontal-axis value of each station. `None` if the station has no pose and its value is therefore not known.
     pub drive: Vec<Option<f64>>,
-    /// Group of each station. Stations of one group differ only in the horizontal-axis value.
+    /// Index of the group (curve) of each station. Stations of one group differ only in the horizontal-axis value.
     pub groups: Vec<usize>,
     /// Values of all sliders at the first station of each group. NaN (null in JSON) for a value that is not known, or for the drive
     /// of a wheel if it is on the horizontal axis.
     pub group_places: Vec<Vec<f64>>,
     /// Index of the group nearest to the slider positions.
     pub shown: usize,
-    /// Rack displacement at the first station of this group. 0 for a car.
+    /// Rack displacement at the first station of the shown group. 0 for a car.
     pub rack: f64,
     /// True if the motion is given as a table of rows. Then curves connect the stations in the order of the rows.
     pub has_rows: bool,
@@ -210,13 +211,13 @@ pub(super) struct SolvedAnswer {
     /// Mechanism at the slider positions: the wheel, the left wheel of an axle, or the left side of a car. It has the pose, or the
     /// reason why there is no pose. `None` if the wheels cannot be solved at all.
     pub frame: Option<Drawn>,
-    /// Right wheel of an axle, or right side of a car.
+    /// Right wheel of an axle, or right side of a car, at the slider positions. `None` for a single wheel.
     pub right: Option<Drawn>,
     /// The same as `frame`, with the points of the opened text. `None` if these points are the same or have no equilibrium.
     pub opened: Option<Drawn>,
     pub misfit: Option<Misfit>,
     pub remarks: Vec<String>,
-    /// Computing time of the server in milliseconds.
+    /// Computing time of this answer on the server, in milliseconds.
     pub milliseconds: f64,
 }
 
@@ -241,13 +242,13 @@ impl From<Frame> for Drawn {
 /// One side of a car over the ground, in the axes of the front study.
 #[derive(Clone, Serialize)]
 pub(super) struct SidePlacement {
-    /// Points of the front axle, then of the rear axle.
+    /// Positions of the front axle's points, then of the rear axle's points.
     pub points: Vec<[f64; 3]>,
     pub spin_axes: [[f64; 3]; 2],
     pub contacts: [[f64; 3]; 2],
     /// Centre of gravity of the sprung mass.
     pub sprung_cg: [f64; 3],
-    /// Axes of the drawing in the axes of the car's body. Each row is one axis.
+    /// Unit vectors of the drawing's x, y and z axis in the axes of the car's body. Each row is one axis.
     pub axes: [[f64; 3]; 3],
 }
 
@@ -272,12 +273,12 @@ impl ColumnValues {
     }
 }
 
-/// Misfit as a multiple of the tolerances, with its derivatives with respect to every coordinate. Without a misfit, all lists are
-/// empty.
+/// Misfit of a design as a multiple of the tolerances, with its derivatives with respect to every coordinate. If the misfit
+/// cannot be computed, all lists are empty.
 #[derive(Serialize)]
 pub(super) struct Misfit {
     pub value: Option<f64>,
-    /// Reason why there is no misfit.
+    /// Reason why the misfit cannot be computed. `None` if it can.
     pub reason: Option<String>,
     pub gradient: Coordinates,
     pub targets: Vec<TargetMisfit>,
@@ -288,19 +289,19 @@ pub(super) struct Misfit {
 #[derive(Serialize)]
 pub(super) struct TargetMisfit {
     pub column: String,
-    /// Root mean square over the stations of the target.
+    /// Root mean square of the deviation over the stations of the target.
     pub rms: f64,
     /// Largest deviation of the curve from the target, with its sign.
     pub worst: f64,
-    /// Position of the largest deviation. `None` for a result of a load case.
+    /// Value of the drive or axle coordinate at the largest deviation. `None` for a result of a load case.
     pub worst_at: Option<f64>,
-    /// Unit of the position of the largest deviation, or name of the load case.
+    /// Unit of `worst_at`, or name of the load case.
     pub worst_at_unit: String,
     /// Derivatives of `rms` with respect to every coordinate.
     pub gradient: Coordinates,
 }
 
-/// Influence of a coordinate on each column: derivatives at each station.
+/// Influence of one hardpoint coordinate on each column of the curves: derivatives at each station.
 #[derive(Serialize)]
 pub(super) struct InfluenceAnswer {
     pub columns: Vec<InfluenceColumn>,
@@ -312,7 +313,7 @@ pub(super) struct InfluenceColumn {
     pub slopes: Vec<Option<f64>>,
 }
 
-/// Moves that leave the targets unchanged.
+/// Answer with the moves of the points that leave the targets unchanged, to first order.
 #[derive(Serialize)]
 pub(super) struct DirectionsAnswer {
     pub directions: Vec<FreeDirection>,
@@ -332,9 +333,10 @@ impl DirectionsAnswer {
 pub(super) struct FreeDirection {
     /// Variables and their amounts for the full `change`, in words.
     pub name: String,
-    /// Displacement of each point.
+    /// Displacement of each point, in the study's axes and unit.
     pub change: Coordinates,
-    /// Ends of the slider, as multiples of `change`. Between them, all variables stay within their ranges.
+    /// Ends of the slider that applies the direction, as multiples of `change`. Between them, all variables stay within their
+    /// ranges.
     pub free: [f64; 2],
 }
 
@@ -376,9 +378,9 @@ impl LimitsAnswer {
 pub(super) struct JobState {
     pub job: u64,
     pub iterations: u64,
-    /// Number of starts that have begun.
+    /// Number of starts (searches from different designs) that have begun.
     pub starts: usize,
-    /// Smallest misfit so far.
+    /// Smallest misfit that the tuning has reached so far.
     pub misfit: Option<f64>,
     pub done: bool,
     pub error: Option<String>,
@@ -392,7 +394,7 @@ pub(super) struct Proposal {
     pub edits: Vec<ValueEdit>,
     /// Present value that each edit replaces, so that the page can apply a part of the change.
     pub origins: Vec<serde_json::Value>,
-    /// Changed rates and values in words: name, present value, tuned value.
+    /// Changed rates of elastic parts and changed values of a car, in words: name, present value, tuned value.
     pub rates: Vec<[String; 3]>,
     pub headline: String,
     pub side_effects: SideEffectRows,
@@ -422,7 +424,7 @@ impl From<&YieldRecord> for YieldRows {
     }
 }
 
-/// Table of the changes that no target requests.
+/// Table of the changes of outputs through a tuning that no target requests (side effects).
 #[derive(Clone, Serialize)]
 pub(super) struct SideEffectRows {
     pub header: Vec<String>,

@@ -1,6 +1,7 @@
 //! Misfit of a design and its exact gradient with respect to every coordinate.
 //!
-//! r are the residuals, J is their Jacobian, and m is their number. The misfit is M = |r| / sqrt(m), so
+//! r are the residuals of the targets, and m is their number. J is the Jacobian of r with respect to the coordinates x. The
+//! misfit is M = |r| / sqrt(m), so
 //!
 //! ```text
 //! dM/dx = r . J / (m M)                                                     (1)
@@ -13,10 +14,10 @@
 //! d rms/dx = r . J / (s^2 n rms),    r and J of this target only           (2)
 //! ```
 //!
-//! A misfit of zero has no gradient. In this case, the gradient is given as zero, because the square of the misfit has its
+//! A misfit M of zero has no gradient. In this case, the gradient is given as zero, because the square of the misfit has its
 //! minimum there.
 //!
-//! The misfit on the page is that of the nominal design, even if a tuning lowers the misfit of builds with scatter.
+//! The page shows the misfit of the nominal design, even if a tuning lowers the misfit of builds (parts with random deviations).
 
 use super::message::{Coordinates, Misfit, TargetMisfit};
 use super::study_file::Opened;
@@ -28,9 +29,9 @@ use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 
 impl Opened {
-    /// Stations at which the targets of a moved design are evaluated, if there are targets. The stations in `layout` have the
-    /// points of the right wheel. If the study gives these points separately, they move with the design, so the stations are made
-    /// again.
+    /// Stations at which the targets of a moved design are evaluated, if there are targets. The stations in `layout` contain the
+    /// points of the right wheel. If the study gives the right wheel its own points, they move with the design, so this function
+    /// makes the stations again.
     pub(super) fn layout_of(&self, moved: &Study) -> Option<Cow<'_, TargetLayout>> {
         let layout = self.layout.as_ref()?;
         let has_own = moved.axle().is_some_and(|both| both.axle.right.is_some());
@@ -43,7 +44,7 @@ impl Opened {
     }
 }
 
-/// Misfit of a design, if its study has targets.
+/// Misfit of the design of a wheel or an axle. `None` if its study has no targets.
 pub(super) fn misfit(opened: &Opened, study: &Study) -> Result<Option<Misfit>, DesignFault> {
     let (Some(optimise), Some(layout)) = (&study.optimise, opened.layout_of(study)) else {
         return Ok(None);
@@ -61,7 +62,8 @@ pub(super) fn misfit(opened: &Opened, study: &Study) -> Result<Option<Misfit>, D
     }))
 }
 
-/// Misfit, deviations and margins of an assessed design. The columns of the Jacobian are the coordinates of all points.
+/// Misfit, deviations from targets, and margins of constraints of an assessed design. The columns of the Jacobian in `found` are
+/// the coordinates of all points.
 pub(super) fn of_assessment(
     study: &Study,
     optimise: &Optimise,
@@ -106,7 +108,8 @@ pub(super) fn of_assessment(
 }
 
 impl Misfit {
-    /// Verdict in short sentences, for people. A target is met if its largest deviation is within its tolerance.
+    /// Number of met targets and names of violated constraints, in short sentences for people. A target is met if its largest
+    /// deviation is within its tolerance.
     pub(super) fn verdict(&self) -> String {
         if let Some(reason) = &self.reason {
             return format!("The design has no misfit: {reason}.");
@@ -121,7 +124,8 @@ impl Misfit {
     }
 }
 
-/// Product r . J over `rows`, divided by `divisor`, for each coordinate: see (1) and (2).
+/// Product r . J of equations (1) and (2) of this module, summed over `rows` and divided by `divisor`, for each coordinate. 0 if
+/// `divisor` is 0.
 fn gradient(
     residuals: &DVector<f64>,
     jacobian: &DMatrix<f64>,

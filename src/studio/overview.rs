@@ -104,7 +104,8 @@ pub(super) fn variable(variable: &Variable) -> VariableOverview {
     }
 }
 
-/// Members of a suspension whose points start at index `first` of the page's points.
+/// Members (rods, legs of arms, struts, springs, drive shafts) of a suspension. Its points start at index `first` of the page's
+/// points.
 pub(super) fn member_overviews(
     suspension: &Suspension,
     axle: Option<&str>,
@@ -121,7 +122,8 @@ pub(super) fn member_overviews(
         .collect()
 }
 
-/// Joints of a suspension whose points start at index `first` of the page's points.
+/// Joints of a suspension whose angle a constraint can limit. The points of the suspension start at index `first` of the page's
+/// points.
 pub(super) fn joint_overviews(
     suspension: &Suspension,
     axle: Option<&str>,
@@ -173,7 +175,7 @@ fn written(text: &str) -> serde_json::Value {
     shown
 }
 
-/// Returns these sections of a text as they are written.
+/// Sections of a study text with the names `shown`, as they are written.
 pub(super) fn sections(text: &str, shown: &[&str]) -> serde_json::Value {
     chosen(text.parse().unwrap_or_default(), shown)
 }
@@ -190,7 +192,7 @@ pub(super) fn coordinates(suspension: &Suspension, design: &[Vector3<f64>]) -> C
     design.iter().map(outside).collect()
 }
 
-/// Printed drive value in the design position.
+/// Drive value of the study in the design position, in printed units.
 fn home(study: &Study) -> f64 {
     let suspension = study.wheel();
     let paper = || PaperTheta::of(&suspension.mechanism, &suspension.design).ok();
@@ -202,7 +204,7 @@ fn home(study: &Study) -> f64 {
     }
 }
 
-/// Characteristics of a wheel, each marked if outputs or targets request it.
+/// Characteristics and rig test results of a wheel, each marked if outputs or targets request it and if the study can compute it.
 fn catalogue(own: &WheelStudy, optimise: Option<&Optimise>) -> Vec<CharacteristicOverview> {
     let suspension = &own.suspension;
     let wanted = Plan::with_targets(own, optimise);
@@ -236,7 +238,8 @@ fn sliders(study: &Study) -> (Vec<Slider>, usize) {
     }
 }
 
-/// Sliders of one wheel, and the index of the slider whose coordinate is initially on the horizontal axis of the curves.
+/// Sliders of one wheel (drive and rack), and the index of the slider whose coordinate is initially on the horizontal axis of the
+/// curves.
 fn of_corner(study: &Study) -> (Vec<Slider>, usize) {
     let motion = study.motion();
     let (key, name, unit) = match motion.drive {
@@ -262,7 +265,7 @@ fn of_corner(study: &Study) -> (Vec<Slider>, usize) {
 }
 
 /// Slider of the rack, or of the drag link that steers a solid axle. The range of the slider contains the range of the motion,
-/// and at least 60 mm to both sides. If nothing steers the wheels, the range is empty.
+/// and at least 60 mm to both sides of 0. If nothing steers the wheels, the range has only the position `home`.
 pub(super) fn rack_slider(suspension: &Suspension, home: f64, racks: &[f64]) -> Slider {
     let (unit, mechanism) = (suspension.length_unit, &suspension.mechanism);
     let name = match mechanism.axle_steering() {

@@ -1,4 +1,4 @@
-//! Files of the page.
+//! Files of the live page: HTML, style and scripts, which are part of the program.
 
 use super::http::Response;
 
@@ -59,8 +59,9 @@ mod tests {
         found.filter_map(|rest| rest.split('"').next()).collect()
     }
 
-    /// Words have a contrast of at least 4.5 on both backgrounds, lines and edges of fields at least 3. The palettes are: light,
-    /// dark by choice, dark by the system, and light for printing.
+    /// Words have a contrast of at least 4.5 on the backgrounds `paper` and `panel`. Lines and edges of fields have a contrast of
+    /// at least 3 on `paper`. The palettes of the style sheet are: light, dark by choice, dark by the system, and light for
+    /// printing.
     #[test]
     fn colours_can_be_read() {
         const WORDS: [&str; 15] = [

@@ -1,4 +1,4 @@
-//! Misfit, deviations and hardpoints of a design for its report page.
+//! Misfit, deviations from targets, and hardpoints of a design, for its report page.
 
 use super::message::Misfit;
 use crate::report::{Cell, PageDesign, Table, brief};
@@ -6,7 +6,8 @@ use crate::report::{Cell, PageDesign, Table, brief};
 /// A named point with its coordinates in the study's axes.
 pub(super) type NamedPoint<'a> = (&'a str, [f64; 3]);
 
-/// Makes the first section of a report page. `unit` is the symbol of the study's length unit. `found` is `None` without targets.
+/// Makes the first section of a report page. `unit` is the symbol of the study's length unit. `found` is the
+/// misfit of the design, or `None` without targets.
 pub(super) fn page_design<'a>(
     points: impl Iterator<Item = NamedPoint<'a>>,
     unit: &str,

@@ -4,7 +4,7 @@ use crate::report::brief;
 use crate::study::{PathStep, Study, ValueEdit};
 use serde_json::Value;
 
-/// Names of the axes of a bushing.
+/// Names of the directions of a bushing's six rates.
 const AXES: [&str; 6] = ["x", "y", "z", "about x", "about y", "about z"];
 
 /// Tuned rates, as changes of a study's texts.
@@ -13,7 +13,7 @@ pub(super) struct TunedRates {
     pub edits: Vec<ValueEdit>,
     /// Present value that each edit replaces. Null if the text does not have the value yet.
     pub origins: Vec<Value>,
-    /// Each changed number in words: part, present rate, tuned rate. A number without a present rate has an empty text.
+    /// Each changed rate in words: part, present rate, tuned rate. If the text has no present rate, the second text is empty.
     pub words: Vec<[String; 3]>,
 }
 
@@ -30,7 +30,8 @@ pub(super) fn rate_edits(study: &Study, text: &str, tuned: &Study) -> TunedRates
 }
 
 impl TunedRates {
-    /// Adds an edit for each value of `then` that differs from the value in `now`. `path` has the keys that lead to both.
+    /// Adds an edit for each value of `then` that differs from the value in `now`. `path` has the keys that lead to
+    /// both values in the study.
     fn collect(&mut self, path: &mut Vec<String>, now: &Value, then: &Value) {
         if now == then {
             return;
@@ -56,7 +57,8 @@ impl TunedRates {
     }
 }
 
-/// Numbers of a value that differ, each with its name, old value and new value.
+/// Numbers that differ in two values of the same key. Each has its name, its old and its new number. The value is a number, or a
+/// list of numbers such as the rates of a bushing.
 fn differences(name: &str, old: &Value, new: &Value) -> Vec<[String; 3]> {
     let shown = |value: &Value| value.as_f64().map_or_else(String::new, brief);
     let Some(list) = new.as_array() else {

@@ -20,26 +20,26 @@ use std::sync::Arc;
 
 /// Texts of a study that were read, with the resolved study.
 pub(super) trait Reading: Send + Sync {
-    /// SHA-256 of the texts.
+    /// SHA-256 of the texts of the study.
     fn digest(&self) -> &str;
     /// Data of the study that do not change while points move.
     fn overview(&self) -> Overview;
-    /// Answers a dragged point. The flag stops the work.
+    /// Solves the design after a point was dragged, for the answer to the page. The flag `stop` stops the work.
     fn solved(&self, request: &SolveRequest, stop: &Stop) -> Result<SolvedAnswer, String>;
-    /// Derivatives of the requested columns with respect to a coordinate.
+    /// Derivatives of the requested columns of the curves with respect to one hardpoint coordinate, at each station.
     fn influence(&self, request: &InfluenceRequest) -> Result<InfluenceAnswer, String>;
-    /// Moves that leave the targets unchanged.
+    /// Moves of the points that leave the targets unchanged, to first order.
     fn directions(&self, of: &Designed) -> Result<DirectionsAnswer, String>;
     /// Limits of the mechanism, or lift limits of a car.
     fn limits(&self, of: &Designed) -> Result<LimitsAnswer, String>;
     /// Results of a design over a named motion or over the study's own motion, as `hardpoint solve` writes them. For a car: the
     /// results of its load cases.
     fn csv(&self, design: &Coordinates, motion: Option<&str>) -> Result<Vec<u8>, String>;
-    /// Hardpoints of a design as a table.
+    /// Hardpoints of a design as a CSV table.
     fn points(&self, of: &Designed) -> Result<Vec<u8>, String>;
-    /// Hardpoints and centre lines of a design, for CAD. An error for a car.
+    /// DXF drawing of the hardpoints and centre lines of a design, for CAD. Returns an error for a car.
     fn drawing(&self, of: &Designed) -> Result<Vec<u8>, String>;
-    /// Report page of a design.
+    /// HTML report page of a design.
     fn report(&self, of: &Designed) -> Result<String, String>;
     /// Tuning of a design, ready to run.
     fn tuning(self: Arc<Self>, request: &TuneRequest) -> Result<Tuning, String>;
@@ -47,15 +47,16 @@ pub(super) trait Reading: Send + Sync {
     fn edited(&self, edits: &[ValueEdit]) -> Result<Arc<dyn Reading>, String>;
     /// Changes of the user, file by file: the texts as they were opened, and these texts with a design and the edits.
     fn texts(&self, design: &Coordinates) -> Result<Vec<TextChange>, String>;
-    /// Writes a design into the files.
+    /// Writes a design into the files of the study. `over` states which changed files may be replaced.
     fn save(&self, design: &Coordinates, over: &Over) -> Result<Written, NotSaved>;
-    /// Writes the texts with a design to new files in the same folder. Returns their names.
+    /// Writes the texts with a design to new files in the folder of the study. With `anyway`, existing files are replaced. Returns
+    /// the names of the files.
     fn save_as(&self, design: &Coordinates, name: &str, anyway: bool) -> Result<String, NotSaved>;
 }
 
 /// Result of a save.
 pub(super) struct Written {
-    /// New state of the files.
+    /// Texts and resolved study after the save.
     pub now: Arc<dyn Reading>,
     /// Names of the files whose texts have changed.
     pub files: Vec<String>,
@@ -85,7 +86,7 @@ impl Files {
         }
     }
 
-    /// Reads the present files, or returns the reason in words why they cannot be read.
+    /// Reads the files of the study as they are now, or returns the reason in words why they cannot be read.
     pub(super) fn read(&self) -> Result<Arc<dyn Reading>, String> {
         Ok(match self {
             Files::Study(file) => Arc::new(file.read()?),
@@ -93,7 +94,7 @@ impl Files {
         })
     }
 
-    /// SHA-256 of the texts as they are now.
+    /// SHA-256 of the files' texts as they are now.
     pub(super) fn digest(&self) -> Result<String, String> {
         match self {
             Files::Study(file) => file.digest(),
@@ -107,7 +108,7 @@ impl Opened {
     fn page_design(&self, study: &Study, design: &Coordinates) -> Result<PageDesign, String> {
         let suspension = study.wheel();
         let points = suspension.mechanism.points.iter().zip(design).enumerate();
-        // The right half of a solid axle follows the left half.
+        // The right half of a solid axle follows the left half, so its points are not listed.
         let points = points.filter(|(id, _)| !suspension.mechanism.is_far(PointId(*id)));
         let points = points.map(|(_, (point, place))| (point.name.as_str(), *place));
         let found = misfit::misfit(self, study).map_err(|fault| fault.to_string())?;

@@ -34,26 +34,26 @@ pub(super) struct ServerState {
     pub access: Access,
     /// True after the first request with the token.
     pub visited: AtomicBool,
-    /// Folder for a new study.
+    /// Folder into which the server writes a new study.
     directory: PathBuf,
     /// File of the study. Without a study, the page asks for one.
     file: OnceLock<Files>,
-    /// Study texts of the server, the most recently used one last.
+    /// Study texts that the server has read or edited, the most recently used text last.
     texts: Mutex<VecDeque<Arc<dyn Reading>>>,
     /// Latest tuning, running or ended.
     job: Mutex<Option<Arc<Job>>>,
-    /// Report pages with their numbers, the latest last.
+    /// Report pages with their numbers, the latest page last.
     reports: Mutex<VecDeque<(u64, Arc<str>)>>,
     /// Lock that allows only one save at a time.
     saving: Mutex<()>,
     turns: Turns,
 }
 
-/// Refusal: status and text.
+/// Refusal of a request: HTTP status and reason in words.
 type Refused = (u16, String);
 
 impl ServerState {
-    /// State of a server whose study will be chosen on the page and written to a folder.
+    /// State of a server without a study. The user can choose a study on the page, which the server writes to `directory`.
     pub(super) fn new(access: Access, directory: PathBuf) -> Self {
         ServerState {
             access,
@@ -68,7 +68,7 @@ impl ServerState {
         }
     }
 
-    /// Starts to serve a study that was read. A server has only one study, so a second one is refused.
+    /// Starts to serve a study that was read. A server has only one study, so it refuses a second one.
     pub(super) fn take(&self, file: Files, opened: Arc<dyn Reading>) -> Result<(), String> {
         let taken = self.file.set(file);
         taken.map_err(|_| "another tab has chosen a study: reload the page".to_owned())?;
@@ -110,7 +110,7 @@ impl ServerState {
         }
     }
 
-    /// Checks that a request may be answered. Returns the path after the token.
+    /// Checks the host, the token, the origin and the method of a request. Returns its path after the token, or a refusal.
     fn admitted<'h>(&self, head: &'h Head) -> Result<&'h str, Refused> {
         let refused = |why: &str| Err((403, why.to_owned()));
         if !head.host.as_deref().is_some_and(|h| self.access.is_host(h)) {
@@ -199,7 +199,7 @@ impl ServerState {
         opened
     }
 
-    /// Overview of the study in the present file.
+    /// Reads the study file as it is now, and answers with its overview.
     fn study(&self, body: &[u8]) -> Result<Response, Refused> {
         let () = message(body)?;
         let opened = self.file()?.read().map_err(|why| (422, why))?;
@@ -207,7 +207,7 @@ impl ServerState {
         json(&opened.overview())
     }
 
-    /// SHA-256 of the present text of the file.
+    /// Answers with the SHA-256 of the study file's text as it is now.
     fn digest(&self, body: &[u8]) -> Result<Response, Refused> {
         let () = message(body)?;
         json(&self.file()?.digest().map_err(|why| (422, why))?)
@@ -233,7 +233,7 @@ impl ServerState {
         json(&saved)
     }
 
-    /// Overview of a text with changed values. The file does not change.
+    /// Changes values in a study text of the server, and answers with the overview of the new text. The file does not change.
     fn edit(&self, body: &[u8]) -> Result<Response, Refused> {
         let request: EditRequest = message(body)?;
         let opened = self.text(&request.digest)?;
@@ -242,7 +242,7 @@ impl ServerState {
         json(&edited.overview())
     }
 
-    /// Answers a request about a design.
+    /// Answers a request about a design by `answer`. `of` returns the design of the request.
     fn with_text<R: DeserializeOwned, A: Serialize>(
         &self,
         body: &[u8],
@@ -264,7 +264,7 @@ impl ServerState {
         answer.unwrap_or_else(|| Err(STOPPED.to_owned()))
     }
 
-    /// Answers with an exported file of a design. The file has this media type.
+    /// Answers with an exported file of a design. `kind` is the media type of the file.
     fn file_of(
         &self,
         body: &[u8],
@@ -343,7 +343,7 @@ impl ServerState {
         json(&saved)
     }
 
-    /// Makes the report page of a design. Answers with its path.
+    /// Makes the report page of a design. Answers with the path of this page on the server.
     fn make_report(&self, body: &[u8]) -> Result<Response, Refused> {
         let of: Designed = message(body)?;
         let opened = self.text(&of.digest)?;
@@ -371,7 +371,7 @@ impl ServerState {
     }
 }
 
-/// Refusal: a short page if a person may have opened the address, else plain text.
+/// Response that refuses a request: a short HTML page if a person may have opened the address, else plain text.
 fn refused_page(head: &Head, status: u16, why: &str) -> Response {
     if head.method != "GET" || head.origin.is_some() || status != 403 {
         return Response::refusal(status, why);
@@ -399,8 +399,9 @@ fn json(answer: &impl Serialize) -> Result<Response, Refused> {
     Ok(Response::new(200, "application/json", text))
 }
 
-/// Response to a refused request, with a status. A design that cannot be solved, a changed file and a text that the server no
-/// longer stores are usual cases. They get status 200, because browsers write refusals to the console as errors.
+/// Response that refuses a request with an HTTP status. A design that cannot be solved, a changed file and a text that the server
+/// no longer stores are usual cases. They get status 200, and the JSON answer has the real status, because browsers write refusals
+/// to the console as errors.
 fn refusal((status, why): Refused) -> Response {
     match status {
         409 | 410 | 422 => {

@@ -16,7 +16,7 @@ use thiserror::Error;
 /// Default port. If this port is free, every session uses it, so that a browser finds the data that it stored in earlier
 /// sessions.
 const USUAL_PORT: u16 = 7353;
-/// Interval between checks for a request to stop.
+/// Interval between two checks whether the server must stop. Also the pause after a failed connection.
 const LOOK: Duration = Duration::from_millis(100);
 
 /// Reason why a study is not served.
@@ -83,8 +83,8 @@ impl Studio {
         self.server.access.address()
     }
 
-    /// Serves until `stop` is set. The file that leads the browser to the page (`invitation`) is deleted after the first
-    /// request of the page, or at the end.
+    /// Answers requests of the page until `stop` is true. The file that leads the browser to the page (`invitation`) is deleted
+    /// after the first request of the page, or at the end.
     ///
     /// # Errors
     /// If the address of the server is not known, or the thread that waits for connections cannot be started.
@@ -116,7 +116,7 @@ impl Studio {
     }
 }
 
-/// Accepts connections, each on its own thread, until `closes` is set.
+/// Accepts connections, each on its own thread, until `closes` is true.
 fn accept(listener: &TcpListener, server: &Arc<ServerState>, closes: &AtomicBool) {
     let connections = Arc::new(Connections::default());
     for stream in listener.incoming() {

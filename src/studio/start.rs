@@ -18,13 +18,13 @@ use std::path::{Path, PathBuf};
 pub(super) struct Choice {
     name: &'static str,
     summary: &'static str,
-    /// Names of its hardpoints. The flag is true for hardpoints that a study must give.
+    /// Names of the topology's hardpoints. The flag is true for hardpoints that a study must give.
     hardpoints: Vec<(&'static str, bool)>,
     scene: Scene,
     design: Coordinates,
 }
 
-/// All topologies whose template can be read.
+/// All topologies that the page offers for a new study: every topology whose template can be read.
 pub(super) fn choices() -> Vec<Choice> {
     let choice = |topology: &&'static Topology| {
         let topology: &'static Topology = topology;
@@ -121,7 +121,7 @@ fn imported(
     import(&table, &options).map_err(|refusal| in_form(&refusal.to_string()))
 }
 
-/// Text of a refusal that names the fields of the form instead of flags.
+/// Text of an import refusal in which the names of the form's fields replace the flags of `hardpoint import`.
 fn in_form(refusal: &str) -> String {
     let fields = [
         ("--half-track", "half track"),

@@ -1,4 +1,4 @@
-//! The study file. It is read, and written back with its comments.
+//! Reads the study file of a wheel or an axle, and writes it back with its comments.
 
 #[cfg(test)]
 mod tests;
@@ -22,26 +22,26 @@ use tempfile::NamedTempFile;
 
 /// A study text that was read, with the resolved study.
 pub(super) struct Opened {
-    /// Location of the study.
+    /// Path of the study file.
     pub file: StudyFile,
-    /// SHA-256 of the study text.
+    /// SHA-256 of `text`.
     pub digest: String,
-    /// SHA-256 of the file's text to which `edits` apply.
+    /// SHA-256 of `base_text`.
     pub base: String,
-    /// Text of the file to which `edits` apply.
+    /// Text of the file as it was read, without `edits`.
     pub base_text: Arc<str>,
-    /// Changes that are not yet saved in the file.
+    /// Changes of values that are not yet saved in the file.
     pub edits: Vec<ValueEdit>,
     /// Text of the file with `edits` applied.
     pub text: String,
     pub study: Study,
-    /// A variable for every coordinate, in the order of the points.
+    /// Variables for gradients: one for every hardpoint coordinate, in the order of the points.
     pub every: Vec<Variable>,
     /// Stations at which targets of the nominal design are evaluated, if there are targets.
     pub layout: Option<TargetLayout>,
 }
 
-/// Files that a save may replace.
+/// Condition under which a save may replace the study files.
 pub(super) struct Over<'r> {
     /// SHA-256 of the files' texts that the page last read or wrote. `None` if these are the texts to which the design's
     /// changes refer.
@@ -80,14 +80,14 @@ impl Opened {
         })
     }
 
-    /// Study with a design from the page.
+    /// Study with the hardpoint coordinates of the page. Returns an error if the points do not form a suspension.
     pub(super) fn moved(&self, coordinates: &Coordinates) -> Result<Study, String> {
         let study = self.study.at_design(self.design(coordinates)?);
         check_geometry(&study)?;
         Ok(study)
     }
 
-    /// A design from the page, in the internal frame (x forward, y left, z up).
+    /// Converts coordinates of the page to a design in the internal frame (x forward, y left, z up).
     pub(super) fn design(&self, coordinates: &[[f64; 3]]) -> Result<Vec<Vector3<f64>>, String> {
         let suspension = self.study.wheel();
         in_kernel(coordinates, suspension, suspension.frame)
@@ -106,7 +106,7 @@ pub(super) fn check_geometry(study: &Study) -> Result<(), String> {
     Ok(())
 }
 
-/// Converts coordinates from the page in these axes to a design in the internal frame (x forward, y left, z up).
+/// Converts coordinates from the page, in the axes `frame`, to a design in the internal frame (x forward, y left, z up).
 pub(super) fn in_kernel(
     coordinates: &[[f64; 3]],
     suspension: &Suspension,
@@ -121,7 +121,7 @@ pub(super) fn in_kernel(
     }
     for (point, place) in suspension.mechanism.points.iter().zip(coordinates) {
         for (axis, coordinate) in Axis::ALL.into_iter().zip(place) {
-            // Values must be within the bounds for study files.
+            // Coordinates must be within the bounds for numbers in study files.
             checked_number(*coordinate).map_err(|expected| {
                 let (name, axis) = (&point.name, axis.name());
                 format!("{name} {axis}: expected {expected}, found {coordinate:e}")
@@ -132,7 +132,7 @@ pub(super) fn in_kernel(
     Ok(coordinates.iter().map(inside).collect())
 }
 
-/// File with which the studio was opened, and other files in its folder.
+/// Path of the study file with which the studio was opened. New studies are written to the same folder.
 #[derive(Clone)]
 pub(super) struct StudyFile {
     path: PathBuf,
@@ -155,14 +155,14 @@ impl StudyFile {
         name_of(&self.path)
     }
 
-    /// Reads the present file, or returns the reason in words why it cannot be read.
+    /// Reads the study file as it is now, or returns the reason in words why it cannot be read.
     pub(super) fn read(&self) -> Result<Opened, String> {
         // The file is read only once, so that the digest belongs to the text that was parsed.
         let text = self.text()?;
         Opened::of(&self.path, text).map_err(|errors| errors.render(false))
     }
 
-    /// SHA-256 of the present text of the file.
+    /// SHA-256 of the study file's text as it is now.
     pub(super) fn digest(&self) -> Result<String, String> {
         Ok(digest(&self.text()?))
     }
@@ -263,7 +263,7 @@ pub(super) fn not_understood(errors: &StudyErrors) -> NotSaved {
     ))
 }
 
-/// Present text of a file.
+/// Text of a file as it is now. The error is the reason in words, with the path.
 pub(super) fn text_of(path: &Path) -> Result<String, String> {
     let text = read_regular_text(path, LONGEST_TEXT);
     text.map_err(|e| format!("{}: {e}", path.display()))
@@ -284,7 +284,7 @@ pub(super) struct Prepared<'a> {
 }
 
 impl<'a> Prepared<'a> {
-    /// Writes the text that is to replace `before`.
+    /// Writes the text `text` to a temporary file. `before` is the text that it will replace.
     pub(super) fn replacing(
         path: &'a Path,
         before: &'a str,
@@ -304,7 +304,7 @@ impl<'a> Prepared<'a> {
         })
     }
 
-    /// Reads the file once more, right before it is replaced.
+    /// Reads the file once more, right before it is replaced. Returns an error if its text is not `before`.
     pub(super) fn check_unchanged(&self) -> Result<(), NotSaved> {
         if text_of(self.path).map_err(NotSaved::Refused)? == self.before {
             return Ok(());
@@ -387,26 +387,26 @@ fn replace(temporary: NamedTempFile, path: &Path, text: &str) -> io::Result<()> 
     })
 }
 
-/// True if a file has further names (hard links).
+/// True if a file has further names (hard links) besides its path.
 #[cfg(unix)]
 fn has_other_names(path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
     fs::symlink_metadata(path).is_ok_and(|there| there.is_file() && there.nlink() > 1)
 }
 
-/// On other systems, the standard library does not give the number of names of a file.
+/// Always false: on systems other than Unix, the standard library does not give the number of names of a file.
 #[cfg(not(unix))]
 fn has_other_names(_: &Path) -> bool {
     false
 }
 
-/// Returns the text of a study with another design. For an axle, it contains both wheels.
+/// Returns the text of a study with the coordinates of another design. For an axle, the text contains both wheels.
 pub(super) fn edited(study: &Study, text: &str, design: &[Vector3<f64>]) -> String {
     study.text_with_points_of(text, &study.at_design(design.to_vec()))
 }
 
-/// Returns the design of a changed text, with the user's changes: those coordinates of `design` that differ from the opened
-/// text. `from` is the suspension in the opened text, and `to` the suspension in the changed text.
+/// Returns the design of a changed text, with the user's changes: the coordinates of `design` that differ from the opened text.
+/// `from` is the suspension in the opened text, and `to` the suspension in the changed text.
 pub(super) fn moved_in(
     [from, to]: [&Suspension; 2],
     design: &[Vector3<f64>],

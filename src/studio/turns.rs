@@ -46,7 +46,7 @@ impl Turns {
     }
 
     fn running(&self) -> MutexGuard<'_, HashMap<u64, (u64, Stop)>> {
-        // The registrations are complete even after a panic in a thread.
+        // The registrations are complete even after a panic in a thread, so a poisoned lock is harmless.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -14,7 +14,8 @@ use crate::studio::turns::Stop;
 use crate::study::CarStudy;
 use std::time::Instant;
 
-/// Finds the results with these names. A name can denote several results.
+/// Results of a car with these names. A name can denote several results, such as a result of all four wheels. Returns an error
+/// if the car does not have one of them.
 fn quantities(study: &CarStudy, names: &[String]) -> Result<Vec<CarQuantity>, String> {
     let mut found: Vec<CarQuantity> = Vec::new();
     for name in names {
@@ -29,7 +30,7 @@ fn quantities(study: &CarStudy, names: &[String]) -> Result<Vec<CarQuantity>, St
     Ok(found)
 }
 
-/// Answers a dragged point. An error names the fault of the design or the request.
+/// Answers with the results of all load cases, after a point was dragged. An error names the fault of the design or the request.
 pub(super) fn solved(
     opened: &OpenedCar,
     request: &SolveRequest,
@@ -106,7 +107,7 @@ fn doubts(study: &CarStudy) -> Result<Vec<String>, String> {
     Ok(found)
 }
 
-/// Index of the load case that the drawing shows.
+/// Index of the load case that the drawing shows: the position of the only slider. Returns an error if there is no such case.
 fn shown_case(study: &CarStudy, at: &[f64]) -> Result<usize, String> {
     let found = match at {
         &[place] if place >= 0.0 => Some(place as usize),
@@ -116,7 +117,7 @@ fn shown_case(study: &CarStudy, at: &[f64]) -> Result<usize, String> {
     found.ok_or_else(|| format!("expected the number of one of {} cases", study.cases.len()))
 }
 
-/// Column of a result, with one value for each load case.
+/// Column of a result for the page, with one value for each load case. `None` in a case without equilibrium.
 fn column(quantity: CarQuantity, results: &CarResults<'_>) -> ColumnValues {
     let length = results.study().car.length_unit;
     let cases = results.study().cases.iter().zip(&results.states);
@@ -136,7 +137,8 @@ fn column(quantity: CarQuantity, results: &CarResults<'_>) -> ColumnValues {
     }
 }
 
-/// Left and right side of a car in a load case, or the reason why there is no equilibrium.
+/// Drawings of the left and right side of a car in a load case. Without an equilibrium, the first one has the reason, and the
+/// second one is `None`.
 fn drawn<'s>(
     study: &CarStudy,
     shown: usize,
@@ -165,7 +167,7 @@ fn drawn<'s>(
     }
 }
 
-/// Left side of the car in a load case, with the design in the opened files. `None` if there is no equilibrium.
+/// Drawing of the left side of the car in a load case, with the design of the opened texts. `None` if there is no equilibrium.
 fn as_opened(opened: &OpenedCar, shown: usize) -> Option<Drawn> {
     let study = &opened.study;
     let drawn = opened.drawn[shown].get_or_init(|| {
@@ -179,7 +181,7 @@ fn as_opened(opened: &OpenedCar, shown: usize) -> Option<Drawn> {
     Some(Drawn::Side { pose })
 }
 
-/// One side of a drawing, in the axes of the front study.
+/// One side (0 left, 1 right) of the drawing of a car, in the axes of the front study.
 fn placement(study: &CarStudy, drawing: &CarDrawing, side: usize) -> SidePlacement {
     let frame = study.frame();
     let turned = |v: [f64; 3]| frame.vector(Vector3::from(v)).to_array().map(|c| c + 0.0);
@@ -201,7 +203,8 @@ fn placement(study: &CarStudy, drawing: &CarDrawing, side: usize) -> SidePlaceme
     }
 }
 
-/// Derivatives of every result with respect to a coordinate, case by case, in the result's unit per length unit.
+/// Derivatives of every requested result with respect to one coordinate of a point, for each load case. Unit: unit of the result
+/// per length unit.
 pub(super) fn influence(
     opened: &OpenedCar,
     request: &InfluenceRequest,

@@ -4,7 +4,7 @@
 //! target. N is the number of rows of all targets. The residuals are
 //!
 //! ```text
-//! r = d_t sqrt(w_t N / (n_t sum w_t)),    N rows of all targets,                                                  (1)
+//! r = d_t sqrt(w_t N / (n_t sum w_t))                                                                             (1)
 //! ```
 //!
 //! Their root mean square is the misfit of a tuning.
@@ -16,8 +16,8 @@ use crate::studio::directions::unseen;
 use crate::studio::message::{Designed, DirectionsAnswer, VariableOverview};
 use crate::study::{CarOptimise, CarStudy};
 
-/// A row of the residuals, without the factor sqrt(N / sum w) of all rows: deviation times sqrt(w / n), and its derivatives
-/// with respect to the variables.
+/// One residual of equation (1) of this module without the factor sqrt(N / sum w_t), which all residuals share. The row has the
+/// deviation times sqrt(w_t / n_t), and the derivatives of this product with respect to the variables.
 type Row = (f64, Vec<f64>);
 
 /// Combinations of the study's hardpoint variables that leave the targets unchanged, to first order.
@@ -57,7 +57,7 @@ pub(super) fn directions(opened: &OpenedCar, of: &Designed) -> Result<Directions
     Ok(unseen(&goal, &shown, &left, of.design.len()))
 }
 
-/// Rows of all targets. `None` if a load case or a single axle has no solution.
+/// Rows (residuals with derivatives) of all targets. `None` if a load case or a single axle has no solution.
 fn rows(study: &CarStudy, optimise: &CarOptimise) -> Result<Option<Vec<Row>>, String> {
     let Some(mut rows) = of_cases(study, optimise)? else {
         return Ok(None);
@@ -107,7 +107,8 @@ fn of_cases(study: &CarStudy, optimise: &CarOptimise) -> Result<Option<Vec<Row>>
     Ok(Some(rows))
 }
 
-/// Rows of a single axle, with derivatives with respect to all `variables` of the car.
+/// Rows (residuals with derivatives) of the targets of a single axle. Each row has a derivative for each of the `variables`
+/// variables of the car. `None` if the axle has no solution.
 fn of_axle(
     study: &CarStudy,
     end: usize,
@@ -124,7 +125,7 @@ fn of_axle(
     };
     let of_rows = layout.targets_of_rows();
     let row = |(number, target): (usize, &usize)| {
-        // `layout` gives each residual as the deviation times `share`. So the factor contains a division by `share`.
+        // `layout` gives each residual as the deviation times `share` of its target. So the factor contains a division by `share`.
         let count = of_rows.iter().filter(|other| *other == target).count() as f64;
         let weight = goals.optimise.targets[*target].weight;
         let factor = (weight / count).sqrt() / layout.share(*target);

@@ -14,7 +14,7 @@ use crate::study::{CarStudy, PathStep, ValueEdit, edited_text};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Designs of the front and of the rear axle.
+/// Designs (hardpoint positions in the internal frame) of the front and of the rear axle.
 type Designs = [Vec<Vector3<f64>>; 2];
 
 /// Paths of the study of a car, and of the studies of its front and rear axle.
@@ -35,7 +35,7 @@ impl CarFiles {
         &self.0
     }
 
-    /// Names of the files, without their folders.
+    /// Names of the three files (car, front axle, rear axle), without their folders.
     pub(super) fn names(&self) -> [String; 3] {
         self.0.each_ref().map(|path| name_of(path))
     }
@@ -46,14 +46,14 @@ impl CarFiles {
         stem.to_string_lossy().into_owned()
     }
 
-    /// Reads the present files, or returns the reason in words why they cannot be read.
+    /// Reads the three files as they are now, or returns the reason in words why they cannot be read.
     pub(in crate::studio) fn read(&self) -> Result<OpenedCar, String> {
         let study = CarStudy::read(self.path(), &[]).map_err(|errors| errors.render(false))?;
         let files = CarFiles::at(self.path()).with_axles(&study.inputs[1..])?;
         Ok(OpenedCar::of(files, study))
     }
 
-    /// Files of the car and of its axles, with symbolic links resolved.
+    /// Adds the paths of the axle studies, with symbolic links resolved. Returns an error if a path does not exist.
     fn with_axles(mut self, axles: &[PathBuf]) -> Result<Self, String> {
         for (own, path) in self.0[1..].iter_mut().zip(axles) {
             let found = fs::canonicalize(path);
@@ -62,7 +62,7 @@ impl CarFiles {
         Ok(self)
     }
 
-    /// SHA-256 of the present texts.
+    /// SHA-256 of the three files' texts as they are now.
     pub(in crate::studio) fn digest(&self) -> Result<String, String> {
         let text = text_of(self.path())?;
         let [front, rear] = self.axles_in(&text)?;
@@ -80,7 +80,7 @@ impl CarFiles {
         }))
     }
 
-    /// Present texts of the files.
+    /// Texts of the three files as they are now: car, front axle, rear axle.
     fn texts(&self) -> Result<[String; 3], String> {
         let [car, front, rear] = &self.0;
         Ok([text_of(car)?, text_of(front)?, text_of(rear)?])
@@ -226,7 +226,7 @@ impl CarFiles {
     }
 }
 
-/// Names of the files whose texts differ.
+/// Names of the files whose texts differ in `before` and `now`.
 fn changed_files(files: &CarFiles, before: &[String; 3], now: &[String; 3]) -> Vec<String> {
     let pairs = files.names().into_iter().zip(before.iter().zip(now));
     let changed = pairs.filter(|(_, (before, now))| before != now);
@@ -243,7 +243,7 @@ fn half_written(why: NotSaved, done: &[String]) -> NotSaved {
     }
 }
 
-/// Texts of a car and of its axles, with the coordinates replaced by those of `designs`.
+/// Texts of a car, its front axle and its rear axle, with the coordinates of `designs` in place of the old coordinates.
 fn with_designs(opened: &OpenedCar, designs: &Designs) -> [String; 3] {
     let axle = |end: usize| {
         let study = &opened.study.axles[end];

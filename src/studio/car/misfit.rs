@@ -1,13 +1,13 @@
 //! Misfit of a car and its exact gradient with respect to every coordinate of both axles.
 //!
 //! d_t is the deviation from target t as a multiple of the tolerance, and w_t is the weight of the target. For a target of a
-//! single axle, d_t is the root mean square over the target's stations. Then
+//! single axle, d_t is the root mean square over the target's stations. M is the misfit, and x is a coordinate. Then
 //!
 //! ```text
 //! M^2 = sum w_t d_t^2 / sum w_t          dM/dx = sum w_t d_t d d_t/dx / (M sum w_t)                              (1)
 //! ```
 //!
-//! A misfit of zero has no gradient. In this case, the gradient is given as zero, because the square of the misfit has its
+//! A misfit M of zero has no gradient. In this case, the gradient is given as zero, because the square of the misfit has its
 //! minimum there.
 
 use super::OpenedCar;
@@ -21,19 +21,20 @@ use crate::studio::message::{Coordinates, Misfit, TargetMisfit};
 use crate::studio::misfit::of_assessment;
 use crate::study::{CarOptimise, CarStudy};
 
-/// A target with its weight in the misfit.
+/// Deviation from a target, with the weight of the target in the misfit.
 pub(super) struct Weighed {
     target: TargetMisfit,
     weight: f64,
 }
 
-/// Targets and constraints.
+/// Deviations from targets, and margins of constraints.
 type Found = (Vec<Weighed>, Vec<ConstraintMargin>);
 
-/// Targets and constraints of each single axle, if it has any.
+/// Deviations and margins of the front and the rear axle alone. `None` for an axle without targets and constraints. An error is
+/// the reason in words why the axle cannot be solved.
 pub(super) type Rigs = [Option<Result<Found, String>>; 2];
 
-/// Evaluates the targets and constraints of each single axle. They need no load case.
+/// Evaluates the targets and constraints that belong to a single axle, for each axle. They need no load case.
 pub(super) fn assessed_rigs(opened: &OpenedCar, study: &CarStudy) -> Rigs {
     [0, 1].map(|end| {
         let goals = study.optimise.as_ref()?.rigs[end].as_ref()?;
@@ -41,7 +42,7 @@ pub(super) fn assessed_rigs(opened: &OpenedCar, study: &CarStudy) -> Rigs {
     })
 }
 
-/// Misfit of a design, if its study has targets.
+/// Misfit of a car's design. `None` if its study has no `[optimise]`. `rigs` has the evaluated targets of the single axles.
 pub(super) fn misfit<'s>(
     study: &'s CarStudy,
     solver: &mut CarSolver<'s>,
@@ -69,7 +70,7 @@ pub(super) fn misfit<'s>(
     })
 }
 
-/// Misfit of all targets: (1).
+/// Misfit of all targets with its gradient, by equation (1) of this module.
 fn summed(targets: Vec<Weighed>, constraints: Vec<ConstraintMargin>) -> Misfit {
     let weights: f64 = targets.iter().map(|own| own.weight).sum();
     let squares = targets
@@ -97,18 +98,19 @@ fn summed(targets: Vec<Weighed>, constraints: Vec<ConstraintMargin>) -> Misfit {
     }
 }
 
-/// Name of a target of a load case.
+/// Name of a target of a load case: result and load case.
 pub(super) fn name_of(target: &CarTarget, study: &CarStudy) -> String {
     let case = &study.cases[target.case].name;
     format!("{} in {case}", target.quantity.name())
 }
 
-/// Name of a target or a constraint of a single axle.
+/// Name of a target or a constraint of a single axle (`end` is 0 for the front, 1 for the rear).
 pub(super) fn name_on_rig(name: &str, end: usize) -> String {
     format!("{name} of the {} axle", crate::car::AXLE_NAMES[end])
 }
 
-/// Targets and constraints of the load cases.
+/// Deviations from the targets of the load cases, and margins of their constraints. Returns an error if a load case that they
+/// need has no equilibrium.
 fn of_cases<'s>(
     study: &'s CarStudy,
     optimise: &CarOptimise,
@@ -157,8 +159,8 @@ fn of_cases<'s>(
     Ok((targets.into_iter().flatten().collect(), constraints))
 }
 
-/// Record of a target of a load case. Such a target has only one deviation, so the root mean square is the absolute value of
-/// this deviation.
+/// Deviation from a target of a load case, with its gradient. Such a target has only one deviation, so the root mean square is the
+/// absolute value of this deviation.
 fn of_target(target: &CarTarget, study: &CarStudy, gradient: &CarGradient) -> Weighed {
     let length = study.car.length_unit;
     let factor = target.quantity.info().unit.printed_factor(length);
@@ -182,7 +184,7 @@ fn of_target(target: &CarTarget, study: &CarStudy, gradient: &CarGradient) -> We
     }
 }
 
-/// Derivatives of a result with respect to every coordinate of the page, in internal units instead of printed units. If the
+/// Derivatives of a result (in internal units, not printed units) with respect to every coordinate of the page. If the
 /// study gives the wheelbase, the rear axle moves so that the wheelbase stays constant when wheel centres move.
 pub(super) fn by_coordinates(study: &CarStudy, gradient: &CarGradient) -> Coordinates {
     let frame = study.frame();
@@ -206,7 +208,7 @@ pub(super) fn by_coordinates(study: &CarStudy, gradient: &CarGradient) -> Coordi
     points.collect()
 }
 
-/// Targets and constraints of a single axle.
+/// Deviations from the targets of a single axle, and margins of its constraints.
 fn of_axle(
     opened: &OpenedCar,
     study: &CarStudy,
@@ -221,7 +223,7 @@ fn of_axle(
         .map_err(|why| name_on_rig(&why.to_string(), end))?;
     let misfit = of_assessment(own, &goals.optimise, &layout, &found);
     let points = study.axles.each_ref().map(|axle| axle.wheel().design.len());
-    // The axes of an axle's study may differ from those of the front study.
+    // The axes of the rear axle's study may differ from the axes of the front study, which the page uses.
     let turned = |by: [f64; 3]| {
         study
             .frame()

@@ -1,7 +1,7 @@
 //! A car: its two axles in a load case, a table of all cases, and the results of the whole car.
 //!
-//! For the page, a car is like any other study. The stations are the load cases. The points are those of the left wheels of
-//! both axles, in the axes of the front study.
+//! For the page, a car is like any other study. The stations are the load cases. The points are the hardpoints of the left
+//! wheels of both axles, in the axes of the front study.
 
 mod answer;
 mod directions;
@@ -44,16 +44,17 @@ const LIFT_COLUMNS: [&str; 6] = [
 pub(in crate::studio) struct OpenedCar {
     files: CarFiles,
     digest: String,
-    /// SHA-256 of the files' texts to which `edits` apply.
+    /// SHA-256 of `base_texts`.
     base: String,
-    /// Texts of the files to which `edits` apply.
+    /// Texts of the files as they were read, without `edits`.
     base_texts: Arc<[String; 3]>,
-    /// Changes that are not yet saved in the files.
+    /// Changes of values that are not yet saved in the files.
     edits: Vec<ValueEdit>,
     study: CarStudy,
-    /// A variable for every coordinate of each axle.
+    /// Variables for gradients: one for every hardpoint coordinate of the front axle, then of the rear axle.
     every: [Vec<Variable>; 2],
-    /// Left side of this design in each load case, computed when the page first needs it. `None` without an equilibrium.
+    /// Drawing of the left side with the design of the texts in each load case, computed when the page first needs it. `None`
+    /// without an equilibrium.
     drawn: Vec<OnceLock<Option<SidePlacement>>>,
 }
 
@@ -106,7 +107,7 @@ impl OpenedCar {
         Ok([design(0)?, design(1)?])
     }
 
-    /// Study with a design from the page.
+    /// Study of the car with the hardpoint coordinates of the page. Returns an error if the points do not form a suspension.
     fn moved(&self, coordinates: &Coordinates) -> Result<CarStudy, String> {
         let study = self.study.at_design(self.designs(coordinates)?);
         for (end, axle) in AXLE_NAMES.iter().zip(&study.axles) {

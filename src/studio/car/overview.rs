@@ -92,7 +92,7 @@ fn written(study: &CarStudy) -> serde_json::Value {
     all
 }
 
-/// Units of the numbers in forms, by their keys.
+/// Units of the numbers in the forms of the page, by the keys of the study.
 fn units(car: &Car) -> serde_json::Value {
     let rates = [
         AxleParameter::SpringRate,
@@ -155,8 +155,8 @@ pub(super) fn points(study: &CarStudy) -> Vec<PointOverview> {
     found
 }
 
-/// Members or joints of both axles. `of` returns those of one axle, given its suspension, its name and the index of its first
-/// point.
+/// Members or joints of both axles. `of` returns the members or joints of one axle. Its arguments are the suspension, the name of
+/// the axle and the index of its first point.
 fn of_axles<T>(
     study: &CarStudy,
     of: impl Fn(&Suspension, Option<&str>, usize) -> Vec<T>,
@@ -205,8 +205,8 @@ fn cases(study: &CarStudy) -> Slider {
     }
 }
 
-/// Name that denotes a result at all wheels or at both axles. If this name denotes a result of the whole car instead, the result's
-/// own name.
+/// Common name of a result at all wheels or at both axles. If a result of the whole car has the same name, returns the own name
+/// of the given result.
 fn group(quantity: CarQuantity) -> String {
     let name = match quantity {
         CarQuantity::Wheel(_, result) => result.info().name.to_owned(),
@@ -220,7 +220,7 @@ fn group(quantity: CarQuantity) -> String {
     }
 }
 
-/// Results, each marked if the study or its targets request it.
+/// Results of the car that the page can show, each marked if the study, its targets or its constraints request it.
 fn catalogue(study: &CarStudy) -> Vec<CharacteristicOverview> {
     let car = &study.car;
     let mut asked: Vec<String> = if study.quantities == CarQuantity::default_columns(car) {

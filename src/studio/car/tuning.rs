@@ -36,8 +36,8 @@ pub(super) fn tuning(opened: &Arc<OpenedCar>, request: &TuneRequest) -> Result<T
     Ok(Box::new(move |job| run(job, &opened, &study, remarks)))
 }
 
-/// Shifts the range of a variable, which is relative to the design in the files, so that it is relative to the present design.
-/// Returns a note if the range cannot be kept.
+/// Shifts the range of a variable, which is relative to the design in the files, so that it is relative to the design on the page
+/// (`now`). Returns a note if the tuning may go beyond the range in the files.
 pub(super) fn count_from_file(
     variable: &mut CarVariable,
     file: &CarStudy,
@@ -98,7 +98,7 @@ fn run(
     })
 }
 
-/// Sentences about targets and constraints of a tuned car.
+/// Sentences about missed targets of a tuned car, and remarks on its tuning.
 fn verdict(study: &CarStudy, tuned: &TunedCar) -> Result<Vec<String>, String> {
     let Some(optimise) = &study.optimise else {
         return Ok(Vec::new());
@@ -118,7 +118,7 @@ fn verdict(study: &CarStudy, tuned: &TunedCar) -> Result<Vec<String>, String> {
     Ok([verdict.missed(), verdict.remarks()].concat())
 }
 
-/// Misfit of a design, if it has one.
+/// Misfit of a car's design. `None` without targets, and if a load case or an axle cannot be solved.
 fn misfit_of(opened: &OpenedCar, study: &CarStudy) -> Option<f64> {
     let mut solver = solver(study).ok()?;
     let results = CarResults::solve(study, &mut solver, study.cases.len());

@@ -4,7 +4,7 @@ use super::Coordinates;
 use crate::study::ValueEdit;
 use serde::Deserialize;
 
-/// A design that belongs to a study text of the server.
+/// A design (coordinates of all points) that belongs to a study text of the server.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(in crate::studio) struct Designed {
@@ -59,7 +59,7 @@ pub(in crate::studio) struct SolveRequest {
     pub of: Designed,
     /// Names of the requested characteristics.
     pub characteristics: Vec<String>,
-    /// Position of the mechanism in the drawing: one value per slider.
+    /// Position of the mechanism in the drawing: one value per slider, in the unit of the slider.
     pub at: Vec<f64>,
     /// Rack displacement of the curves, in the study's unit and axes. `None` for the displacements of the study.
     pub curves_rack: Option<f64>,
@@ -88,7 +88,7 @@ pub(in crate::studio) struct InfluenceRequest {
     /// Name of the motion. `None` for the study's own motion.
     #[serde(default)]
     pub motion: Option<String>,
-    /// Rack displacement of the curves. `None` for the displacements of the study.
+    /// Rack displacement of the curves, in the study's unit and axes. `None` for the displacements of the study.
     #[serde(default)]
     pub curves_rack: Option<f64>,
 }

@@ -1,4 +1,4 @@
-//! Limits of builds, and the nearest limits among them.
+//! Limits of builds (assembled parts with random deviations from `[tolerance]`), and the nearest limits among many builds.
 
 use super::elastic::{in_equilibrium, rows_of_axle, rows_of_wheel};
 use super::{LimitEnd, LimitRow, WheelLimits, axle_rows, travel_left};
@@ -15,9 +15,9 @@ pub struct VehicleLimits {
     /// study have the same rows.
     pub rows: Vec<LimitRow>,
     /// Distance from the study's motion to the nearest limit of its drive, at the rack displacements that can be reached; negative
-    /// if the motion goes beyond it. A length, or radians for an arm angle. `None` with the drive of Attia's paper, without such a
-    /// displacement, and for an elastic wheel whose limit is not known. Also `None` for axles, because their motion has several
-    /// quantities.
+    /// if the motion goes beyond it. A length, or radians for an arm angle. `None` with the drive of Attia's paper, if no rack
+    /// displacement can be reached, and for an elastic wheel whose limit is not known. Also `None` for axles, because their motion
+    /// has several quantities.
     pub margin: Option<f64>,
     /// True if the study's motion goes beyond the limits of the drive or of the rack. Always false with the drive of Attia's paper.
     pub is_short: bool,
@@ -35,7 +35,7 @@ impl VehicleLimits {
         }
     }
 
-    /// Limits of one build. `None` if it cannot be assembled, cannot move or has no equilibrium.
+    /// Limits of the build with this number. `None` if it cannot be assembled, cannot move or has no equilibrium.
     pub fn of_build(study: &Study, problem: &Problem, number: u64) -> Option<Self> {
         let built = problem.built_vehicle(number).ok()?;
         VehicleLimits::of_vehicle(study, &built).ok()
@@ -83,24 +83,25 @@ impl VehicleLimits {
         })
     }
 
-    /// True if a limit is unknown.
+    /// True if a lower or upper limit of a row has no value.
     fn is_unknown(&self) -> bool {
         let mut ends = self.rows.iter().flat_map(|row| &row.ends);
         ends.any(|end| end.value.is_none())
     }
 }
 
-/// Nearest limit among builds, with the number of its build.
+/// Nearest lower or upper limit of a quantity among builds, with the number of the build that has it.
 #[derive(Clone, Debug)]
 pub struct NearestEnd {
-    /// The limit.
+    /// Value and cause of the limit.
     pub end: LimitEnd,
     /// Number of the build.
     pub build: u64,
 }
 
 impl NearestEnd {
-    /// Returns the nearer one of two limits. A known limit is nearer than an unknown one. Of two equal limits, returns `self`.
+    /// Returns the nearer one of two limits. `is_beyond` is true if its first value is the nearer limit. A known limit is nearer
+    /// than an unknown one. Of two equal limits, returns `self`.
     fn nearer(self, later: NearestEnd, is_beyond: fn(&f64, &f64) -> bool) -> NearestEnd {
         match (self.end.value, later.end.value) {
             (Some(mine), Some(theirs)) if is_beyond(&theirs, &mine) => later,
@@ -116,15 +117,15 @@ type Counted = (u64, Option<u64>);
 /// Nearest limits among some builds. If limits are equal, the first build counts.
 #[derive(Clone, Debug, Default)]
 pub struct NearestLimits {
-    /// Largest lower limit and smallest upper limit, for each row of [`VehicleLimits`]. Empty if no build has limits.
+    /// Largest lower limit and smallest upper limit of the builds, for each row of [`VehicleLimits`]. Empty if no build has limits.
     pub rows: Vec<[NearestEnd; 2]>,
-    /// Smallest margin, with its build.
+    /// Smallest [`VehicleLimits::margin`] of the builds, with the number of its build. `None` if no build has a margin.
     pub margin: Option<(f64, u64)>,
-    /// Builds that cannot be assembled, cannot move or have no equilibrium.
+    /// Count of builds that cannot be assembled, cannot move or have no equilibrium.
     pub rejected: Counted,
-    /// Builds that do not reach the motion of the study.
+    /// Count of builds that do not reach the motion of the study.
     pub short: Counted,
-    /// Builds with an unknown limit.
+    /// Count of builds with an unknown limit.
     pub unknown: Counted,
 }
 

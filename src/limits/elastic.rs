@@ -21,19 +21,20 @@ use crate::study::{AxleComplianceStudy, AxleStudy, ComplianceStudy, Study, Wheel
 /// Words for the limits of the mechanism whose parts are all rigid.
 const RIGID: &str = "all parts rigid";
 
-/// Lower and upper limit of equilibrium, or the reason why the start of the search has no equilibrium.
+/// Lower and upper limit of a quantity at which equilibrium ends. An error is the reason why the state at which the search starts
+/// has no equilibrium.
 type Ends = Result<[EquilibriumEnd; 2], NoEquilibrium>;
 
-/// Limits of one quantity.
+/// Limits of equilibrium of one quantity, such as a travel or a load.
 pub(super) struct ElasticRow {
     row: Row,
-    /// Unit of the values in the descriptions of the causes.
+    /// Unit of the values in the descriptions of the limits' causes.
     unit: &'static str,
     ends: Ends,
 }
 
 impl ElasticRow {
-    /// True if the start of the search has an equilibrium.
+    /// True if the state at which the search starts has an equilibrium.
     fn has_equilibrium(&self) -> bool {
         self.ends.is_ok()
     }
@@ -51,7 +52,8 @@ impl ElasticRow {
     }
 }
 
-/// Limits of all rows. Returns an error if the design position, or travel 0 with a displaced rack, has no equilibrium.
+/// Converts all rows for the table of limits. Returns an error if the state at which a search starts has no equilibrium: the
+/// design position, or travel 0 with a displaced rack.
 pub(super) fn in_equilibrium(rows: Vec<ElasticRow>) -> Result<Vec<LimitRow>, String> {
     if !rows.iter().all(ElasticRow::has_equilibrium) {
         return Err("the design position has no equilibrium".to_owned());
@@ -59,7 +61,7 @@ pub(super) fn in_equilibrium(rows: Vec<ElasticRow>) -> Result<Vec<LimitRow>, Str
     Ok(rows.into_iter().map(ElasticRow::found).collect())
 }
 
-/// Cause of an end in words. Values are multiplied by `factor`.
+/// Cause of a limit of equilibrium in words, with earlier events such as a lifted wheel. `factor` converts values to `unit`.
 fn cause(end: &EquilibriumEnd, factor: f64, unit: &str) -> String {
     let mut text = match &end.cause {
         EndCause::GivesWay { part, motion } => {
@@ -93,7 +95,7 @@ fn cause(end: &EquilibriumEnd, factor: f64, unit: &str) -> String {
     text
 }
 
-/// Row of the load of a test. `at` describes the quantities that stay constant.
+/// Row for the load of a rig test. `at` describes the quantities that stay constant.
 fn load_row(test: &KcTest, unit: LengthUnit, at: &str) -> Row {
     let trail = test.trail_suffix();
     let (factor, symbol) = match test.load {
@@ -123,8 +125,8 @@ fn load_row(test: &KcTest, unit: LengthUnit, at: &str) -> Row {
     }
 }
 
-/// Appends a row for each test load. Tests that differ only in the window or in the load levels share one row. `unit` is the
-/// study's length unit.
+/// Appends a row for the load of each rig test. Tests that differ only in the window or in the load levels share one row. `unit`
+/// is the study's length unit. `ends` finds the limits of a test's load.
 fn append_loads(
     rows: &mut Vec<ElasticRow>,
     unit: LengthUnit,
@@ -149,7 +151,8 @@ fn append_loads(
     }
 }
 
-/// Limits of an elastic wheel.
+/// Limits of a wheel with elastic parts: of equilibrium, then with all parts rigid. A note states the distance of the study's
+/// motion from the nearest travel limit.
 pub(super) fn of_wheel(
     study: &Study,
     own: &WheelStudy,
@@ -169,7 +172,7 @@ pub(super) fn of_wheel(
     Ok((rows, note.into_iter().collect()))
 }
 
-/// Row for the travel of a wheel.
+/// Row for the travel of a wheel. `at` describes the quantities that stay constant.
 fn travel_row(suspension: &Suspension, at: String) -> Row {
     Row {
         quantity: format!("travel_{}", suspension.length_unit.symbol()),
@@ -187,8 +190,8 @@ fn rack_row(suspension: &Suspension, at: &str) -> Row {
     }
 }
 
-/// Limits of equilibrium of a wheel, and the distance of the study's travels from the nearest limit. The distance is negative if
-/// the travels go beyond the limit, and `None` if it is not known.
+/// Limits of equilibrium of a wheel, and the distance of the study's wheel travels from the nearest travel limit. The distance is
+/// negative if the travels go beyond the limit, and `None` if it is not known.
 pub(super) fn rows_of_wheel(
     own: &WheelStudy,
     elastic: &ComplianceStudy,
@@ -241,9 +244,9 @@ pub(super) fn rows_of_wheel(
     Ok((rows, margin(&own.motion.values, &by_rack)))
 }
 
-/// Distance of the travels from the nearest limit. `by_rack` has the limits at each rack displacement. The distance is negative if
-/// the travels go beyond the limit. The end of a search is no limit. `None` if no limit was found, or if a rack displacement has
-/// no equilibrium.
+/// Distance of the wheel travels from the nearest travel limit, in the study's length unit. `by_rack` has the travel limits at
+/// each rack displacement. The distance is negative if the travels go beyond the limit. The end of the search range is no limit.
+/// `None` if no limit was found, or if a rack displacement has no equilibrium.
 fn margin(travels: &[f64], by_rack: &[Ends]) -> Option<f64> {
     let mut least = f64::INFINITY;
     for ends in by_rack {
@@ -257,7 +260,8 @@ fn margin(travels: &[f64], by_rack: &[Ends]) -> Option<f64> {
     least.is_finite().then_some(least)
 }
 
-/// Limits of an elastic axle.
+/// Limits of an axle with elastic parts: of equilibrium, then with all parts rigid. An axle with five links has only the limits of
+/// equilibrium, and a note states the reason.
 pub(super) fn of_axle(
     study: &Study,
     both: &AxleStudy,
@@ -282,7 +286,7 @@ pub(super) fn of_axle(
     Ok((rows, notes))
 }
 
-/// Limits of equilibrium of an axle.
+/// Limits of equilibrium of an axle: of heave, travels, rack and the loads of rig tests.
 pub(super) fn rows_of_axle(
     axle: &Axle,
     elastic: &AxleComplianceStudy,

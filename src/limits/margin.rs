@@ -1,4 +1,4 @@
-//! Distance of a motion to the limits, in words.
+//! Distance between the motion of a study and the limits of its mechanism, in words.
 
 use crate::analyse::{Range, RockerRange};
 use crate::curves::Curves;
@@ -11,15 +11,17 @@ use crate::solve::Solver;
 use crate::study::Study;
 use std::ops::ControlFlow;
 
-/// Distance from the drive values to the nearest limit of all ranges that are not empty. Negative if a value is beyond the limit.
-/// Infinite without such ranges.
+/// Distance from the drive values of a motion to the nearest limit of the drive, in the unit of the drive. `ranges` has the range
+/// of the drive at each rack displacement; empty ranges are left out. Negative if a value is beyond the limit. Infinite if all
+/// ranges are empty.
 pub(super) fn travel_left<'r>(ranges: impl Iterator<Item = &'r Range>, values: &[f64]) -> f64 {
     let ranges = ranges.filter(|range| !range.is_empty());
     let left = ranges.flat_map(|range| values.iter().map(move |value| range.margin(*value)));
     left.fold(f64::INFINITY, f64::min)
 }
 
-/// Ranges of a wheel: of its drive at each rack displacement, and of its rockers with the rack in the middle.
+/// Ranges of a wheel up to its limits: ranges of the drive at each rack displacement, and ranges of the rockers with the rack in
+/// the middle.
 #[derive(Clone, Copy)]
 pub(super) struct Ranges<'r> {
     pub(super) by_rack: &'r [(f64, Range)],
@@ -89,8 +91,9 @@ pub(super) fn margin(
     Ok(notes)
 }
 
-/// Sentence about the wheel travel between the motion and the nearest travel limit. `left` is negative if the motion goes beyond
-/// the limit.
+/// Sentence about the wheel travel between the motion and the nearest travel limit. `left` is this
+/// travel in `unit`, negative if the motion goes beyond the limit. `where_reached` is empty, or limits the sentence to some rack
+/// positions.
 pub(super) fn travel_left_in_words(left: f64, unit: &str, where_reached: &str) -> String {
     if left >= 0.0 {
         let left = brief(left);
@@ -103,8 +106,9 @@ pub(super) fn travel_left_in_words(left: f64, unit: &str, where_reached: &str) -
     }
 }
 
-/// Sentences about the toggles of rockers at the ends of the travel. The rocker of the pushrod also moves the lever of the
-/// anti-roll bar. So the rocker and the lever end at the same toggle, which is named once.
+/// Sentences about the toggles of rockers (dead centres at which a rod can no longer turn its rocker) at the ends of the wheel
+/// travel. The rocker of the pushrod also moves the lever of the anti-roll bar. So the rocker and the lever end at the same toggle,
+/// which is named once.
 fn toggles(rockers: &[RockerRange], moved: &Curves, unit: &str) -> String {
     let travels = || moved.along("travel").flatten();
     let least = travels().fold(0.0, f64::min);

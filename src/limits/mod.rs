@@ -1,4 +1,4 @@
-//! Limits of a mechanism: the ranges of its motion and the parts that end them, as a table.
+//! Limits of a mechanism as a table: ranges of travel, rack and arm angle, and the parts that end these ranges.
 
 mod builds;
 mod elastic;
@@ -21,7 +21,7 @@ use margin::{Ranges, margin, travel_left};
 use row::{LOST, Row, at_toggle, because};
 pub use row::{LimitEnd, LimitRow};
 
-/// Limits of the mechanism of a study, as they are shown.
+/// Limits of the mechanism of a study, with the texts below their table.
 pub(crate) struct LimitTable {
     /// A row for each quantity, with the limits of this quantity while the other quantities stay constant.
     rows: Vec<LimitRow>,
@@ -71,7 +71,7 @@ impl LimitTable {
         })
     }
 
-    /// Table with the causes of the limits.
+    /// Table of the limits with their causes, one row for each quantity.
     pub(crate) fn table(&self) -> Table {
         row::table(&self.rows)
     }
@@ -124,7 +124,8 @@ impl<'s> WheelLimits<'s> {
         })
     }
 
-    /// Notes on the distances between the motion with these curves and the limits. Empty for the drive of Attia's paper.
+    /// Notes on the distances between the study's motion and the limits. `moved` has the curves over this motion. Empty for the
+    /// drive of Attia's paper.
     fn notes(&mut self, study: &Study, moved: &Curves) -> Result<Vec<String>, DesignFault> {
         if study.motion().drive == Drive::PaperTheta {
             return Ok(Vec::new());
@@ -190,7 +191,8 @@ fn axle_rows(study: &Study, axle: &Axle, limits: &AxleLimits) -> Vec<LimitRow> {
     rows
 }
 
-/// Rows for the travels of an axle, with their ranges.
+/// Rows for the travels of an axle, with the ranges of these travels: left and right travel, or for a solid axle heave and travel
+/// difference.
 fn travel_rows<'l>(axle: &Axle, limits: &'l AxleLimits) -> Vec<(Row, &'l Range)> {
     match &limits.travels {
         TravelRanges::OfWheels(ranges) => {
@@ -221,7 +223,7 @@ fn ranges_by_rack(plan: &Plan, solver: &mut Solver) -> Result<Vec<(f64, Range)>,
     plan.racks.iter().map(|rack| range(*rack)).collect()
 }
 
-/// Position of the rack, in words, while another quantity moves to its limits.
+/// Words for the middle position of the rack, in which other quantities move to their limits. Empty without a rack.
 fn straight(limits: &Limits) -> &'static str {
     match &limits.rack {
         Some(_) => "rack 0",
@@ -229,8 +231,8 @@ fn straight(limits: &Limits) -> &'static str {
     }
 }
 
-/// Range of each quantity while the other quantities stay constant. Rockers have their own rows, because other parts limit
-/// the rockers.
+/// Rows for travel, rack and arm angle of a wheel, each with the range of the quantity while the other quantities stay constant.
+/// [`toggles`] makes the rows of rockers.
 fn ranges<'l>(
     study: &Study,
     limits: &'l Limits,
@@ -258,7 +260,7 @@ fn ranges<'l>(
     rows
 }
 
-/// Row for the study's drive, with the rack at this position.
+/// Row for the study's drive (travel or arm angle). `at` describes the rack position in words.
 fn driven(study: &Study, at: String) -> Row {
     let (quantity, factor) = match study.motion().drive.in_kernel() {
         model::Drive::Travel => (
@@ -274,15 +276,15 @@ fn driven(study: &Study, at: String) -> Row {
     }
 }
 
-/// Name of the travel at which a rocker's rod is in toggle position.
+/// Name of the quantity "wheel travel at which a rocker's rod is at toggle" (dead centre), such as `pushrod_travel_mm`.
 fn rod_travel(study: &Study, rocker: RockerId) -> String {
     let rod = study.wheel().mechanism.rocker(rocker).rod.to_string();
     let unit = study.wheel().length_unit.symbol();
     format!("{}_travel_{unit}", rod.replace(' ', "_"))
 }
 
-/// Row of the travels at which the rod of a rocker is at toggle. If a toggle is beyond the end of the wheel's travel, the row
-/// has that end instead.
+/// Row of the wheel travels at which the rod of a rocker is at toggle (at the dead centre of its rocker). If a toggle is beyond the
+/// end of the wheel's travel, the row has that end instead.
 fn toggles(quantity: String, at: &str, range: &RockerRange, travel: &Range) -> LimitRow {
     let end = |toggle: Option<Toggle>, end: &RangeEnd| match toggle {
         Some(Toggle { travel, rod }) => {

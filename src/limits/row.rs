@@ -10,7 +10,7 @@ use crate::study::Study;
 /// Cause of a limit for which no singularity was found.
 pub(crate) const LOST: &str = "the path could not be followed further";
 
-/// Cause of a limit at which a rod is in toggle position.
+/// Cause of a limit at which a rod is at toggle (at a dead centre, so that it can no longer turn its part).
 pub(super) fn at_toggle(rod: Rod) -> String {
     format!(
         "the {rod} is at toggle: it cannot turn {} any further",
@@ -41,9 +41,9 @@ impl LimitEnd {
 pub struct LimitRow {
     /// Quantity with its unit, such as `travel_mm`.
     pub quantity: String,
-    /// Constant values of the other quantities.
+    /// Constant values of the other quantities, in words, such as `rack 0`.
     pub at: String,
-    /// Lower limit and upper limit.
+    /// Lower limit and upper limit of the quantity.
     pub ends: [LimitEnd; 2],
 }
 
@@ -72,16 +72,16 @@ pub(super) fn table(rows: &[LimitRow]) -> Table {
     table
 }
 
-/// Quantity of a row, and the constant values of the other quantities.
+/// Row of the table of limits before its limits are known: quantity, and constant values of the other quantities.
 pub(crate) struct Row {
     pub(crate) quantity: String,
     pub(crate) at: String,
-    /// Factor of printed values; a negative factor swaps the limits.
+    /// Factor from internal to printed values. A negative factor swaps the lower and the upper limit.
     pub(crate) factor: f64,
 }
 
 impl Row {
-    /// Row with the limits of a range.
+    /// Row with the lower and upper limit of a range in internal units. If the range is empty, the row has no values.
     pub(super) fn of(self, study: &Study, range: &Range) -> LimitRow {
         if range.is_empty() {
             return self.of_no_rack();
@@ -107,7 +107,8 @@ impl Row {
         self.with([end(lower, -turn), end(upper, turn)])
     }
 
-    /// Row with these limits and their causes. `None` for an unknown value, or if there is no limit.
+    /// Row with these limits (values in internal units) and their causes. A value is `None` if it is unknown, or if there is no
+    /// limit.
     pub(super) fn with(self, ends: [(Option<f64>, String); 2]) -> LimitRow {
         let factor = self.factor;
         let mut ends =
@@ -122,7 +123,7 @@ impl Row {
         }
     }
 
-    /// Row for a length of an axle, in the length unit of the axle.
+    /// Row for a length of an axle, such as heave, in the length unit of the axle.
     pub(super) fn length_of_axle(axle: &Axle, quantity: &str, at: &str, factor: f64) -> Self {
         Row {
             quantity: format!("{quantity}_{}", axle.left.length_unit.symbol()),
@@ -150,7 +151,7 @@ impl Row {
         }
     }
 
-    /// Row without a range, for a rack position that the mechanism cannot reach.
+    /// Row without values of limits, for a rack position that the mechanism cannot reach.
     pub(super) fn of_no_rack(self) -> LimitRow {
         self.with([(); 2].map(|()| (None, "the rack cannot reach this position".to_owned())))
     }

@@ -1,10 +1,10 @@
-//! Claim of a run on a directory. It decides whether the run may replace files.
+//! Claim of a run: its request to write to a directory. The claim decides which existing files the run may replace.
 
 use super::manifest::{self, Manifest, RunRecord, matches};
 use super::{Refusal, TEMPORARY};
 use std::path::{Path, PathBuf};
 
-/// Permission for other runs to write to the directory at the same time.
+/// Permission for other runs to write to the claimed directory at the same time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sharing {
     /// Only this run may write.
@@ -25,7 +25,7 @@ pub struct Claim<'a> {
     pub digest: String,
     /// Digest of an earlier run of the same command whose results this run continues: the same sweep with fewer samples.
     pub former: Option<String>,
-    /// Files that this run may write, as far as they are known in advance. A star represents digits.
+    /// Names of the files that this run may write, as far as they are known in advance. A star represents digits.
     pub files: &'a [&'a str],
     /// Files that this run has read.
     pub inputs: &'a [PathBuf],
@@ -42,7 +42,7 @@ pub struct Claim<'a> {
     pub reopens: bool,
 }
 
-/// Returns the record of the runs in a directory, or refuses the claim.
+/// Returns the record of the runs in a directory. Returns an error if the claim may not replace a file there.
 pub(super) fn examine(path: &Path, claim: &Claim<'_>) -> Result<Manifest, Refusal> {
     let shown = |name: &str| path.join(name).display().to_string();
     let entries = names(path);
@@ -104,7 +104,7 @@ pub(super) fn examine(path: &Path, claim: &Claim<'_>) -> Result<Manifest, Refusa
     taken.map_or(Ok(manifest), Err)
 }
 
-/// True if a directory contains only files of runs, no unfinished sweep, and no input of this run.
+/// True if a directory may be moved aside: it contains only files of runs, no unfinished sweep, and no input of this run.
 pub(super) fn may_be_moved(path: &Path, claim: &Claim<'_>) -> bool {
     let Ok(manifest) = Manifest::read(path) else {
         return false;
@@ -120,7 +120,7 @@ pub(super) fn may_be_moved(path: &Path, claim: &Claim<'_>) -> bool {
     !manifest.runs.iter().any(unfinished) && names(path).iter().all(is_ours)
 }
 
-/// True if one of the files that a claim names has this name or matches it.
+/// True if a claim names this file, directly or by a pattern with a star.
 pub(super) fn is_wanted(claim: &Claim<'_>, name: &str) -> bool {
     let mut files = claim.files.iter();
     files.any(|file| *file == name || matches(file, name))

@@ -8,10 +8,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Time that a run waits for another run that may end soon.
+/// Longest time that a run waits for a lock that another run holds, because the other run may end soon.
 const ALONE: Duration = Duration::from_millis(300);
 
-/// Time that a shard waits while another shard prepares the directory.
+/// Longest time that a shard of a sweep waits while another shard prepares the directory.
 const TOGETHER: Duration = Duration::from_secs(10);
 
 /// Largest number of attempts to lock a file that another run removes at the same moment.
@@ -68,12 +68,13 @@ pub enum NotLocked {
 }
 
 impl Lock {
-    /// Takes the lock exclusively. Waits for a moment if necessary.
+    /// Takes the lock exclusively. If another run holds it, waits up to 0.3 s.
     pub fn exclusive(path: &Path, owner: &Owner) -> Result<Self, NotLocked> {
         Lock::patiently(path, owner, ALONE, |file| file.try_lock())
     }
 
-    /// Takes the lock together with other processes that share it. Waits if another run holds the lock exclusively.
+    /// Takes the lock together with other processes that share it. If another run holds the lock exclusively,
+    /// waits up to 10 s.
     pub fn shared(path: &Path, owner: &Owner) -> Result<Self, NotLocked> {
         Lock::patiently(path, owner, TOGETHER, |file| file.try_lock_shared())
     }
@@ -120,7 +121,7 @@ impl Lock {
                     "it is a symbolic link, which was not created by a run: remove it",
                 )));
             }
-            // While this list is locked, a signal cannot end the process before the new lock is on the list.
+            // While the list of locks is locked, a signal cannot end the process before the new lock is on the list.
             let mut held = held();
             let file = OpenOptions::new()
                 .read(true)

@@ -3,10 +3,10 @@
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Name of the file.
+/// Name of the file with the record of the runs.
 pub(super) const NAME: &str = "run.json";
 
-/// Version of the file's format. The program reads no files of other versions.
+/// Version of the format of `run.json`. The program reads no files of other versions.
 const FORM: u32 = 1;
 
 /// Record of the runs that wrote the files of a directory.
@@ -17,14 +17,15 @@ pub struct Manifest {
     pub runs: Vec<RunRecord>,
 }
 
-/// A run with its files.
+/// A run of a command, with the names of the files that it wrote.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunRecord {
     /// Name of the command, as in `solve`.
     pub command: String,
     /// Name of the study.
     pub study: String,
-    /// SHA-256 of the whole content of the study. For `sweep` and `merge`, a digest of the designs; for `compare`, of the results.
+    /// SHA-256 of the whole content of the study. For `sweep` and `merge`, a digest of the designs. For
+    /// `compare`, a digest of the results.
     pub digest: String,
     /// Version of the program.
     pub version: String,
@@ -33,7 +34,7 @@ pub struct RunRecord {
     /// True if a signal ended the run.
     #[serde(default)]
     pub interrupted: bool,
-    /// Names of the files. A star represents digits.
+    /// Names of the files that the run wrote. A star represents digits.
     pub files: Vec<String>,
 }
 
@@ -63,19 +64,19 @@ impl Manifest {
         }
     }
 
-    /// Text of the file.
+    /// Text of `run.json` for this record.
     pub fn text(&self) -> String {
         serde_json::to_string_pretty(self).expect("JSON can store a manifest") + "\n"
     }
 
-    /// Run that wrote a file.
+    /// Run that wrote the file with this name. `None` if no run has recorded it.
     pub fn author(&self, name: &str) -> Option<&RunRecord> {
         self.runs.iter().find(|run| run.wrote(name))
     }
 }
 
 impl RunRecord {
-    /// True if the run has this command and this study.
+    /// True if the run has this command and this digest (of the study, or for `sweep` of the designs).
     pub fn is_of(&self, command: &str, digest: &str) -> bool {
         self.command == command && self.digest == digest
     }

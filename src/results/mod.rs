@@ -37,7 +37,7 @@ pub const TEMPORARY: &str = ".hardpoint-";
 /// File in which a run records its results.
 pub const SUMMARY: &str = "summary.json";
 
-/// Sets the first two keys of a `summary.json`: `finished`, and `interrupted` (true if a signal ended the run).
+/// Text of a `summary.json` with new values of its first two keys: `finished`, and `interrupted` (true if a signal ended the run).
 fn restated(text: &str, finished: bool, interrupted: bool) -> String {
     let head = |finished: bool, interrupted: bool| {
         format!("\n  \"finished\": {finished},\n  \"interrupted\": {interrupted},")
@@ -51,8 +51,8 @@ fn restated(text: &str, finished: bool, interrupted: bool) -> String {
     format!("{{{}{body}", head(finished, interrupted))
 }
 
-/// SHA-256 of the whole content of a study: its text with the changes of `--set` and with curves from files, and the file of its
-/// designs.
+/// SHA-256 of the whole content of a study, as hexadecimal digits. The content is the text with the changes of `--set` and with
+/// curves from files, and the file of the designs of its sweep.
 pub fn study_digest(study: &Study) -> String {
     let mut hash = hmac_sha256::Hash::new();
     hash.update(study.text.as_bytes());
@@ -65,7 +65,7 @@ pub fn study_digest(study: &Study) -> String {
     hex(&hash.finalize())
 }
 
-/// Digest of several texts from which a run is made.
+/// SHA-256 of several texts from which a run is made, as hexadecimal digits.
 pub fn digest_of_texts(texts: &[&str]) -> String {
     let mut hash = hmac_sha256::Hash::new();
     for text in texts {

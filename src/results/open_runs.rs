@@ -20,8 +20,8 @@ pub(super) struct OpenRun {
     pub(super) is_alone: bool,
 }
 
-/// Runs in progress. Only the holder of this lock may write results. The code that handles a signal takes the lock before it ends
-/// the process, so that no write is interrupted halfway.
+/// Runs in progress. Only the holder of this mutex may write results. The code that handles a signal locks the mutex before it
+/// ends the process, so that no write is interrupted halfway.
 static OPEN: Mutex<Vec<OpenRun>> = Mutex::new(Vec::new());
 
 fn open() -> MutexGuard<'static, Vec<OpenRun>> {
@@ -35,14 +35,14 @@ pub fn undivided<T>(write: impl FnOnce() -> T) -> T {
     write()
 }
 
-/// Registers a run and executes its first write. No signal can take effect between the two steps.
+/// Registers a run in progress and executes its first write. No signal can take effect between the two steps.
 pub(super) fn begin<T>(run: OpenRun, first: impl FnOnce() -> T) -> T {
     let mut open = open();
     open.push(run);
     first()
 }
 
-/// Removes a run from the list and executes its last write. No signal can take effect between the two steps.
+/// Removes a run from the list of runs in progress and executes its last write. No signal can take effect between the two steps.
 pub(super) fn end<T>(path: &Path, last: impl FnOnce() -> T) -> T {
     let mut open = open();
     open.retain(|run| run.path != path);
@@ -101,7 +101,8 @@ impl OpenRun {
     }
 }
 
-/// Removes temporary files and the lock, which belong to this process.
+/// Removes the temporary files and the lock file of a directory. They belong to this process, because no other process writes
+/// there.
 fn clear(directory: &Path) {
     for entry in std::fs::read_dir(directory).into_iter().flatten().flatten() {
         let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
@@ -172,7 +173,7 @@ fn is_stream(_: &Path) -> bool {
     false
 }
 
-/// Makes a directory and those above it. If a file prevents this, the error names the file.
+/// Makes a directory and all missing directories above it. If a file prevents this, the error names the file.
 pub fn make_directory(path: &Path) -> io::Result<()> {
     std::fs::create_dir_all(path).map_err(|error| {
         let there = path.ancestors().find(|above| above.exists());

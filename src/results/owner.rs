@@ -1,4 +1,4 @@
-//! Owner of a lock. Other processes that wait for the lock can show the name of the owner.
+//! Owner of a lock: the process that holds it. Other processes that wait for the lock can show its command and machine.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -6,7 +6,7 @@ use std::fmt;
 /// Process that writes to a directory.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Owner {
-    /// Process number.
+    /// Number of the process in the operating system.
     pub process: u32,
     /// Name of the machine.
     pub host: String,
@@ -15,7 +15,7 @@ pub struct Owner {
 }
 
 impl Owner {
-    /// Describes this process.
+    /// Describes this process, which runs `command`.
     pub fn here(command: &str) -> Self {
         Owner {
             process: std::process::id(),
@@ -27,7 +27,7 @@ impl Owner {
 
 impl fmt::Display for Owner {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // The text of a file reaches a terminal, so control characters are replaced.
+        // The texts come from a lock file and reach a terminal, so control characters are replaced.
         let plain = |text: &str| -> String {
             let visible = text.chars().map(|c| if c.is_control() { '?' } else { c });
             visible.take(200).collect()
@@ -42,7 +42,8 @@ impl fmt::Display for Owner {
     }
 }
 
-/// Name of this machine. The standard library cannot read it.
+/// Name of this machine, from the kernel or the environment, because the standard library cannot read it. `this machine` without
+/// a name.
 fn host() -> String {
     let from_kernel = std::fs::read_to_string("/proc/sys/kernel/hostname").ok();
     let from_shell = || {

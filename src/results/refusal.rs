@@ -27,7 +27,7 @@ pub enum Refusal {
     Busy {
         /// Path of the directory.
         directory: String,
-        /// Process that is writing, if it is known.
+        /// Process that is writing. `None` if it is not known.
         owner: Option<Owner>,
     },
     /// An input of the run has the name of a result in this directory.
@@ -97,7 +97,7 @@ pub enum Refusal {
 }
 
 impl Refusal {
-    /// Message for a directory that is given by an option other than `--out`.
+    /// Message for a directory that is given by the option `option` instead of `--out`.
     pub fn with_option(&self, option: &str) -> String {
         let advice = |option| format!("give another directory with {option}");
         self.to_string().replace(&advice("--out"), &advice(option))

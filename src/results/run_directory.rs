@@ -1,4 +1,4 @@
-//! Directory to which a run writes.
+//! Directory to which a run writes its results.
 
 use super::claim::{Claim, Sharing, examine, is_wanted, may_be_moved, names, resolved};
 use super::lock::NotLocked;
@@ -38,7 +38,8 @@ struct RunState {
 }
 
 impl RunDirectory {
-    /// Claims a directory before any computation. Creates it if it does not exist.
+    /// Claims a directory for a run before any computation. Creates the directory if it does not exist. Returns a refusal if the
+    /// run may not write there.
     pub fn claim(path: &Path, claim: &Claim<'_>) -> Result<Self, Refusal> {
         let failed = |error| Refusal::Unwritable(unwritten(path)(error));
         make_directory(path).map_err(failed)?;
@@ -206,7 +207,7 @@ impl RunDirectory {
         }
     }
 
-    /// Data about the run that the code for signals needs.
+    /// Data about the run for the code that records an interruption by a signal.
     fn open_run(&self, claim: &Claim<'_>) -> OpenRun {
         OpenRun {
             path: self.path.clone(),
@@ -241,13 +242,13 @@ impl RunDirectory {
         &self.path
     }
 
-    /// Directory to which earlier results were moved, if any.
+    /// Directory to which the claim moved earlier results. `None` if it moved none.
     pub fn set_aside(&self) -> Option<&Path> {
         self.set_aside.as_deref()
     }
 
-    /// Records files, or names with a star for digits, as written by this run. Without `--force`, refuses an existing file that
-    /// this run did not write.
+    /// Records names of files as written by this run. A star in a name represents digits. Without `--force`, refuses an existing
+    /// file that this run did not write.
     pub fn record(&self, names: &[&str]) -> Result<(), WriteError> {
         let mut state = self.state();
         let before = state.manifest.clone();
@@ -312,7 +313,7 @@ impl RunDirectory {
         open_runs::put(&path, text.as_bytes()).map_err(unwritten(&path))
     }
 
-    /// Stores the record of a run that ends now.
+    /// Writes `run.json` for a run that ends now, and removes the run from the list of runs in progress.
     fn store_last(&self, state: &RunState) -> Result<(), WriteError> {
         let text = state.manifest.text();
         open_runs::end(&self.path, || self.put_undivided(manifest::NAME, &text))
@@ -456,7 +457,7 @@ fn move_aside(path: &Path) -> io::Result<PathBuf> {
     Ok(place)
 }
 
-/// Makes a temporary file in the directory of the final file.
+/// Makes a temporary file in `directory`, which must be the directory of the final file.
 pub fn temporary(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
     temporary_of(directory, "file")
 }
@@ -470,7 +471,7 @@ pub fn temporary_of(directory: &Path, stem: &str) -> io::Result<tempfile::NamedT
         .tempfile_in(directory)
 }
 
-/// Usual permissions. Without them, only the owner could read a temporary file.
+/// Permissions of result files: all users can read, the owner can write. By default, only the owner could read a temporary file.
 #[cfg(unix)]
 fn readable() -> std::fs::Permissions {
     std::os::unix::fs::PermissionsExt::from_mode(0o644)

@@ -18,8 +18,8 @@ const ANGLES: [Characteristic; 4] = [
     Characteristic::Caster,
 ];
 
-/// Width of an undecided range of the arm angle (rad). In a wider range, the program stopped the search. In a narrower range,
-/// interval arithmetic could not decide whether there is an assembly.
+/// Width (rad) that distinguishes two kinds of undecided ranges of the arm angle. In a wider range, the program stopped the
+/// search. In a narrower range, interval arithmetic could not decide whether there is an assembly.
 const GIVEN_UP: f64 = 1e-6;
 
 /// Assemblies that the search found.
@@ -36,9 +36,9 @@ pub struct WheelAssemblies {
     pub side: Option<Side>,
     /// Number of assemblies.
     pub found: usize,
-    /// Number of assemblies without a certificate.
+    /// Number of assemblies without a certificate (proof that exactly one assembly exists near the computed one).
     pub unproved: usize,
-    /// Descriptions of the ranges that the search could not decide.
+    /// Descriptions of the search ranges in which it is not known whether an assembly exists.
     pub undecided: Vec<String>,
 }
 
@@ -50,7 +50,8 @@ impl WheelAssemblies {
 }
 
 impl Assembled {
-    /// Descriptions of the undecided ranges. For an axle, each description names the wheel.
+    /// Descriptions of the search ranges of all wheels in which it is not known whether an assembly exists. For an axle, each
+    /// description names the wheel.
     pub fn undecided(&self) -> Vec<String> {
         let wheels = self.wheels.iter();
         let places =
@@ -106,26 +107,26 @@ fn about(side: Option<Side>, sentence: &str) -> String {
     }
 }
 
-/// A wheel to search.
+/// A wheel whose assemblies the program searches.
 struct Wheel<'s> {
     side: Option<Side>,
     suspension: &'s Suspension,
-    /// Signs of x, y and z that convert coordinates from the kernel's frame to the study's axes.
+    /// Signs of x, y and z that convert coordinates from the internal frame (x forward, y left, z up) to the study's axes.
     signs: [f64; 3],
-    /// Rack displacement in the kernel's frame.
+    /// Rack displacement along +y of the internal frame.
     rack: f64,
 }
 
 impl Wheel<'_> {
-    /// Converts a position from the kernel's frame to the study's axes.
+    /// Converts a position from the internal frame to the study's axes.
     fn in_study(&self, place: Vector3<f64>) -> [f64; 3] {
         let place = place.to_array();
         [0, 1, 2].map(|axis| self.signs[axis] * place[axis])
     }
 }
 
-/// Returns the wheels to search. A displaced rack moves towards one wheel and away from the other, so even mirrored wheels
-/// differ.
+/// Returns the wheels whose assemblies differ: one wheel, or both wheels of an axle. A displaced rack moves towards one wheel and
+/// away from the other, so even mirrored wheels differ.
 fn wheels(study: &Study, rack: f64) -> Vec<Wheel<'_>> {
     let Some(both) = study.axle() else {
         let suspension = study.wheel();
@@ -158,7 +159,8 @@ struct Search<'w> {
     solver: Solver<'w>,
     travel: f64,
     all: Assemblies,
-    /// Pose that can be reached from the design position by a continuous motion.
+    /// Pose at the travel and rack displacement of the search that the wheel reaches from the design position by a continuous
+    /// motion. `None` if it reaches none.
     connected: Option<Pose<f64>>,
 }
 
@@ -191,7 +193,7 @@ impl<'w> Search<'w> {
         })
     }
 
-    /// Table cells of one assembly, without the column `side`.
+    /// Cells of the table row of one assembly, without the column `side`.
     fn row(&self, assembly: &Assembly, series: &DesignSeries<1>) -> Vec<Cell> {
         let (solver, suspension) = (&self.solver, self.wheel.suspension);
         let place = assembly.arm_angle.unwrap_or_else(|| assembly.turn());
@@ -227,7 +229,7 @@ impl<'w> Search<'w> {
     }
 }
 
-/// Angles in the table of assemblies.
+/// Wheel angles that are columns in the table of assemblies. A wheel without steering axis has fewer angles.
 fn angles(suspension: &Suspension) -> Vec<Characteristic> {
     let has_steering_axis = suspension.mechanism.steering_axis.is_some();
     let mut angles = ANGLES.to_vec();
@@ -261,7 +263,7 @@ fn table(searches: &[Search]) -> Table {
     table
 }
 
-/// Describes a range that the search could not decide.
+/// Describes a search range in which it is not known whether an assembly exists.
 fn undecided(wheel: &Wheel, place: &Undecided) -> String {
     let suspension = wheel.suspension;
     let unit = suspension.length_unit.symbol();
@@ -295,8 +297,8 @@ fn undecided(wheel: &Wheel, place: &Undecided) -> String {
     }
 }
 
-/// True if two poses are equal. Rounding errors are far smaller than the tolerance. Different assemblies usually differ by far
-/// more.
+/// True if two poses are equal within 1e-7, relative to the size `size` of the mechanism. Rounding errors are far smaller than the
+/// tolerance. Different assemblies usually differ by far more.
 fn same(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> bool {
     let columns = a.rotation.columns.iter().zip(b.rotation.columns);
     let turned = columns.map(|(p, q)| (*p - q).norm()).fold(0.0, f64::max);

@@ -7,7 +7,7 @@ use crate::report::{FailureRange, remarks_on_motion, scatter_doubts, variable_pl
 use crate::solved::Solved;
 use crate::study::{Study, Vehicle};
 
-/// Curves of a study that `solve` accepts.
+/// Curves and warnings of a study that `solve` accepts.
 pub struct Checked<'s> {
     /// The curves of the study's own motion.
     pub solved: Solved<'s>,
@@ -39,7 +39,7 @@ impl<'s> Checked<'s> {
         remarks
     }
 
-    /// Ranges of stations that were not solved, one per line.
+    /// Ranges of stations that were not solved, in the study's own motion and in its named motions, one per line.
     pub fn failures(&self, wheel: &Suspension) -> Vec<String> {
         not_solved(&self.solved, &self.of_motions, wheel)
     }

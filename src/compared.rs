@@ -7,7 +7,7 @@ use crate::report::{Compared, ComparedPoints, CurveTable, NamedPoints};
 use crate::solved::Solved;
 use crate::study::{Drive, Motion, Study, Vehicle, WheelStudy};
 
-/// Motion of the first study. The other studies are solved over this motion.
+/// Motion of the first study of a comparison. The other studies are solved over this motion.
 #[derive(Clone, Debug)]
 pub enum FirstMotion {
     /// Motion of one wheel.
@@ -44,7 +44,8 @@ impl FirstMotion {
         }
     }
 
-    /// Replaces the motion of another study of the same kind. `Comparison::of` refuses a mixture of wheels and axles.
+    /// Gives this motion to another study, in the unit and axes of that study. Changes nothing if one study describes a wheel and
+    /// the other an axle; `Comparison::of` refuses such a mixture. Returns an error if the study cannot follow the motion.
     fn replace_in(&self, study: &mut Study) -> Result<(), String> {
         match (self, &mut study.vehicle) {
             (FirstMotion::Axle { motion, axle }, Vehicle::Axle(both)) => {
@@ -88,7 +89,7 @@ fn motion_in(motion: &Motion, (unit, frame): (LengthUnit, Frame), wheel: &Suspen
     own
 }
 
-/// Checks that a wheel can follow the motion of the first study.
+/// Checks that a wheel can follow the drive of the first study's motion. The error is the reason in words.
 fn check_drive(motion: &Motion, own: &WheelStudy) -> Result<(), String> {
     let name = motion.drive.name();
     let lacks = |why: &str| {
@@ -164,7 +165,7 @@ pub fn compared(label: String, study: &Study, mut curves: CurveTable) -> Compare
     }
 }
 
-/// Points of a wheel by name.
+/// Hardpoints of a wheel by name, in the internal frame, with the signs of the study's axes.
 fn named(wheel: &Suspension) -> NamedPoints {
     let points = wheel.mechanism.points.iter().zip(&wheel.design);
     let points = points.map(|(point, at)| (point.name.clone(), at.to_array()));

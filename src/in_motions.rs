@@ -11,9 +11,9 @@ const BEFORE: &str = "before";
 
 /// Curves of the designs of a run over one named motion.
 pub struct InMotion {
-    /// Record for the page of the run.
+    /// Record of the motion and the designs, for the report page of the run.
     pub record: NamedMotionRecord,
-    /// Curves of each design.
+    /// Curves of each design over the named motion.
     pub curves: Vec<Curves>,
 }
 
@@ -59,7 +59,7 @@ impl InMotion {
         })
     }
 
-    /// Files with the curves, one for each design: name and curves.
+    /// Name of the file and curves, for each design.
     pub fn files(&self) -> impl Iterator<Item = (&str, &Curves)> {
         let designs = self.record.motion.designs.iter();
         designs

@@ -1,4 +1,5 @@
-//! `kc` tests on a study: tables and summary for the command line and for other programs.
+//! Tests of a kinematics and compliance rig (`hardpoint kc`) on a study: tables and summary for the command line and for other
+//! programs.
 
 use crate::axle::Placement;
 use crate::compliance::{AxleCompliance, AxleKcRun, Compliance, KcRun, KcTest};
@@ -11,10 +12,10 @@ use std::borrow::Cow;
 /// Name of a file and its contents.
 pub type RigFile = (&'static str, Vec<u8>);
 
-/// Tables in addition to `kc.csv`. Only some studies have them.
+/// File names of the tables in addition to `kc.csv`. Only some studies have these tables.
 pub const OTHER_TABLES: [&str; 3] = ["levels.csv", "compliance_matrix.csv", "sensitivities.csv"];
 
-/// Tests of a study at its stations.
+/// Rig tests of a study at the stations of its motion.
 pub struct RigTests<'s> {
     study: &'s Study,
     /// Number that [`RigTests::elastic_parts`] returns.
@@ -25,8 +26,8 @@ pub struct RigTests<'s> {
 }
 
 impl<'s> RigTests<'s> {
-    /// Runs the tests of a study with its elastic parts, or with its rigid mechanism. `other` is a program whose names for the
-    /// results are added to the names of this program. An error explains why there are no tests.
+    /// Runs the rig tests of a study with its elastic parts, or with its rigid mechanism. `other` is a program whose names for the
+    /// results are added to the names of this program. An error explains why the tests are not available for the study.
     pub fn of(study: &'s Study, other: Option<OtherProgram>) -> Result<Self, String> {
         if let Some(axle) = study.axle() {
             return RigTests::of_axle(study, axle, other);
@@ -59,7 +60,7 @@ impl<'s> RigTests<'s> {
         })
     }
 
-    /// Runs the tests of an axle.
+    /// Runs the rig tests of an axle.
     fn of_axle(
         study: &'s Study,
         axle: &'s AxleStudy,
@@ -116,7 +117,7 @@ impl<'s> RigTests<'s> {
         files
     }
 
-    /// Content of `summary.json`.
+    /// Content of `summary.json` of `hardpoint kc`.
     pub fn summary(&self) -> Value {
         json!({
             "command": "kc",
@@ -141,7 +142,7 @@ fn stations(both: &AxleStudy) -> Vec<([f64; 2], f64)> {
     on_pads.map(in_study).collect()
 }
 
-/// Refuses rigid mechanisms that the tests do not support.
+/// Returns an error for a rigid mechanism that the rig tests do not support.
 fn check_rigid(suspension: &Suspension) -> Result<(), String> {
     let mechanism = &suspension.mechanism;
     let holds_twice = |c: &Constraint| mechanism.arm_under(c).is_some();
@@ -160,7 +161,7 @@ fn check_rigid(suspension: &Suspension) -> Result<(), String> {
     }
 }
 
-/// Rigid mechanism of an axle, with its tests.
+/// Rigid mechanism of an axle, with the default rig tests. The error explains why the tests are not available.
 fn rigid_axle(study: &AxleStudy) -> Result<AxleComplianceStudy, String> {
     if study.axle.is_rigid() {
         return Err(match study.axle.left.mechanism.why_not_elastic() {
@@ -204,7 +205,8 @@ fn rigid_axle(study: &AxleStudy) -> Result<AxleComplianceStudy, String> {
     })
 }
 
-/// Elastic parts of a study, or its rigid mechanism with the tests.
+/// Elastic parts of a study of one wheel with its rig tests. Without elastic parts: the rigid mechanism with the default tests.
+/// The error explains why the tests are not available.
 fn elastic_or_rigid(study: &Study) -> Result<Cow<'_, ComplianceStudy>, String> {
     if let Some(elastic) = study.compliance() {
         return Ok(Cow::Borrowed(elastic));

@@ -1,4 +1,4 @@
-//! Results of builds, for the command line and for other programs.
+//! Results of builds (assembled parts with random deviations), for the command line and for other programs.
 
 use crate::assembly::SetUpError;
 use crate::solved::{Labelled, Solved};
@@ -13,7 +13,7 @@ const FANS: [(&str, &str, usize); 4] = [
     ("99 %", FAN_FILES[3], 5),
 ];
 
-/// Files of the percentile curves and of the nominal design, in the order of [`with_fans`].
+/// Names of the files with the percentile curves and with the curves of the nominal design, in the order of [`with_fans`].
 pub const FAN_FILES: [&str; 5] = [
     "curves_p1.csv",
     "curves_p5.csv",
@@ -63,7 +63,7 @@ pub fn with_fans<R>(
     Ok(take(&designs))
 }
 
-/// Reason in words why builds cannot be made or aligned.
+/// Reason in words why builds cannot be assembled, or why their toe and camber cannot be aligned.
 pub fn refusal(study: &Study, reason: SetUpError) -> String {
     match reason {
         SetUpError::Fault(reason) => reason.describe(&study.wheel().mechanism),

@@ -1,4 +1,5 @@
-//! Set-up of a study: of one wheel, of both wheels of an axle, or of a solid axle as a whole.
+//! Set-up of a study: adjustments that give the target static values of one wheel, of both wheels of an axle, or of an axle as a
+//! whole.
 
 use crate::assembly::{Assembler, SetUp, SetUpError};
 use crate::mechanism::DesignFault;
@@ -7,7 +8,7 @@ use crate::report::{SetUpSide, SetUpSummary, Table, set_up_refusal};
 use crate::study::{Formulation, Setup, Study, Vehicle, WheelStudy};
 use serde::Serialize;
 
-/// Set-up of all wheels.
+/// Set-up (adjustments and their results) of all wheels of a study.
 pub struct FoundSetUp {
     /// One set-up for a single wheel, for both wheels of a mirrored axle, or for an axle that is set up as a whole. Otherwise one
     /// set-up for each wheel.
@@ -20,8 +21,8 @@ pub struct FoundSetUp {
 pub enum Refusal {
     /// The design cannot be solved.
     Design(String),
-    /// The target values cannot be met. The set-ups contain the effects of the adjustments on the design. The list of set-ups
-    /// is empty if an effect cannot be computed.
+    /// The target values cannot be met. The second value has one entry for each wheel, with the effects of the adjustments on the
+    /// nominal design. It is empty if an effect cannot be computed.
     NotMet(String, Vec<SetUpSummary>),
 }
 
@@ -38,13 +39,13 @@ impl Refusal {
 #[derive(Serialize)]
 #[serde(untagged)]
 pub enum SetUpRecord<'s> {
-    /// A single set-up.
+    /// A single set-up: of one wheel, of mirrored wheels, or of an axle as a whole.
     One(&'s SetUpSummary),
     /// A set-up for each wheel of an axle.
     Wheels {
         /// True if the target values of both wheels are met.
         met: bool,
-        /// Left and right wheel.
+        /// Set-ups of the left and the right wheel.
         wheels: &'s [SetUpSummary],
     },
 }
@@ -66,18 +67,18 @@ impl FoundSetUp {
         }
     }
 
-    /// Table of the steps of all wheels.
+    /// Table of the adjustment steps of all wheels.
     pub fn steps_table(&self) -> Table {
         stacked(&self.wheels, SetUpSummary::steps_table)
     }
 
-    /// Table of the effects of all adjustments.
+    /// Table of the effects of all adjustments on the static values of each wheel.
     pub fn effects_table(&self) -> Table {
         effects_table(&self.wheels)
     }
 }
 
-/// Table of the effects of all adjustments on each wheel.
+/// Table of the effects of all adjustments on the static values of each wheel.
 pub fn effects_table(wheels: &[SetUpSummary]) -> Table {
     stacked(wheels, SetUpSummary::effects_table)
 }
@@ -209,7 +210,7 @@ impl WheelToSetUp {
         }
     }
 
-    /// State of the nominal design with the effects of each adjustment.
+    /// Set-up without adjustments: state of the nominal design, with the effect of each adjustment.
     fn drawn(&self, setup: &Setup) -> Result<SetUp, SetUpError> {
         match (self.study.axle(), &self.from_right) {
             (Some(both), Some(right)) => SetUp::drawn_axle(both, setup, [&self.assembler, right]),

@@ -1,4 +1,4 @@
-//! Curves of a study, with their files, tables, words, and the record of a run.
+//! Curves of a study, with their CSV files, tables and remarks, and the record of a run for its report page.
 
 use crate::ask::NoValue;
 use crate::axle::{AxleCurves, AxlePlan, AxlePose, axle_curves};
@@ -22,11 +22,11 @@ pub struct Solved<'s> {
 /// Plan by which the curves were computed.
 enum Planned<'s> {
     Corner(Plan),
-    /// Axle, its plan, and its solved positions.
+    /// Axle, plan of its curves, and pose of the axle at each station (or the reason why there is none).
     Axle(&'s AxleStudy, AxlePlan, Vec<Result<AxlePose, NoPose>>),
 }
 
-/// Label of a design, file with its curves, and the curves.
+/// Label of a design, name of the file with its curves, and the curves.
 pub type Labelled<'a> = (&'a str, &'a str, &'a Solved<'a>);
 
 impl<'s> Solved<'s> {
@@ -72,7 +72,7 @@ impl<'s> Solved<'s> {
     }
 
     /// Copy of these curves with other values. `value` returns the value of a column at a station, in internal units (radians for
-    /// angles); a cell whose value is not finite is empty. For an axle, cells without a value stay empty.
+    /// angles). Values that are not finite count as missing. For an axle, values that are missing in these curves stay missing.
     pub fn with_values(&self, value: impl Fn(usize, usize) -> f64) -> Self {
         let mut curves = self.curves.clone();
         let keeps_empty = matches!(self.plan, Planned::Axle(..));
@@ -97,7 +97,7 @@ impl<'s> Solved<'s> {
         }
     }
 
-    /// Table of a study's curves, including those of its targets. `None` if the study cannot be solved.
+    /// Table of a study's curves, including the curves of its targets. `None` if the study cannot be solved.
     pub fn table(study: &Study) -> Option<CurveTable> {
         CurveTable::read(&Solved::with_targets(study).ok()?.csv()).ok()
     }
@@ -150,7 +150,7 @@ impl<'s> Solved<'s> {
         remarks(&self.curves, self.study.wheel().length_unit)
     }
 
-    /// Stations without a position.
+    /// Ranges of stations without a pose, with the reason.
     pub fn failures(&self) -> Vec<FailureRange> {
         FailureRange::all(&self.curves, self.study.wheel())
     }
@@ -168,8 +168,8 @@ impl<'s> Solved<'s> {
         Ok(Summary::Solve(Box::new(summary)))
     }
 
-    /// Record of these designs over the named motion `name`. In each study, this motion has replaced the study's own motion.
-    /// All designs describe one wheel, or all describe an axle.
+    /// Record of these designs over the named motion `name`, for the report page. In each study, this motion has replaced the
+    /// study's own motion. All designs describe one wheel, or all describe an axle.
     pub(crate) fn motion_record(name: &str, designs: &[Labelled<'_>]) -> MotionRecord {
         let (.., last) = designs.last().expect("a run has a design");
         let study = designs[0].2.study;
@@ -190,8 +190,8 @@ impl<'s> Solved<'s> {
         }
     }
 
-    /// Record of a run of these designs. All of them describe one wheel, or all of them describe an axle. The last one is the
-    /// most important.
+    /// Record of a run of these designs, for the report page. All designs describe one wheel, or all describe an axle. The last
+    /// design determines the plan of the record, and for one wheel its sensitivities.
     pub fn record(command: &str, designs: &[Labelled<'_>]) -> Result<Record, String> {
         let (.., last) = designs.last().expect("a run has a design");
         let study = designs[0].2.study;
@@ -212,7 +212,7 @@ impl<'s> Solved<'s> {
     }
 }
 
-/// Designs of axles, to be recorded.
+/// Designs of axles for the record of a run. Designs of one wheel are left out.
 fn axles<'a>(designs: &'a [Labelled<'a>]) -> impl Iterator<Item = SolvedAxle<'a>> {
     designs.iter().filter_map(|(label, file, solved)| {
         let own = &solved.study.axle()?.axle;

@@ -1,4 +1,4 @@
-//! Yield: share of builds within all bands, before and after a robust tuning.
+//! Yield before and after a robust tuning: share of builds (assembled parts with random deviations) within all bands.
 
 use crate::optimise::{Control, ExpectedYield, tune};
 use crate::report::YieldRecord;
@@ -7,9 +7,9 @@ use crate::tolerance::{MonteCarlo, Problem, monte_carlo};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Yields for a robust tuning: of the design before it, of the optimum without scatter, and of the tuned design. All three come
-/// from the same Monte Carlo builds, as in `hardpoint tolerance`. The tuning uses other builds. `None` if the tuning is not
-/// robust, has no bands, found no design, or was stopped by the flag.
+/// Yields for a robust tuning: of the design before it, of the optimum without scatter, and of the tuned design. All three yields
+/// come from the same Monte Carlo builds, as in `hardpoint tolerance`. The tuning uses other builds. `None` if the tuning is not
+/// robust, has no bands, found no design, or was stopped by the flag `stop`.
 pub fn yields(
     study: &Study,
     optimise: &Optimise,
@@ -42,7 +42,7 @@ pub fn not_increased(reason: impl std::fmt::Display) -> String {
     format!("the yield was not increased: {reason}")
 }
 
-/// Study after a tuning without scatter.
+/// Study with the design that a tuning without scatter reaches. `None` if the tuning reaches no design.
 fn plain_optimum(study: &Study, optimise: &Optimise, stop: &AtomicBool) -> Option<Study> {
     let plain = optimise.nominal();
     let control = Control {

@@ -261,7 +261,7 @@ pub(super) fn one_by_one(plan: &SweepPlan) -> Option<String> {
     Some(text + ".")
 }
 
-/// One sentence for each rocker: length of its rod (pushrod or drop link), and the bodies at the ends of the rod.
+/// One sentence for each rocker: length of its rod (such as a pushrod), and the bodies at the ends of the rod.
 fn rods(suspension: &Suspension) -> impl Iterator<Item = String> {
     let Suspension {
         mechanism, design, ..

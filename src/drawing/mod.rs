@@ -1,4 +1,5 @@
-//! Data for the drawings of a page: the mechanism along its motion, the effect of each coordinate, and some designs of a sweep.
+//! Data for the drawings of a page: the mechanism along its motion, the effect of each hardpoint coordinate, and
+//! some designs of a sweep.
 //! This module computes the data from a study; `report` draws them.
 
 mod sweep;
@@ -9,17 +10,17 @@ use crate::plan::Plan;
 use crate::report::{DrawnDesign, Record};
 use crate::study::{Study, WheelStudy};
 
-/// Largest number of frames (poses) in the drawing, and of stations with sensitivities. The limit keeps the page small. It also
-/// saves time, because the program solves these stations once more for the drawing and for the sensitivities.
+/// Largest number of frames (poses) in the drawing, and of stations with sensitivities on the page. The limit keeps the page small.
+/// It also saves time, because the program solves these stations once more for the drawing and for the sensitivities.
 const MOST_FRAMES: usize = 400;
 /// Largest number of rack displacements among the frames of the drawing.
 const MOST_RACKS: usize = 9;
 
-/// A design to be recorded: label, file with its curves, wheel, and curves.
+/// A design for the record of a run: label, name of the file with its curves, study of the wheel, and curves.
 pub type Solved<'a> = (&'a str, &'a str, &'a WheelStudy, &'a Curves);
 
 impl Record {
-    /// Makes the record of a run of one wheel. The sensitivities belong to the last design.
+    /// Makes the record of a run of one wheel, for the report page. The sensitivities in the record belong to the last design.
     ///
     /// # Errors
     /// If a design cannot be solved in the design position.
@@ -39,7 +40,8 @@ impl Record {
     }
 }
 
-/// Designs with their frames (poses for the drawing). If several designs have the same mechanism, only the last one gets frames.
+/// Designs with their frames (poses for the drawing). If several entries have the same wheel
+/// study, only the last one gets frames.
 fn drawn<'a>(few: &Plan, designs: &[Solved<'a>]) -> Result<Vec<DrawnDesign<'a>>, DesignFault> {
     let shown_later = |number: usize, wheel: &WheelStudy| {
         let mut later = designs[number + 1..].iter();

@@ -1,4 +1,4 @@
-//! Some designs of a sweep, with their curves and their mechanism.
+//! Designs of a sweep that its page shows, with their curves and their mechanism.
 
 use super::{Solved, drawn};
 use crate::curves::wheel_curves;
@@ -8,11 +8,11 @@ use crate::report::{CurveTable, DrawnDesigns, Record, SweepSummary, curves_csv};
 use crate::study::{Study, WheelStudy};
 use crate::sweep::SweepPlan;
 
-/// Largest number of shown designs, without the nominal design.
+/// Largest number of designs that the page of a sweep shows, without the nominal design.
 const MOST_DESIGNS: usize = 16;
-/// Largest number of stations of each shown design.
+/// Largest number of stations at which each shown design is solved.
 const MOST_STATIONS: usize = 45;
-/// Largest number of rack displacements among the stations of a design.
+/// Largest number of rack displacements among the stations of each shown design.
 const MOST_RACKS: usize = 3;
 
 impl DrawnDesigns {

@@ -47,7 +47,7 @@ pub(super) trait Reading: Send + Sync {
     fn edited(&self, edits: &[ValueEdit]) -> Result<Arc<dyn Reading>, String>;
     /// Changes of the user, file by file: the texts as they were opened, and these texts with a design and the edits.
     fn texts(&self, design: &Coordinates) -> Result<Vec<TextChange>, String>;
-    /// Writes a design into the files of the study. `over` states which changed files may be replaced.
+    /// Writes a design into the files of the study. `over` states whether files that have changed since may be replaced.
     fn save(&self, design: &Coordinates, over: &Over) -> Result<Written, NotSaved>;
     /// Writes the texts with a design to new files in the folder of the study. With `anyway`, existing files are replaced. Returns
     /// the names of the files.

@@ -1,5 +1,5 @@
-//! Set-up of a study: adjustments that give the target static values of one wheel, of both wheels of an axle, or of an axle as a
-//! whole.
+//! Set-up of a study: adjustments that give the target static values. A set-up belongs to one wheel, to both wheels of an axle,
+//! or to an axle as a whole.
 
 use crate::assembly::{Assembler, SetUp, SetUpError};
 use crate::mechanism::DesignFault;

@@ -31,8 +31,9 @@ pub(super) struct ExportArguments {
     /// Axes of the file: iso8855, sae_j670 or x_rear [default: the axes of the study or of the format]
     #[arg(long, value_parser = frame)]
     pub(super) frame: Option<FrameConvention>,
-    /// Round the coordinates that --set, --design or a tuning changed, and the variables of [optimise], to multiples of this
-    /// length, with the smallest increase of the misfit. The length has a unit, as in 0.5mm, or else the unit of the file
+    /// Round coordinates to multiples of this length, with the smallest increase of the misfit. Rounds coordinates that --set,
+    /// --design or a tuning changed, and in a study file also the coordinates of its variables. The length has a unit, as
+    /// in 0.5mm, or else the unit of the file
     #[arg(long, value_name = "LENGTH", value_parser = step)]
     pub(super) round: Option<Step>,
     /// With --round: round every coordinate of the hardpoints

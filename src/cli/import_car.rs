@@ -13,7 +13,8 @@ use crate::study::CarStudy;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Value of one axle (`end` is 0 for the front, 1 for the rear), from a list with one value for both axles or one for each.
+/// Value of one axle, from a list with one value for both axles or one value for each axle. `end` is 0 for the front, 1 for the
+/// rear.
 fn of_axle<T: Copy>(values: &[T], end: usize) -> Option<T> {
     values.get(end).or(values.first()).copied()
 }

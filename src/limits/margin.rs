@@ -20,8 +20,8 @@ pub(super) fn travel_left<'r>(ranges: impl Iterator<Item = &'r Range>, values: &
     left.fold(f64::INFINITY, f64::min)
 }
 
-/// Ranges of a wheel up to its limits: ranges of the drive at each rack displacement, and ranges of the rockers with the rack in
-/// the middle.
+/// Ranges of a wheel up to its limits. `by_rack` has the ranges of the drive at each rack displacement. `rockers` has the ranges
+/// of the rockers with the rack in the middle.
 #[derive(Clone, Copy)]
 pub(super) struct Ranges<'r> {
     pub(super) by_rack: &'r [(f64, Range)],

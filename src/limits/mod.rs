@@ -191,8 +191,8 @@ fn axle_rows(study: &Study, axle: &Axle, limits: &AxleLimits) -> Vec<LimitRow> {
     rows
 }
 
-/// Rows for the travels of an axle, with the ranges of these travels: left and right travel, or for a solid axle heave and travel
-/// difference.
+/// Rows for the travels of an axle, with the ranges of these travels. The travels are left and right travel, or for a solid axle
+/// heave and travel difference.
 fn travel_rows<'l>(axle: &Axle, limits: &'l AxleLimits) -> Vec<(Row, &'l Range)> {
     match &limits.travels {
         TravelRanges::OfWheels(ranges) => {

@@ -68,7 +68,7 @@ pub(super) fn slider_of(motion: &AxleMotion, coordinate: Coordinate) -> Option<u
     coordinates(motion).iter().position(|c| *c == coordinate)
 }
 
-/// One slider for each coordinate of an axle's motion, and the index of the slider whose coordinate is initially on the
+/// Sliders for all coordinates of an axle's motion, and the index of one slider. The coordinate of this slider is initially on the
 /// horizontal axis of the curves.
 pub(super) fn sliders(both: &AxleStudy) -> (Vec<Slider>, usize) {
     let (motion, axle) = (&both.plan.motion, &both.axle);

@@ -12,12 +12,13 @@ const OUTPUTS: &str = "[\"camber\", \"toe\", \"camber_gain\", \"bump_steer\", \"
 /// Quantities of an axle in equilibrium, and results of its tests.
 const OUTPUTS_OF_AXLE: &str = "[\"camber\", \"toe\", \"mean_steer\", \"track\", \"wheel_load\", \"toe_by_lateral_force\", \"recession_by_braking\"]";
 
-/// Stiffness of a bushing at a pivot of an arm: along x, y, z (N/mm), then about x, y, z (N mm/rad). x is along the arm's axis.
+/// Stiffness of a bushing at a pivot of an arm: along x, y, z (N/mm), then about x, y, z (N mm/rad). The x axis is along the
+/// arm's axis.
 const OF_ARM: &str = "[900.0, 6000.0, 6000.0, 6.0e4, 2.0e5, 2.0e5]";
 /// Stiffness of a bushing at an end of a link, in the same order as [`OF_ARM`]. x is along the link.
 const OF_LINK: &str = "[9000.0, 1200.0, 9000.0, 5.0e4, 1.2e5, 5.0e4]";
-/// Stiffness of the top mount of a strut, in the same order as [`OF_ARM`]. z points along the strut, and the mount lets the strut
-/// turn freely about z.
+/// Stiffness of the top mount of a strut, in the same order as [`OF_ARM`]. The z axis points along the strut, and the mount lets
+/// the strut turn freely about z.
 const OF_STRUT: &str = "[600.0, 600.0, 1500.0, 2.0e4, 2.0e4, 0.0]";
 
 /// Adds a spring and bushings to the text of a template, and axial stiffness to its tie rod or toe link, if it has one. Replaces

@@ -36,8 +36,8 @@ pub(super) fn tuning(opened: &Arc<OpenedCar>, request: &TuneRequest) -> Result<T
     Ok(Box::new(move |job| run(job, &opened, &study, remarks)))
 }
 
-/// Shifts the range of a variable, which is relative to the design in the files, so that it is relative to the design on the page
-/// (`now`). Returns a note if the tuning may go beyond the range in the files.
+/// Shifts the range of a variable. Before, the range is relative to the design in the files; then it is relative to the design
+/// on the page (`now`). Returns a note if the tuning may go beyond the range in the files.
 pub(super) fn count_from_file(
     variable: &mut CarVariable,
     file: &CarStudy,

@@ -27,8 +27,8 @@ pub struct KcComparison {
     figures: Vec<Figure>,
 }
 
-/// A result of a test, with its value and its secant (mean slope over the load levels of the test) in each run. `None` if a run
-/// does not have the result.
+/// A result of a test, with its value and its secant in each run. The secant is the mean slope between the loads -`window` and
+/// +`window` of the test. `None` if a run does not have the result.
 struct Figure {
     keys: Vec<String>,
     unit: String,

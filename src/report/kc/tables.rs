@@ -109,7 +109,7 @@ impl KcResults<'_> {
         Some([four_figures(value), unit_shown(figure.unit, self.length())])
     }
 
-    /// Table cells of a result: name, value, secant (mean slope over the load levels) and unit.
+    /// Table cells of a result: name, value, secant (mean slope from -`window` to +`window`) and unit.
     fn figure_cells(&self, figure: &KcFigure) -> [Cell; 4] {
         let number = |value: Option<f64>| Cell::by(value, four_figures);
         [

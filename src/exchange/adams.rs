@@ -53,13 +53,13 @@ impl Symmetry {
 /// A named row of a subsystem.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Row<T> {
-    /// Name without padding.
+    /// Name in the row, without quotes and padding.
     pub name: String,
     /// Side to which the row applies.
     pub symmetry: Symmetry,
-    /// Content after the name and the symmetry.
+    /// Content of the row after the name and the symmetry.
     pub content: T,
-    /// Line number, counted from 1.
+    /// Number of the row's line in the file, counted from 1.
     pub line: usize,
 }
 
@@ -70,7 +70,7 @@ pub(super) type SubsystemPoint = Row<[f64; 3]>;
 pub(super) type SubsystemParameter = Row<f64>;
 
 impl<T> Row<T> {
-    /// The same row with another content.
+    /// Row with the same name, symmetry and line, but with another content.
     fn with<C>(self, content: C) -> Row<C> {
         Row {
             name: self.name,
@@ -92,10 +92,10 @@ impl SubsystemParameter {
     }
 }
 
-/// Geometry in a subsystem file.
+/// Geometry from a subsystem file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Subsystem {
-    /// Unit of length, if the file gives one.
+    /// Unit of the lengths in the file, if the file gives one.
     pub length: Option<LengthUnit>,
     /// True if angles are in degrees, or if the file gives no unit of angles.
     pub degrees: bool,
@@ -103,7 +103,7 @@ pub(super) struct Subsystem {
     pub template: Option<String>,
     /// Hardpoints of the file.
     pub points: Vec<SubsystemPoint>,
-    /// Parameters of the type `real`. Others are skipped, and also rows that cannot be read.
+    /// Parameters of the type `real`. Parameters of other types are skipped, and also rows that cannot be read.
     pub parameters: Vec<SubsystemParameter>,
 }
 
@@ -118,15 +118,15 @@ pub(super) fn text_of(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| char::from(*byte)).collect()
 }
 
-/// Converts a text from [`text_of`] back to bytes. Other characters become `?`.
+/// Converts a text from [`text_of`] back to bytes. Characters outside of ISO 8859-1 become `?`.
 pub(super) fn bytes_of(text: &str) -> Vec<u8> {
     text.chars()
         .map(|c| u8::try_from(c).unwrap_or(b'?'))
         .collect()
 }
 
-/// Lines of a text with their line breaks, each after the name of its block. A heading and the lines of another part of the block
-/// have an empty name.
+/// Lines of a text with their line breaks. Before each line, the pair has the name of the block that contains the line. This name
+/// is empty for headings. It is also empty after a line that starts with a parenthesis, because other columns follow there.
 pub(super) fn in_blocks(text: &str) -> impl Iterator<Item = (String, &str)> {
     let mut within = String::new();
     text.split_inclusive('\n').map(move |line| {
@@ -185,7 +185,7 @@ pub(super) fn read(text: &str) -> Result<Subsystem, String> {
                 }
             }
             "PARAMETER" => {
-                // Camber and toe are real numbers, so other parameters are not needed.
+                // The studies need only camber and toe, which have the type `real`. So other parameters are not read.
                 if let Ok(row) = row(line, number)
                     && let [kind, value] = row.content.as_slice()
                     && kind.text == "real"
@@ -230,7 +230,7 @@ fn units(line: &str, subsystem: &mut Subsystem) -> Result<(), String> {
 /// A value of a row, without quotes and padding.
 struct Field<'a> {
     text: &'a str,
-    /// Byte range in the line, with quotes.
+    /// Byte range of the value in its line, including quotes.
     place: Range<usize>,
 }
 
@@ -289,9 +289,9 @@ fn fields(line: &str) -> Vec<Field<'_>> {
 /// A file with replaced coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Rewritten {
-    /// Text of the file. Everything except the coordinates is unchanged.
+    /// Text of the file with the new coordinates. Everything else is unchanged.
     pub text: String,
-    /// Number of changed rows.
+    /// Number of rows whose coordinates were replaced.
     pub rows: usize,
 }
 
@@ -325,8 +325,8 @@ pub(super) fn rewritten(
     }
 }
 
-/// Makes a new subsystem file with these hardpoints (in `length`, x rearward, y right, z up) and parameters (angles in degrees).
-/// It contains only the geometry.
+/// Makes the text of a new subsystem file. `length` is the unit of the hardpoints, which have x rearward, y right and z up. Angles
+/// in the parameters are in degrees. The file contains only the geometry.
 pub(super) fn written(
     length: LengthUnit,
     points: &[(String, Symmetry, [f64; 3])],

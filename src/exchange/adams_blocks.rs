@@ -2,13 +2,13 @@
 
 use crate::model::LengthUnit;
 
-/// Name of the block that begins on this line, in capitals. `None` if no block begins here.
+/// Name of the block that begins on this line of a file, in capitals. `None` if no block begins here.
 pub(super) fn block(line: &str) -> Option<String> {
     let name = line.trim().strip_prefix('[')?.split(']').next()?;
     Some(name.trim().to_ascii_uppercase())
 }
 
-/// First two lines of a block: a rule with the name, and the heading.
+/// First two lines of a block: a comment line with the block's name, and the heading in brackets.
 pub(super) fn heading(name: &str) -> String {
     format!("${name:->79}\n[{name}]\n")
 }
@@ -30,7 +30,7 @@ pub(super) fn length_unit(name: &str) -> Option<LengthUnit> {
     }
 }
 
-/// Name of a unit of length in the files.
+/// Name of this unit of length in the text files of Adams Car.
 pub(super) fn name_of_unit(unit: LengthUnit) -> &'static str {
     match unit {
         LengthUnit::Millimetre => "mm",

@@ -25,7 +25,7 @@ use crate::study::{FileText, StudyErrors};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
-/// Points of a curve: deflection and force, or angle and torque.
+/// Points of a curve: deflection and force, or angle and torque. The units are the same as in [`Laws`].
 type Points = Vec<[f64; 2]>;
 
 /// Law of a bushing along or about one axis, in the units of [`Laws`].
@@ -40,7 +40,7 @@ pub(super) enum Law {
 /// Laws of a bushing in the axes of a study. The laws for z equal the laws for y.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Laws {
-    /// Unit of length.
+    /// Unit of length of the deflections and torques.
     pub unit: LengthUnit,
     /// Laws along x and along y: force in N by deflection in `unit`.
     pub along: [Law; 2],
@@ -77,7 +77,7 @@ impl Laws {
 pub(super) struct AdamsBushing {
     /// Name of the bushing.
     pub usage: String,
-    /// Line number in the subsystem.
+    /// Number of the line in the subsystem file at which the bushing's block begins.
     pub line: usize,
     /// True if the bushing is on the right wheel only.
     pub is_right: bool,
@@ -85,13 +85,13 @@ pub(super) struct AdamsBushing {
     pub laws: Result<Laws, String>,
 }
 
-/// Axes of a property file: along x, y and z, then about them.
+/// Names of the curve blocks in a property file, without `_CURVE`: forces along x, y and z, then torques about them.
 const AXES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
 
-/// Largest difference between values that count as equal, relative to the largest value.
+/// Largest difference between equal deflections or equal forces of two curves, relative to the largest value of the curve.
 const SAME: f64 = 1e-6;
 
-/// Keys of one block `[BUSHING_ASSEMBLY]`.
+/// Line number of one block `[BUSHING_ASSEMBLY]`, and its keys with their values.
 #[derive(Default)]
 struct Block {
     line: usize,
@@ -142,7 +142,7 @@ fn laws(path: &Path, block: &Block, unit: LengthUnit) -> Result<Laws, String> {
         name: found.display().to_string(),
         text: text_of(&bytes_of(&found)?),
     };
-    // A text that is not a number is refused like a preload.
+    // A preload that is not a number is refused in the same way as a preload other than 0.
     let preload = block.entries.iter().find(|(key, value)| {
         let is_preload = key.starts_with("T_PRELOAD") || key.starts_with("R_PRELOAD");
         is_preload && value.parse::<f64>() != Ok(0.0)
@@ -275,7 +275,8 @@ fn is_odd(axis: &str, curve: &Points) -> Result<(), String> {
     }
 }
 
-/// Returns a constant rate if all points are on one line through zero, else the curve. The curve has at least two points.
+/// Returns a constant rate if all points of the curve are on one line through zero, else the curve. The curve has at least two
+/// points.
 fn law(curve: Points) -> Law {
     let [deflection, force] = curve[curve.len() - 1];
     let rate = force / deflection;

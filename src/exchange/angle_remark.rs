@@ -19,7 +19,7 @@ impl Direction {
     }
 }
 
-/// Statement of a text about the sign of an angle.
+/// Sign of an angle, as a text (the angle's name or a remark beside it) states it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sign {
     /// The text states nothing.
@@ -55,7 +55,7 @@ pub(super) enum Wheels {
     Unclear,
 }
 
-/// Words for a sign.
+/// Words that state a positive sign. [`NEGATIVE`] has the words for a negative sign.
 const POSITIVE: &[&str] = &["positive", "pos", "plus"];
 const NEGATIVE: &[&str] = &["negative", "neg", "minus"];
 /// Words that make a following "in" a direction, as in "toe in". In "in degrees" and "in design position", "in" is not a

@@ -37,7 +37,7 @@ impl AngleUnit {
         }
     }
 
-    /// An angle in degrees. `None` for a unit that is rejected.
+    /// Converts an angle from this unit to degrees. `None` for a unit that is rejected.
     pub(super) fn degrees(self, value: f64) -> Option<f64> {
         match self {
             AngleUnit::Degree => Some(value),
@@ -83,7 +83,7 @@ pub(super) fn of_line(texts: &[&str]) -> Option<AngleUnit> {
     one_of(words.iter().filter_map(of_word))
 }
 
-/// Returns the common unit of all items. [`AngleUnit::Other`] if the items differ.
+/// Returns the unit if all these units are equal, and [`AngleUnit::Other`] if they differ. `None` without a unit.
 fn one_of(mut units: impl Iterator<Item = AngleUnit>) -> Option<AngleUnit> {
     let first = units.next()?;
     let is_same = units.all(|other| other == first);

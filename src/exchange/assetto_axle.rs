@@ -26,14 +26,14 @@ pub(super) struct End {
 pub(super) struct Link {
     /// Number of the link in the keys of the file.
     pub number: usize,
-    /// Ends at the body and at the axle.
+    /// Ends of the link: at the body, and at the axle.
     pub ends: [End; 2],
 }
 
 /// Role of a link: the first part of the names of its hardpoints. The suffixes are `_chassis` and `_axle`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Meaning {
-    /// The link. If it represents a pair, it is moved to the centre plane.
+    /// The link in the file. A link that represents a pair is moved to the centre plane.
     pub link: Link,
     /// First part of the names of its hardpoints.
     pub part: &'static str,
@@ -69,7 +69,7 @@ impl Link {
         self.ends[0].place[1] + self.ends[1].place[1]
     }
 
-    /// Name in messages.
+    /// Name of the link in messages.
     fn name(&self) -> String {
         format!("J{}", self.number)
     }

@@ -441,7 +441,7 @@ impl File<'_> {
     }
 }
 
-/// Mass of the car in `car.ini` in the same folder, in kg. `None` if that file does not exist, or has no mass above 0.
+/// Mass of the whole car from `car.ini` in the same folder, in kg. `None` if that file does not exist, or has no mass above 0.
 fn total_mass(path: &Path, notes: &mut Notes) -> Result<Option<f64>, String> {
     let beside = path.with_file_name("car.ini");
     if !beside.is_file() {
@@ -472,7 +472,7 @@ fn triple(entry: &Entry<'_>) -> Result<[f64; 3], String> {
     })
 }
 
-/// Parses a number with a decimal point. `line` is its line, for the message.
+/// Parses a number with a decimal point. `line` is the number of its line, for the error message.
 fn number(text: &str, line: usize) -> Result<f64, String> {
     let number = text.parse::<f64>().ok();
     let number = number.filter(|n| n.abs() <= LARGEST);

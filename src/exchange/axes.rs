@@ -4,7 +4,7 @@
 use crate::model::{FrameConvention, Side};
 use std::fmt;
 
-/// Direction in which a coordinate grows.
+/// Direction in which a coordinate of a file grows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
     /// Towards the front of the car.
@@ -162,12 +162,12 @@ impl fmt::Display for Axes {
 /// Direction of one coordinate, as far as it is known from the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Coordinate {
-    /// The file states nothing.
+    /// The file states nothing about this coordinate.
     #[default]
     Unknown,
-    /// The file states the axis in ISO 8855 ("lateral"), but not its sign.
+    /// The file states the axis of the coordinate (index in ISO 8855, as for "lateral"), but not its sign.
     Along(usize),
-    /// The file states the direction.
+    /// The file states the direction in which the coordinate grows.
     Grows(Way),
 }
 
@@ -225,7 +225,7 @@ impl Declared {
         Axes::new([x?, y?, z?])
     }
 
-    /// True if `axes` agree with this statement.
+    /// True if `axes` agree with all directions that the file states.
     pub(super) fn allows(self, axes: Axes) -> bool {
         let agrees = |(stated, way): (&Coordinate, Way)| match stated {
             Coordinate::Unknown => true,
@@ -235,7 +235,7 @@ impl Declared {
         self.0.iter().zip(axes.0).all(agrees)
     }
 
-    /// True if the file states nothing.
+    /// True if the file states no direction.
     pub(super) fn is_empty(self) -> bool {
         self == Declared::default()
     }

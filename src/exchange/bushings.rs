@@ -11,9 +11,9 @@ use std::fmt::Write;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Bushing {
     hardpoint: &'static str,
-    /// Laws in the study's unit of length.
+    /// Laws of the bushing (force by deflection, torque by angle) in the study's unit of length.
     laws: Laws,
-    /// Name of the bushing and its location in the file.
+    /// Name of the bushing in the file, and its location there.
     from: String,
 }
 
@@ -68,7 +68,8 @@ pub(super) fn take(table: &PointTable, options: &ImportOptions<'_>, imported: &m
     }
 }
 
-/// Finds the hardpoint of a bushing. Returns its laws in the study's unit, or the reason why the study cannot use the bushing.
+/// Finds the hardpoint of a bushing. Returns the hardpoint, and the bushing's laws (force by deflection, torque by angle) in the
+/// study's unit. The error states why the study cannot use the bushing.
 fn at_hardpoint(
     bushing: &AdamsBushing,
     imported: &Imported,

@@ -9,7 +9,7 @@ use super::table::PointTable;
 use crate::model::{AxlePosition, Side};
 use std::fmt::Write;
 
-/// Names of the files: the car, its front axle and its rear axle.
+/// Names of the files that the import of a car writes: the car, its front axle and its rear axle.
 pub const CAR_FILES: [&str; 3] = ["car.toml", "car_front.toml", "car_rear.toml"];
 
 /// An imported car.
@@ -113,7 +113,7 @@ fn ahead(axle: &Imported) -> f64 {
     wheel_centre(axle)[0]
 }
 
-/// Wheel centre of an axle in the axes of ISO 8855. 0 if the axle has none.
+/// Wheel centre of an axle in the axes of ISO 8855. The zero vector if the axle has no wheel centre.
 fn wheel_centre(axle: &Imported) -> [f64; 3] {
     let mut hardpoints = axle.hardpoints.iter();
     let centre = hardpoints.find(|h| h.name == "wheel_centre");
@@ -125,7 +125,8 @@ fn wheel_centre(axle: &Imported) -> [f64; 3] {
 fn have_one_origin(front: &Imported, rear: &Imported, wheelbase: Option<f64>) -> bool {
     let apart = ahead(front) - ahead(rear);
     match wheelbase {
-        // The wheelbase may be rounded, or be measured in another position of the wheels.
+        // The wheelbase in the file may be rounded, or be measured in another position of the wheels. So a deviation of 10 % is
+        // allowed.
         Some(wheelbase) => (apart - wheelbase).abs() <= 0.1 * wheelbase,
         // Without a wheelbase in the file: every car is longer than half of its width.
         None => apart > across(front).max(across(rear)),

@@ -9,7 +9,7 @@ pub(super) enum Cell {
     Number(f64),
     /// A text. In a text file it may also represent a number.
     Text(String),
-    /// A cell without a usable value, with its description, such as "the error #REF!".
+    /// A cell without a usable value. It contains a description of the cell, such as "the error #REF!".
     Unusable(String),
 }
 
@@ -27,9 +27,9 @@ pub(super) enum Places {
 pub(super) struct Sheet {
     /// Name of the table. Empty if the file has only one table.
     pub name: String,
-    /// Cells that are not empty.
+    /// Cells that are not empty, by their row and column.
     pub cells: BTreeMap<(u32, u32), Cell>,
-    /// Naming scheme for the cells.
+    /// Naming scheme for the cells in messages.
     pub places: Places,
 }
 

@@ -29,9 +29,9 @@ fn text_height(outgoing: &Outgoing<'_>) -> f64 {
     outgoing.unit.convert(6.0, LengthUnit::Millimetre)
 }
 
-/// Returns the prefix for the layer of these points of a solid axle, or of a line between them. `None` if they are drawn with the
-/// other wheel. The mechanism of each wheel contains both halves, so each half is drawn with the wheel of this half.
-/// Parts that exist only once are drawn with the left wheel.
+/// Returns the prefix for the layer of `points` (a point of a solid axle, or both ends of a line). `None` if these points are drawn
+/// with the other wheel. The mechanism of each wheel contains both halves, so each half is drawn with the wheel of this half. Parts
+/// that exist only once are drawn with the left wheel.
 fn prefix_on_solid_axle<'p>(
     rigid: &RigidAxle,
     side: Side,
@@ -95,7 +95,7 @@ impl Drawing {
     }
 
     fn line(&mut self, layer: &str, from: [f64; 3], to: [f64; 3]) {
-        // If two parts share a point, there is no line between them.
+        // Two parts may share a point. The line from this point to itself has no length, so it is not drawn.
         if from != to {
             self.entity("LINE", layer, &[(10, from), (11, to)]);
         }
@@ -117,7 +117,8 @@ impl Drawing {
         let _ = write!(self.entities, "40\n{height}\n1\n{plain}\n");
     }
 
-    /// Adds an entity on a layer. Each place has the code of its x coordinate; y and z have this code plus 10 and 20.
+    /// Adds an entity to a layer. Each of `places` has the DXF group code of its x coordinate, and a position. The codes of y and z
+    /// are greater by 10 and 20.
     fn entity(&mut self, kind: &str, layer: &str, places: &[(usize, [f64; 3])]) {
         let layer = layer.to_uppercase().replace(' ', "_");
         let _ = write!(self.entities, "0\n{kind}\n8\n{layer}\n");

@@ -20,8 +20,8 @@ use super::figure_names::figure;
 use super::map::{Node, place, position};
 use super::table::{Figure, Kind, Marks, NamedPoint, PointTable};
 
-/// A hardpoint, and a list of parts with locations that can give it. The first location of the list that the file contains is
-/// used.
+/// A hardpoint, and a list of locations that can give it: names of the part and of its key. The first location that the file
+/// contains is used.
 type Sources = (&'static str, &'static [(&'static str, &'static str)]);
 
 const WHEEL: Sources = ("wheel_centre", &[("Spindle", "COM")]);
@@ -360,7 +360,8 @@ fn angles(root: &Node, table: &mut PointTable) {
     }
 }
 
-/// Point of the left wheel that also applies, mirrored, to the right wheel. `part` and `key` are its keys in the file.
+/// Point of a wheel with this position. It applies to the left wheel and, mirrored, to the right wheel. `part` and `key` are its
+/// keys in the file.
 fn point(
     hardpoint: &'static str,
     (part, key): (&str, &str),

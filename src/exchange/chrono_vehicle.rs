@@ -208,8 +208,8 @@ pub(super) fn spring(root: &Node) -> Option<SpringFigures> {
     })
 }
 
-/// Mass of the wheel carriers and wheels of an axle, in kg. `wheel` is the mass of one wheel. `None` if it or the spindle's mass is
-/// missing.
+/// Mass of both wheel carriers and both wheels of an axle, in kg. `wheel` is the mass of one wheel. `None` if `wheel` or the mass
+/// of the spindle is missing.
 fn unsprung_mass(root: &Node, wheel: Option<f64>) -> Option<f64> {
     let spindle = number_of(root, &["Spindle", "Mass"])?;
     let carrier = ["Upright", "Knuckle"].into_iter();
@@ -220,7 +220,8 @@ fn unsprung_mass(root: &Node, wheel: Option<f64>) -> Option<f64> {
     Some(2.0 * (spindle + carrier + wheel?) + tube)
 }
 
-/// Mass of the chassis. Components that are holes (`Void`) are subtracted. `None` if a mass or its location is missing.
+/// Mass of the chassis with its centre of gravity. Components that are holes (`Void`) are subtracted. `None` if a mass or its
+/// location is missing.
 fn chassis(path: &Path, root: &Node) -> Result<Option<Mass>, String> {
     let Some(inline) = entry(root, "Chassis") else {
         return Ok(None);

@@ -1,4 +1,5 @@
-//! Completeness: groups with missing parts, unused points, and missing hardpoints.
+//! Completeness of an imported wheel: groups of hardpoints (spring, rocker, anti-roll bar) with missing points, unused points of
+//! the file, and missing hardpoints.
 
 use super::figure_names::{FigureKind, figure};
 use super::roles::{self, Letters};
@@ -35,8 +36,8 @@ pub(super) fn drop_incomplete(
             continue;
         }
         has_lost_rocker |= group.what == "the rocker";
-        // Chooses the list with the most points in the file. If two lists are equal in this respect, chooses the first one, for
-        // example the pushrod before the pullrod.
+        // Each list is a complete variant of the group, for example with a pushrod or with a pullrod. The message names the missing
+        // points of the list with the most points in the file. Of equal lists, it takes the first one.
         let nearest = lists()
             .rev()
             .max_by_key(|list| list.iter().filter(given).count());
@@ -71,7 +72,7 @@ pub(super) fn drop_incomplete(
     ))
 }
 
-/// Leaves out a spring and an anti-roll bar that act on an incomplete rocker.
+/// Leaves out a spring and an anti-roll bar whose lower end or drop link is on a rocker with missing points.
 fn drop_from_rocker(
     has_lost_rocker: bool,
     hardpoints: &mut Vec<Hardpoint>,
@@ -113,7 +114,8 @@ fn drop_from_rocker(
 }
 
 /// Names of points that the import does not use, each name once. `meanings` has the hardpoint of each point of the table. A contact
-/// point counts as used, because it gives the radius. Rows without a digit and without a meaning are not points.
+/// point counts as used, because it gives the loaded radius of the wheel. Rows without a digit and without a meaning are not
+/// points.
 pub(super) fn unused(
     table: &PointTable,
     meanings: &[Option<&'static str>],

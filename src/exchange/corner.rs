@@ -29,7 +29,7 @@ pub(super) struct Corner {
     pub side: Option<Side>,
 }
 
-/// A hardpoint, with the wheel for which its coordinates were written.
+/// A point of the file for a hardpoint, with the wheel for which its coordinates were written.
 #[derive(Clone, Debug)]
 pub(super) struct Picked {
     pub hardpoint: Hardpoint,

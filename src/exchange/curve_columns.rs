@@ -95,7 +95,7 @@ pub enum Tool {
     Altair,
 }
 
-/// A characteristic in another tool with the same definition and sign: our name and its name.
+/// A characteristic that another tool defines with the same sign: its name in hardpoint, and its name in that tool.
 type Named = (&'static str, &'static str);
 
 /// Characteristics of Adams whose published definitions equal ours. `docs/exchange.md` names the source of each

@@ -9,12 +9,12 @@ use crate::report::unit_in_words;
 /// Largest absolute value of a number in a file.
 pub(super) const LARGEST: f64 = 1e12;
 
-/// Number notation of a table.
+/// Number notation of a table: the decimal sign, and the unit of length after coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Decimals {
     /// True if the decimal sign is a comma.
     comma: bool,
-    /// Unit that all coordinates have in their own cells.
+    /// Unit of length that all coordinates have after their numbers, in the same cells. `None` without such units.
     pub(super) unit: Option<FileUnit>,
 }
 
@@ -94,7 +94,7 @@ fn columns_at(headers: &[(u32, Columns)], row: u32) -> &Columns {
     &headers[above.saturating_sub(1)].1
 }
 
-/// True if a cell is in a column of coordinates.
+/// True if the cell at this row and column is in a column of coordinates.
 fn is_coordinate(headers: &[(u32, Columns)], row: u32, column: u32) -> bool {
     let mut triples = columns_at(headers, row).triples.iter();
     triples.any(|triple| triple.columns.contains(&column))
@@ -117,7 +117,7 @@ fn could_be_thousands(text: &str) -> Option<bool> {
     Some((1..=3).contains(&whole.len()) && !whole.starts_with('0') && rest.len() == 3)
 }
 
-/// True if a number of the sheet has a decimal comma, and none has a point.
+/// True if a number in the cells of the sheet has a decimal comma, and no number has a decimal point.
 fn has_decimal_comma(sheet: &Sheet) -> bool {
     let mut texts = sheet.cells.values().filter_map(digits);
     let has_point = texts.clone().any(|text| text.contains('.'));

@@ -5,8 +5,8 @@ use super::decimals::plain_number;
 use std::borrow::Cow;
 use std::io::Read;
 
-/// Line after the text of a file. It is missing in the table if a quotation mark of the file is not closed. No text contains this
-/// character.
+/// Line that the reader adds after the text of a file. This line is missing in the table if a quotation mark of the file is not
+/// closed. No text contains its zero character.
 const END: &[u8] = b"\n\0\n";
 
 /// Reads a table. The separator is the semicolon or the tab if one of them splits half of the lines, else the comma. If most
@@ -63,7 +63,7 @@ pub(super) fn read(text: &str) -> Result<Sheet, String> {
     Ok(sheet)
 }
 
-/// Converts byte positions in a text to line numbers. The positions must increase from call to call.
+/// Position in a text, to convert byte positions to line numbers. The byte positions must increase from call to call.
 struct Lines<'a> {
     text: &'a str,
     at: usize,

@@ -22,23 +22,23 @@ const CORNERS: usize = 96;
 /// Cylinder of a tyre, in the file's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tyre {
-    /// Radius.
+    /// Radius of the tyre.
     pub radius: f64,
-    /// Width. Half of it is on either side of the wheel centre.
+    /// Width of the tyre. Half of it is on either side of the wheel centre.
     pub width: f64,
 }
 
-/// Equally spaced values between two ends, including both ends.
+/// Equally spaced travels or rack displacements between two ends, including both ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
-    /// First and last value.
+    /// First and last travel or rack displacement.
     pub ends: [f64; 2],
-    /// Number of values. 1 if the ends are equal.
+    /// Number of travels or rack displacements. 1 if the ends are equal.
     pub values: usize,
 }
 
 impl Span {
-    /// Values in order, from the first end to the second.
+    /// Travels or rack displacements in order, from the first end to the second.
     pub fn all(&self) -> Vec<f64> {
         let [first, last] = self.ends;
         if first == last || self.values < 2 {
@@ -50,7 +50,7 @@ impl Span {
     }
 }
 
-/// Solids of all poses.
+/// Solids of the tyre in all poses of the wheels.
 #[derive(Clone, Debug)]
 pub struct Envelope {
     /// One solid per pose and wheel, as triangles. Seen from outside, the corners are counter-clockwise.
@@ -121,7 +121,7 @@ impl Envelope {
         0.5 * self.widest_steps.iter().sum::<f64>()
     }
 
-    /// Number of triangles.
+    /// Number of triangles of all solids.
     pub fn triangles(&self) -> usize {
         self.solids.iter().map(Vec::len).sum()
     }
@@ -245,7 +245,7 @@ fn poses_of_axle(
     Ok(of_wheels)
 }
 
-/// Values of a station, or the reason why it has none. The reason uses `unit` and `frame` of the study.
+/// Camber, toe and wheel centre at a station, or the reason why they are missing. The reason uses `unit` and `frame` of the study.
 fn values_of(station: &Station, unit: LengthUnit, frame: Frame) -> Result<Vec<f64>, String> {
     if let Status::Failed(failure) = station.status {
         return Err(failure.describe(unit, frame));

@@ -43,7 +43,8 @@ impl FigureKind {
     }
 }
 
-/// Values with the words of their names, as in the table of hardpoints: words after `?` are optional. "Track" is spelt "tie".
+/// Kinds of values with the words of their names. Words after `?` are optional. The table of abbreviations replaces "track" by
+/// "tie", so `half tie` is the half track.
 const FIGURES: &[(FigureKind, &str)] = &[
     (FigureKind::StaticCamber, "camber ?static ?angle ?wheel"),
     (FigureKind::StaticToe, "toe ?static ?angle ?wheel"),

@@ -170,7 +170,7 @@ fn angle(
     angle.with_sign_of_studies(value, toe_out, notes)
 }
 
-/// An angle of a file that is not 0.
+/// An angle (camber or toe) from a file, with a value other than 0.
 struct Angle<'a> {
     row: &'a Figure,
     is_toe: bool,
@@ -179,7 +179,7 @@ struct Angle<'a> {
 }
 
 impl Angle<'_> {
-    /// Adds a note with the value that the study gets.
+    /// Adds a note that states the angle in the study, and the reason `why`.
     fn note(&self, value: &str, why: &str, notes: &mut Notes) {
         let key = if self.is_toe {
             "static_toe"

@@ -12,7 +12,7 @@ use super::unit::FileUnit;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Triple {
     pub columns: [u32; 3],
-    /// Wheel and axle that the headers name.
+    /// Wheel and axle that the headers of these three columns name.
     pub marks: Marks,
 }
 
@@ -34,13 +34,13 @@ pub(super) struct Header {
     pub columns: Columns,
     pub unit: Option<FileUnit>,
     pub declared: Declared,
-    /// Note about signs that are not used.
+    /// Warning about signs in the headers of coordinates that are not used.
     pub doubt: Option<String>,
 }
 
 /// Meaning of one coordinate column, from its own header.
 struct Coordinates {
-    /// Letter of the axis as a number, 0 for x. `None` if the header has only words.
+    /// Index of the letter in the header: 0 for x, 1 for y, 2 for z. `None` if the header has only words.
     letter: Option<usize>,
     marks: Marks,
     unit: Option<FileUnit>,
@@ -159,8 +159,8 @@ fn marks_of_all(three: &[(u32, Coordinates)]) -> Marks {
     }
 }
 
-/// Columns of x, y and z, and the axes that their headers state. `None` if the three headers are not x, y and z, or without letters
-/// not all three axes.
+/// Columns of x, y and z, and the axes that their headers state. `None` if the headers are not x, y and z. Also `None` if a header
+/// has no letter and the three headers do not name all three axes in words.
 fn coordinates(three: &[(u32, Coordinates)]) -> Option<([u32; 3], Declared)> {
     let mut columns = [None; 3];
     let mut declared = Declared::default();
@@ -247,7 +247,8 @@ fn columns(
     })
 }
 
-/// Free column with the largest number of texts below a header. Numbers do not count. Of several such columns, the first one.
+/// Column with the largest number of names below a header. `free` is true for columns without another meaning. Numbers do not count
+/// as names. Of several such columns, the first one.
 fn name_column(sheet: &Sheet, row: u32, free: impl Fn(u32) -> bool) -> Option<u32> {
     let below = sheet.cells.range((row + 1, 0)..);
     let mut counts: Vec<(u32, usize)> = Vec::new();

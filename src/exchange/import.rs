@@ -53,16 +53,16 @@ pub struct ImportOptions<'a> {
     pub bodies: &'a BTreeMap<String, String>,
 }
 
-/// A hardpoint found in the file.
+/// A hardpoint with its position and origin in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hardpoint {
     /// Name in studies.
     pub name: &'static str,
     /// Coordinates in the axes and unit of [`Imported`].
     pub position: [f64; 3],
-    /// Name in the file.
+    /// Name of the point in the file.
     pub called: String,
-    /// Location in the file.
+    /// Location of the point in the file, such as a line or a cell.
     pub place: String,
     /// Body that carries the point, according to a column of the file.
     pub body: Option<String>,
@@ -144,7 +144,7 @@ pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Importe
     Ok(imported)
 }
 
-/// Points and numbers of the wheel or axle that the study describes.
+/// Points and values of the wheel or axle that the study describes.
 struct Selection {
     corner: Corner,
     picked: Vec<Picked>,
@@ -154,7 +154,8 @@ struct Selection {
     makes_wheel: bool,
 }
 
-/// Selects the points and the numbers of one wheel or axle. `roles` covers all points; `named` has the points with a role.
+/// Selects the points and the values of one wheel or axle. `roles` covers all points of the table; `named` has the points with a
+/// role.
 fn select(
     table: &PointTable,
     options: &ImportOptions<'_>,

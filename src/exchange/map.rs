@@ -151,7 +151,7 @@ pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
     Ok((!table.points.is_empty()).then_some(table))
 }
 
-/// Splits the keys that lead to a value into two results: the parts of the value's name, and the wheel and axle.
+/// Splits the keys that lead to a value into two results: the name of the value, and the wheel and axle that the keys state.
 ///
 /// A key that only names a wheel or an axle applies to everything below it. The key "front" also does, if it comes before all
 /// keys that name a hardpoint. Keys with unknown words ("MyCar", "baja_2021") describe the surroundings and are skipped, except
@@ -295,7 +295,7 @@ impl Reader {
         Ok(stated)
     }
 
-    /// Adds a point. `stated` are the wheel and the axle in its entries.
+    /// Adds a point. `keys` lead to the point in the file. `stated` has the wheel and the axle from the entries of the point.
     fn point(
         &mut self,
         position: Result<[f64; 3], String>,
@@ -326,7 +326,7 @@ impl Reader {
         Ok(())
     }
 
-    /// Reads a unit of lengths or angles, or the axes, from a text whose keys announce them.
+    /// Reads a unit of lengths, a unit of angles, or the axes from a text. The `keys` of the text show which of them it states.
     fn word(&mut self, text: &str, keys: &[&str]) -> Result<(), String> {
         match keys.last().map(|key| key.to_ascii_lowercase()).as_deref() {
             _ if names_unit(keys) => {
@@ -421,7 +421,7 @@ fn in_words(text: &str) -> Declared {
     Declared::in_text(&format!("axes: {text}"))
 }
 
-/// Location of an entry: the keys that lead to it.
+/// Location of an entry in the file, for messages: the keys that lead to the entry.
 pub(super) fn place(keys: &[&str]) -> String {
     match keys {
         [] => "the outermost list".to_owned(),

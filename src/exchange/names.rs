@@ -11,7 +11,7 @@ use crate::model::{AxlePosition, Side, Topology};
 /// Longest name, in bytes. A longer text is not a name.
 const LONGEST: usize = 300;
 
-/// Words of names with their meanings. The meaning is empty if the word can be ignored.
+/// Words of names with their meanings. The importer ignores a word whose meaning is empty.
 const SPELT: &[(&str, &str)] = &[
     ("lca lwishbone lwb", "lower arm"),
     ("uca uwishbone uwb", "upper arm"),
@@ -104,8 +104,8 @@ const SPELT: &[(&str, &str)] = &[
 /// Words that can occur in any name without a change of its meaning.
 const ANYWHERE: &[&str] = &["mount", "end"];
 
-/// Hardpoints with the words of their names. All words must occur, in any order; a word with `?` is optional. Other words may not
-/// occur, except those in [`ANYWHERE`]. If there are several patterns, one must match.
+/// Hardpoints with the words of their names. A name must have all words of a pattern, in any order, except words with `?`. Other
+/// words may not occur, except those in [`ANYWHERE`]. If a hardpoint has several patterns (separated by `|`), one must match.
 const PATTERNS: &[(&str, &str)] = &[
     ("lower_arm_front", "lower arm front ?inner"),
     ("lower_arm_rear", "lower arm rear ?inner"),
@@ -248,7 +248,7 @@ pub(super) fn marks_of(word: &str) -> Marks {
     Marks { side, axle }
 }
 
-/// Side that a word names.
+/// Side of the car that a word names.
 pub(super) fn side_of(word: &str) -> Option<Side> {
     marks_of(word).side
 }
@@ -294,7 +294,7 @@ pub(super) fn marks_of_entry(text: &str) -> Option<StatedMarks> {
     }
 }
 
-/// Expected entries of a cell or key that names the wheel or the axle, for messages.
+/// Entries that the importer accepts in a cell or under a key for the wheel or the axle, for messages.
 pub(super) const KNOWN_MARKS: &str = "left, right, left/right, front, rear, FL, FR, RL or RR";
 
 /// Splits a text into lower-case words. A word ends at a punctuation mark, or where a capital follows a small letter. A text that
@@ -328,12 +328,12 @@ pub(super) fn cut(text: &str) -> Vec<String> {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Words {
     words: Vec<&'static str>,
-    /// Number of words that are not in the table, and 1 for a text without words.
+    /// Number of words of the name that are not in the table of known words. 1 for a text without words.
     pub(super) unknown: usize,
 }
 
 impl Words {
-    /// Spells words out.
+    /// Replaces the abbreviations in a list of words: `lca` becomes `lower arm`.
     pub(super) fn spelt(cut: &[String]) -> Self {
         let mut words = Vec::new();
         let mut unknown = usize::from(cut.is_empty());
@@ -348,7 +348,7 @@ impl Words {
         Words { words, unknown }
     }
 
-    /// True if no meaningful word is left.
+    /// True if the name has neither a known nor an unknown word. Words that the importer ignores do not count.
     pub(super) fn is_empty(&self) -> bool {
         self.words.is_empty() && self.unknown == 0
     }
@@ -367,7 +367,7 @@ impl Words {
         Some((axle, rest))
     }
 
-    /// True if the words match one of the patterns.
+    /// True if the words match one of the patterns, which are written as in [`PATTERNS`].
     pub(super) fn fit(&self, patterns: &str) -> bool {
         patterns.split(" | ").any(|pattern| self.fits(pattern))
     }

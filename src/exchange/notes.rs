@@ -13,7 +13,7 @@ struct Note {
 pub struct Notes(Vec<Note>);
 
 impl Notes {
-    /// Adds a value that was read or assumed.
+    /// Adds a note about a value that was read or assumed.
     pub fn push(&mut self, text: String) {
         self.0.push(Note {
             text,
@@ -21,12 +21,12 @@ impl Notes {
         });
     }
 
-    /// Adds values that were read or assumed.
+    /// Adds notes about values that were read or assumed.
     pub(super) fn extend(&mut self, texts: impl IntoIterator<Item = String>) {
         texts.into_iter().for_each(|text| self.push(text));
     }
 
-    /// Adds a warning: the study may be wrong.
+    /// Adds a warning: because of the described problem, the study may be wrong.
     pub(super) fn doubt(&mut self, text: String) {
         self.0.push(Note {
             text,
@@ -57,12 +57,12 @@ impl Notes {
         self.0.iter().map(|note| note.text.as_str())
     }
 
-    /// Warnings: the study may be wrong.
+    /// Texts of the warnings, which state why the study may be wrong.
     pub fn doubts(&self) -> impl Iterator<Item = &str> {
         self.of_kind(true)
     }
 
-    /// Values that were read or assumed.
+    /// Texts of the notes about values that were read or assumed.
     pub fn facts(&self) -> impl Iterator<Item = &str> {
         self.of_kind(false)
     }

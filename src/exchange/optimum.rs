@@ -20,7 +20,7 @@ use super::notes::Notes;
 use super::place::Placed;
 use crate::model::{Side, Topology};
 
-/// Adds the inner point of the U-bar's axis: the pivot of the other wheel.
+/// Adds the inner point of the axis of the U-bar (anti-roll bar): the pivot of this bar at the other wheel.
 pub(super) fn bar_axis(named: &[Named<'_>], corner: Corner, picked: &mut Vec<Picked>) {
     let has = |name: &str| picked.iter().any(|p| p.hardpoint.name == name);
     if !has("anti_roll_bar_outer") || has("anti_roll_bar_inner") {
@@ -83,7 +83,8 @@ pub(super) fn rod(topology: &Topology, axes: Axes, picked: &mut [Picked], notes:
     );
 }
 
-/// Computes the wheel centre from the contact point. `None` without a half track or a radius. Missing angles are 0.
+/// Computes the wheel centre from the contact point. `None` without a half track or a wheel radius. A missing camber or toe counts
+/// as 0.
 pub(super) fn wheel_centre(placed: Placed, figures: &Figures, notes: &mut Notes) -> Option<Picked> {
     let half_track = figures.half_track()?.abs();
     let radius = figures.radius()?;

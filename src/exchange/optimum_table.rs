@@ -48,7 +48,7 @@ const BAR: [(&str, &str); 3] = [
     ("anti_roll_bar_outer", "CHAS_PivPnt_L"),
 ];
 
-/// Makes the table of a study.
+/// Makes the rows of the OptimumKinematics table for a study, and notes about the parts that this layout cannot hold.
 ///
 /// # Errors
 ///
@@ -86,7 +86,7 @@ pub fn optimum_k_rows(outgoing: &Outgoing<'_>) -> Result<RowsAndNotes, String> {
 struct Table<'a> {
     outgoing: &'a Outgoing<'a>,
     rows: Vec<Vec<Value>>,
-    /// Hardpoints that already have a row.
+    /// Names of the hardpoints that already have a row.
     written: Vec<String>,
     notes: Vec<String>,
 }
@@ -155,8 +155,8 @@ impl Table<'_> {
         }
     }
 
-    /// Writes the anti-roll bar if its axis is transverse to the car (parallel to y), because the file has only one point
-    /// of this axis.
+    /// Writes the points of the anti-roll bar if its axis is transverse to the car (parallel to y). Otherwise the bar is left out,
+    /// because the file has only one point of this axis.
     fn bar(&mut self) {
         let [Some(inner), Some(outer)] =
             ["anti_roll_bar_inner", "anti_roll_bar_outer"].map(|name| self.point(name))
@@ -244,7 +244,7 @@ impl Table<'_> {
         Ok(())
     }
 
-    /// Writes the parts that carry the rod and the drop link.
+    /// Writes the rows that name the bodies to which the rod and the drop link are attached.
     fn attachments(&mut self) {
         let mechanism = &self.outgoing.study.wheel().mechanism;
         let is_written = |name: &str| self.written.iter().any(|known| known == name);
@@ -296,7 +296,8 @@ impl Table<'_> {
     }
 }
 
-/// Unit vector from the contact point to the wheel centre: upward in the plane of the wheel (equation 1).
+/// Unit vector from the contact point to the wheel centre: upward in the plane of the wheel. It is the fraction in equation (1) of
+/// this module. `axis` is the spin axis.
 fn upward(axis: Vector3<f64>) -> Vector3<f64> {
     let up = Vector3::new(0.0, 0.0, 1.0) - axis * axis.z;
     up * (1.0 / up.norm_squared().sqrt())

@@ -11,7 +11,7 @@ use toml_edit::Document;
 pub struct Outgoing<'s> {
     /// Study at the design to be written.
     pub study: &'s Study,
-    /// Unit of the file.
+    /// Unit of length of the file.
     pub unit: LengthUnit,
     /// Axes of the file.
     pub convention: FrameConvention,
@@ -83,8 +83,8 @@ impl<'s> Outgoing<'s> {
         Frame::new(self.convention, side)
     }
 
-    /// Wheels with different data. There is one, or two if the right wheel of an axle has its own points or angles. A solid axle
-    /// or a twist beam counts as one, because its mechanism has the points of both halves.
+    /// Wheels whose points or angles the file must list separately. There is one, or two if the right wheel of an axle has its own
+    /// points or angles. A solid axle or a twist beam counts as one, because its mechanism has the points of both halves.
     pub fn different_wheels(&self) -> Vec<Side> {
         let is_rigid = self.study.wheel().mechanism.rigid_axle.is_some();
         match &self.right {
@@ -101,7 +101,7 @@ impl<'s> Outgoing<'s> {
         }
     }
 
-    /// Suspension of a wheel.
+    /// Suspension of the wheel on this side.
     pub fn suspension(&self, side: Side) -> &'s Suspension {
         match self.study.axle() {
             Some(both) => both.axle.suspension(side),
@@ -137,7 +137,7 @@ impl<'s> Outgoing<'s> {
         })
     }
 
-    /// Body that carries a point, if a study can choose the body.
+    /// Name of the body that carries a point, if a study can choose this body. Otherwise `None`.
     pub fn body(&self, side: Side, id: PointId) -> Option<&'static str> {
         let mechanism = &self.suspension(side).mechanism;
         let is_extra = mechanism.topology.hardpoint(mechanism.name(id)).is_none();

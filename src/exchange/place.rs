@@ -28,7 +28,8 @@ pub(super) struct Placed {
     pub side: Side,
 }
 
-/// Returns the points that show the axes, and the wheel to which the file assigns these points.
+/// Returns the side of the wheel whose points show the axes, and these points by name. The side is `None` if the file states no
+/// side.
 fn evidence(picked: &[Picked], wanted: Option<Side>) -> (Option<Side>, Vec<(&str, [f64; 3])>) {
     let has = |side: Side| picked.iter().any(|p| p.origin == Some(side));
     let origin = match wanted {
@@ -42,7 +43,7 @@ fn evidence(picked: &[Picked], wanted: Option<Side>) -> (Option<Side>, Vec<(&str
     (origin, points.collect())
 }
 
-/// Finds the axes and the side.
+/// Finds the axes of the file and the side of the wheel.
 pub(super) fn place(
     table: &PointTable,
     options: &ImportOptions<'_>,

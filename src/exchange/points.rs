@@ -93,7 +93,7 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
     Ok(Some(table))
 }
 
-/// Unit of the header and of the cells of the coordinates. Refuses two different units.
+/// Returns the unit of length from the header, or else from the cells of the coordinates. Refuses two different units.
 fn agreed(header: Option<FileUnit>, cells: Option<FileUnit>) -> Result<Option<FileUnit>, String> {
     match (header, cells) {
         (Some(stated), Some(own)) if stated != own => Err(format!(
@@ -105,16 +105,16 @@ fn agreed(header: Option<FileUnit>, cells: Option<FileUnit>) -> Result<Option<Fi
     }
 }
 
-/// Reader of the rows in their order.
+/// Reader of a table's rows, in their order.
 struct Rows<'a> {
     sheet: &'a Sheet,
     decimals: Decimals,
     columns: Option<Columns>,
-    /// Last column with a title.
+    /// Index of the last column with a title.
     last_title: Option<u32>,
-    /// Wheel and axle of the last title. They apply to the rows below it.
+    /// Wheel and axle that the last title row names. They apply to the rows below it.
     section: Marks,
-    /// Rows with coordinates but without a name.
+    /// Indices of the rows with coordinates but without a name.
     nameless: Vec<u32>,
     table: PointTable,
 }
@@ -240,8 +240,8 @@ impl Rows<'_> {
         self.points(row, name, columns, numbers, stated)
     }
 
-    /// Adds the points of a row, one for each group of coordinates with numbers. `stated` are the wheel and the axle in the cells
-    /// of the row.
+    /// Adds the points of a row, one for each set of x, y and z columns with numbers. `stated` has the wheel and the axle from the
+    /// cells of the row.
     fn points(
         &mut self,
         row: u32,
@@ -293,7 +293,8 @@ impl Rows<'_> {
         }
     }
 
-    /// Wheel and axle of the section, for a name without a side.
+    /// Wheel and axle of the section (the rows below a title) to which the row with this name belongs. The wheel is left out if the
+    /// name states a side.
     fn of_section(&self, name: &str) -> Marks {
         let words = cut(name);
         let ends = [words.first(), words.last()];

@@ -17,7 +17,7 @@ use crate::report::shortest;
 use crate::study::NamedBushing;
 use std::fmt::Write;
 
-/// Half of the range for a law without points, in mm and in rad.
+/// Half of the range of deflections in mm, and of angles in rad, for a law without points.
 const RANGE: [f64; 2] = [10.0, 0.2];
 /// Number of steps from the middle of the range to an end: for a straight line, and for a nonlinear law.
 const STEPS: [usize; 2] = [2, 50];
@@ -145,7 +145,8 @@ impl File<'_> {
         }
     }
 
-    /// Points of the law f = k d + c d^3, in the study's units.
+    /// Points of the law f = k d + c d^3 (deflection and force, or angle and torque), in the study's units. `rate` is k, and
+    /// `cubic` is c.
     fn sampled(&mut self, axis: usize, rate: f64, cubic: f64) -> Vec<[f64; 2]> {
         let is_force = axis < 3;
         let own = self.outgoing.study.wheel().length_unit;

@@ -18,7 +18,8 @@ pub struct Question {
     pub reason: String,
     /// Possible answers: flags with their values.
     pub choices: Vec<(&'static str, String)>,
-    /// Flag whose value the user can choose freely, with an example.
+    /// Flag whose value the user can choose freely, and an example of its value. `None` if the answers in `choices` are the only
+    /// ones.
     pub free: Option<(&'static str, &'static str)>,
 }
 

@@ -9,7 +9,7 @@ use super::names::{Words, cut, marks_of};
 use super::table::{Marks, NamedPoint};
 use crate::model::{AxlePosition, Topology};
 
-/// Meaning of a name.
+/// Meaning of a point's name.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Role {
     /// Hardpoint that the name means.
@@ -23,11 +23,12 @@ pub(super) struct Role {
 /// Meanings of words that depend on the other names of the file: a single letter `R`, and the ends of a drop link.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Letters {
-    /// True if `R` before a name means the rear axle.
+    /// True if the word `R` at the start of a name means the rear axle.
     first_is_rear: bool,
-    /// True if `R` after a name means the rear.
+    /// True if the word `R` at the end of a name means the rear.
     last_is_rear: bool,
-    /// End of the drop link on an arm, a rocker or the wheel carrier: "lower" or "upper". `None` if no name states the body.
+    /// End of the drop link that is mounted on an arm, a rocker or the wheel carrier: "lower" or "upper". `None` if no name states
+    /// this body.
     outer_drop_link: Option<&'static str>,
 }
 
@@ -218,7 +219,7 @@ fn read_plain(name: &str, topology: &Topology, letters: Letters) -> Option<Role>
     })
 }
 
-/// Possible ways to split a name into a wheel or axle and the other words. The most likely way is first.
+/// Possible ways to split the words of a name into the wheel with the axle, and the other words. The most likely way is first.
 fn readings(words: &[String], letters: Letters) -> Vec<(Vec<String>, Marks)> {
     let is_r = |word: Option<&String>| word.is_some_and(|word| word == "r");
     let rear = |words: &[String], first: bool, last: bool| {
@@ -244,7 +245,8 @@ fn readings(words: &[String], letters: Letters) -> Vec<(Vec<String>, Marks)> {
     all
 }
 
-/// Removes one wheel, such as `L` or `FL`, at the start or else at the end, and returns it.
+/// Removes the word for a wheel, such as `L` or `FL`, from the start of a name, or else from its end. Returns the other words and
+/// the wheel.
 fn stripped(mut words: Vec<String>) -> (Vec<String>, Marks) {
     let mut marks = Marks::default();
     for at_end in [false, true] {
@@ -285,7 +287,7 @@ fn body(name: &str, hardpoint: &str, topology: &Topology) -> Option<&'static str
         .flatten()
 }
 
-/// Body that some words name, in the words of studies.
+/// Body that some words name, as it is called in studies. `None` for other words.
 pub(super) fn body_of(text: &str, topology: &Topology) -> Option<&'static str> {
     let cut = cut(text);
     let has = |wanted: &str| cut.iter().any(|word| wanted.split(' ').any(|w| w == word));

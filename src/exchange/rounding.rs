@@ -46,10 +46,10 @@ const SPRING: f64 = 1e-3;
 pub struct Rounded {
     /// Points in the kernel's frame (x forward, y outboard, z up) and the study's unit.
     pub design: Vec<Vector3<f64>>,
-    /// Coordinates of the points in the study's axes and the grid's unit. Rounded coordinates have exactly the digits
-    /// of the grid.
+    /// Coordinates of the points in the study's axes and the grid's unit. Rounded coordinates are written with exactly the decimals
+    /// of the grid's step.
     pub coordinates: Vec<[f64; 3]>,
-    /// Grid of the coordinates.
+    /// Grid to whose multiples the coordinates are rounded.
     pub grid: Grid,
     /// Change of the misfit because of the rounding, if the study has targets.
     pub loss: Option<Loss>,
@@ -70,16 +70,16 @@ pub struct Loss {
     pub otherwise: usize,
 }
 
-/// A constraint or a range that the rounded design violates. Its lengths and angles are in `unit`.
+/// A constraint or a range that the rounded design violates. Its distances are in `unit`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Broken {
     /// Name of the constraint with its limits, or of the coordinate with its range.
     pub name: String,
-    /// Distance between the value and the nearest limit. Infinite without a value.
+    /// Distance between the rounded design's value and the nearest limit. Infinite if the constraint has no value.
     pub missed: f64,
-    /// Distance between the value and the nearest limit before rounding. Zero if the constraint was satisfied.
+    /// Distance between the value before rounding and the nearest limit. Zero if the constraint was satisfied.
     pub missed_before: f64,
-    /// Unit of both distances.
+    /// Unit of `missed` and `missed_before`.
     pub unit: String,
 }
 
@@ -166,7 +166,7 @@ fn missed(own: &ConstraintMargin) -> f64 {
     }
 }
 
-/// A rounding with its misfit.
+/// A rounding of all coordinates, with the resulting misfit.
 struct Candidate {
     steps: Vec<f64>,
     /// Sum of the violations of all constraints. Each violation is a multiple of a visible change, such as 1 mm or 1 degree.
@@ -188,7 +188,7 @@ impl Candidate {
 pub struct Grid {
     /// Length of one step.
     pub step: f64,
-    /// Unit of the step.
+    /// Unit of `step`.
     pub unit: LengthUnit,
 }
 
@@ -245,8 +245,8 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Returns the neighbours of a coordinate on the grid, below and above its present value. A neighbour outside the
-    /// range is left out, unless both neighbours are outside.
+    /// Returns the two multiples of the grid's step next to a coordinate, in steps: below and above its present value. A multiple
+    /// outside of the coordinate's range is left out, unless both are outside.
     fn neighbours(&self, coordinate: usize) -> (f64, f64) {
         let (below, above) = neighbours(self.grid.steps(self.before[coordinate]));
         let is_within = |steps: f64| self.outside(coordinate, steps) == 0.0;
@@ -257,16 +257,16 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Distance of a coordinate from its range, in steps. Zero within the range.
+    /// Distance of a coordinate, in steps, from the nearest end of its range. Zero within the range.
     fn outside(&self, coordinate: usize, steps: f64) -> f64 {
         let [least, most] = self.ranges[coordinate];
         let missed = (least - steps).max(steps - most);
-        // This tolerance allows for rounding errors in the ends of a range.
+        // This tolerance, in steps, allows for rounding errors in the ends of a range.
         let slack = 1e-9 * most.abs().max(least.abs()).max(1.0);
         if missed > slack { missed } else { 0.0 }
     }
 
-    /// Rounded coordinates outside their ranges.
+    /// Rounded coordinates outside of their ranges, with their distances from the ranges.
     fn outside_ranges(&self, steps: &[f64]) -> Vec<Broken> {
         let wheel = self.study.wheel();
         let unit = self.grid.unit.symbol();
@@ -289,7 +289,8 @@ impl<'a> Problem<'a> {
         outside.collect()
     }
 
-    /// Moves each free coordinate into its range, if the range contains one of its neighbours on the grid.
+    /// Moves each free coordinate to the nearest multiple of the grid's step within its range. This multiple is one of its two
+    /// neighbours on the grid. Without a neighbour within the range, the range has no effect.
     fn within_ranges(&self, steps: &[f64]) -> Vec<f64> {
         let mut within = steps.to_vec();
         for (coordinate, steps) in within.iter_mut().enumerate() {
@@ -322,8 +323,8 @@ impl<'a> Problem<'a> {
         for (point, before) in suspension.design.iter().enumerate() {
             let of_study = suspension.frame.vector(*before).to_array();
             let numbers = [0, 1, 2].map(|axis| 3 * point + axis);
-            // A conversion from the study's unit to another unit of the grid changes the last digits. So a coordinate
-            // on the grid is written with the digits of the grid.
+            // A conversion from the study's unit to another unit of the grid changes the last digits. So a coordinate on the grid
+            // is written with the decimals of the grid's step.
             let keeps_digits = |n: usize| !self.free[n] || stays(n) && own == self.grid.unit;
             let written = numbers.map(|n| {
                 if keeps_digits(n) {
@@ -372,8 +373,8 @@ fn neighbours(at: f64) -> (f64, f64) {
     }
 }
 
-/// Returns the steps of all coordinates by the method nearest plane. Processes the free coordinates from the last to the
-/// first of `order`.
+/// Returns the rounded coordinates in steps, by the method nearest plane (see the head of this module). The method rounds the free
+/// coordinates from the last to the first of `order`.
 fn nearest_plane(problem: &Problem<'_>, at_design: &Linearisation, order: &[usize]) -> Vec<f64> {
     let (rows, columns) = (at_design.jacobian.nrows(), order.len());
     let own = problem.study.wheel().length_unit;
@@ -391,7 +392,7 @@ fn nearest_plane(problem: &Problem<'_>, at_design: &Linearisation, order: &[usiz
     let qr = matrix.qr();
     let (r, y) = (qr.r(), qr.q().transpose() * wanted);
     let mut steps = problem.nearest();
-    // Chosen moves d, in the order of the coordinates.
+    // Chosen moves d (change of each coordinate by rounding, in steps), in the order of the coordinates.
     let mut moves = vec![0.0; columns];
     for i in (0..columns).rev() {
         let handed_on: f64 = (i + 1..columns).map(|j| r[(i, j)] * moves[j]).sum();
@@ -405,7 +406,7 @@ fn nearest_plane(problem: &Problem<'_>, at_design: &Linearisation, order: &[usiz
     steps
 }
 
-/// Flags for all coordinates, point by point. True if the coordinate differs in another design.
+/// Flags for all coordinates, point by point. True if the coordinate has different values in the two designs.
 pub fn moved_coordinates(design: &[Vector3<f64>], other: &[Vector3<f64>]) -> Vec<bool> {
     let pairs = design.iter().zip(other);
     let differs = |(a, b): (&Vector3<f64>, &Vector3<f64>)| {

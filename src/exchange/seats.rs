@@ -14,14 +14,14 @@ pub(super) struct Seat {
     usual: &'static str,
     /// Body on which the hardpoint is mounted.
     pub body: &'static str,
-    /// True if the body is assumed.
+    /// True if neither the user nor the file states the body.
     is_assumed: bool,
 }
 
 /// Finds the bodies that carry the ends of springs and rods.
 ///
 /// # Errors
-/// A given body cannot carry the end, or it is not clear which rod carries the drop link.
+/// A given body cannot carry the end, or it is not clear which body carries the drop link.
 pub(super) fn of(
     imported: &Imported,
     named: &BTreeMap<String, String>,
@@ -67,7 +67,7 @@ pub(super) fn of(
     Ok(seats)
 }
 
-/// Body that the user, a column or the name gives.
+/// Body that the user, a column of the file or the point's name gives for a hardpoint. `None` if none of them gives a body.
 fn stated(
     hardpoint: &Hardpoint,
     named: &BTreeMap<String, String>,
@@ -100,11 +100,11 @@ fn stated(
     Ok(meant.and_then(|meant| possible.iter().find(|body| **body == meant).copied()))
 }
 
-/// Ratio of distances below which a nearer body replaces the usual body.
+/// A nearer body replaces the usual body if its distance from the point is less than this fraction of the usual body's distance.
 const NEARER: f64 = 0.5;
 
-/// Finds a body whose members are much nearer to an end than the members of the usual body. Returns `None` to keep the
-/// usual body.
+/// Finds a body that is much nearer to an end of a spring or rod than the usual body. The distance of a body is the smallest
+/// distance from the lines between its joints. Returns `None` to keep the usual body.
 fn nearest(
     imported: &Imported,
     mechanism: &Mechanism,

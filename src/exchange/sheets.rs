@@ -113,7 +113,7 @@ fn of_book(
     Ok(table)
 }
 
-/// Points of a sheet. `None` if it has none.
+/// Points of the sheet with this index. `None` if the sheet has no points.
 fn read(book: &workbook::Workbook, number: usize) -> Result<Option<PointTable>, String> {
     let sheet = book.sheet(number)?;
     points::read(&sheet)

@@ -10,7 +10,8 @@ use super::{Hardpoint, ImportOptions};
 use crate::model::Side;
 use crate::report::Slip;
 
-/// Describes a typing error in a point of the file. `outcome` states the result with the likely value.
+/// Describes a typing error in a point of the file. `outcome` states the consequence of the corrected value, such as "all points
+/// fit together".
 pub(super) fn in_words(point: &Hardpoint, slip: &Slip, outcome: &str) -> String {
     let words = slip.describe(point.position[slip.axis], slip.likely);
     format!(

@@ -165,7 +165,7 @@ pub(super) const NO_POINTS: &str = "it has no table of points: a header with a c
                                     and the columns x, y and z, or lines with a name and three \
                                     numbers, or names with three numbers in JSON or YAML";
 
-/// Bytes of a file up to a limit. Devices and named pipes are refused.
+/// Bytes of a file. Refuses files above 64 MiB, devices and named pipes.
 pub fn bytes_of(path: &Path) -> Result<Vec<u8>, String> {
     read_bytes(path, MOST_BYTES)
 }

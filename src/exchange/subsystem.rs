@@ -15,10 +15,10 @@ pub struct Written {
     pub notes: Vec<String>,
 }
 
-/// Names of the static angles of a wheel in these files.
+/// Names of the camber and toe parameters of a wheel in subsystem files.
 pub(super) const ANGLES: [&str; 2] = ["camber_angle", "toe_angle"];
 
-/// Axes of these files.
+/// Axes of subsystem files: x rearward, y to the right, z up.
 const AXES: FrameConvention = FrameConvention::XRear;
 
 /// Makes a new subsystem with a study's hardpoints. Rows for both sides give the left wheel. A right wheel that is not a mirror
@@ -151,7 +151,7 @@ fn other_angle(
     })
 }
 
-/// Hardpoint for each name in a file, if the name is known.
+/// Pairs of a name in the subsystem file and its hardpoint. Names with an unknown meaning are left out.
 fn meanings<'f>(
     suspension: &Suspension,
     subsystem: &'f adams::Subsystem,

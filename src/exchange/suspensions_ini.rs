@@ -23,7 +23,7 @@ use crate::report::shortest;
 use crate::study::CarStudy;
 use std::fmt::Write;
 
-/// File of a study.
+/// Makes the file for a study of one axle.
 ///
 /// # Errors
 ///
@@ -42,7 +42,7 @@ pub fn suspensions_ini(outgoing: &Outgoing<'_>) -> Result<Written, String> {
     })
 }
 
-/// File of a car: both axles, with wheelbase, weight distribution and masses of the wheels.
+/// Makes the file for a car: both axles, with wheelbase, weight distribution and masses of the wheels.
 ///
 /// # Errors
 ///
@@ -285,7 +285,7 @@ impl<'a> Ini<'a> {
         let _ = writeln!(self.file, "{key}={value}");
     }
 
-    /// Writes a key without a value, for the user to complete.
+    /// Writes a key without a value, for the user to complete. `why` is the comment that explains the missing value.
     fn blank(&mut self, key: &str, why: &str) {
         let _ = writeln!(self.file, "; {key}=   ; {why}");
     }

@@ -18,7 +18,7 @@ pub(super) struct Marks {
 }
 
 impl Marks {
-    /// Completes a missing side and axle from `other`.
+    /// Takes the side or the axle from `other` if it is missing in these marks.
     pub(super) fn or(self, other: Marks) -> Marks {
         Marks {
             side: self.side.or(other.side),
@@ -41,7 +41,7 @@ pub(super) struct StatedMarks {
 }
 
 impl StatedMarks {
-    /// Adds the statement of another cell or entry.
+    /// Adds the wheel and the axle that another cell or entry of the same point states.
     pub(super) fn add(&mut self, other: StatedMarks) {
         self.marks = self.marks.or(other.marks);
         self.mirrored |= other.mirrored;
@@ -51,7 +51,7 @@ impl StatedMarks {
 /// A named point of a file, in the axes and unit of the file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct NamedPoint {
-    /// Name in the file, including the keys that lead to the point.
+    /// Name of the point in the file, including the keys that lead to the point.
     pub name: String,
     /// Part of the name that the importer interprets.
     pub read_as: String,
@@ -65,24 +65,24 @@ pub(super) struct NamedPoint {
     pub position: Result<[f64; 3], String>,
     /// Body that carries the point, if the file gives one.
     pub body: Option<String>,
-    /// Location in the file.
+    /// Location of the point in the file.
     pub place: String,
 }
 
 /// A single number with a name.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Figure {
-    /// Name in the file.
+    /// Name of the number in the file.
     pub name: String,
-    /// Part of the name that the importer interprets.
+    /// Part of this name that the importer interprets.
     pub read_as: String,
     /// Value of the number.
     pub value: f64,
-    /// Wheel and axle, if the file gives them with the name.
+    /// Wheel and axle of the number, if the file gives them with the name.
     pub marks: Marks,
     /// Remark in the file after the number.
     pub remark: String,
-    /// Location in the file.
+    /// Location of the number in the file.
     pub place: String,
 }
 
@@ -100,9 +100,9 @@ pub(super) enum Kind {
 /// Spring of an axle, in newtons and the unit of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SpringFigures {
-    /// Rate along the spring's axis.
+    /// Rate along the spring's axis, in newtons per unit of the file.
     pub rate: f64,
-    /// Spring force in the position of the file.
+    /// Spring force in the position of the file, in newtons.
     pub force: f64,
 }
 
@@ -129,9 +129,9 @@ pub(super) struct Mass {
 /// Values of a car with two axles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct CarFigures {
-    /// Position of the rear axle's origin in the axes of the front axle's points, if the file shows it.
+    /// Position of the rear axle's origin in the axes of the front axle's points, if the file gives both. `None` otherwise.
     pub rear_offset: Option<[f64; 3]>,
-    /// Mass, if this file or an accompanying file has it.
+    /// Mass of the car or of its sprung part, if this file or an accompanying file has it.
     pub mass: Option<Mass>,
     /// Values of the front and the rear axle.
     pub axles: [AxleFigures; 2],
@@ -142,13 +142,13 @@ pub(super) struct CarFigures {
 pub struct PointTable {
     /// Points in the order of the file.
     pub(super) points: Vec<NamedPoint>,
-    /// Single numbers with names.
+    /// Single numbers with names, such as the track or the camber.
     pub(super) figures: Vec<Figure>,
     /// Unit of length, if the file states it.
     pub(super) unit: Option<FileUnit>,
     /// True if the format prescribes the unit, so that `--unit` cannot replace it.
     pub(super) has_fixed_unit: bool,
-    /// Unit of angles without their own unit, if the file states it.
+    /// Unit that applies to angles without their own unit, if the file states it.
     pub(super) angle_unit: Option<AngleUnit>,
     /// Statement of a unit that is not known, with its location in the file.
     pub(super) unknown_unit: Option<String>,

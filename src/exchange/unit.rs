@@ -15,11 +15,11 @@ use crate::report::unit_in_words;
 /// Unit of length in a file: a unit of studies, or a multiple of one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FileUnit {
-    /// Unit of studies.
+    /// Unit of studies to which the file's lengths are converted.
     pub(super) unit: LengthUnit,
     /// Number of units of studies in one unit of the file.
     pub(super) factor: f64,
-    /// Symbol in the file.
+    /// Symbol of the unit in the file.
     pub(super) symbol: &'static str,
 }
 
@@ -29,7 +29,7 @@ impl From<LengthUnit> for FileUnit {
     }
 }
 
-/// Units that a file may state, each with its words.
+/// Units of length that a file may state: unit of studies, factor, symbol, and the words that name the unit.
 const FILE_UNITS: [(LengthUnit, f64, &str, &str); 6] = [
     (
         LengthUnit::Millimetre,
@@ -54,7 +54,7 @@ const FILE_UNITS: [(LengthUnit, f64, &str, &str); 6] = [
     (LengthUnit::Inch, 12.0, "ft", "ft foot feet"),
 ];
 
-/// Units that a file may state, for messages.
+/// Units of length that a file may state, for messages.
 pub(super) const KNOWN_UNITS: &str = "mm, cm, m, in or ft";
 
 impl FileUnit {
@@ -150,13 +150,14 @@ pub(super) fn converted<'o>(
     Ok(Some((converted, options)))
 }
 
-/// Note that `--unit` replaces another unit of the file.
+/// Note that `--unit` replaces another unit that the file states. `symbol` is the symbol of the given unit. `None` if the units are
+/// equal or one is missing.
 fn replaced(given: Option<FileUnit>, written: Option<FileUnit>, symbol: &str) -> Option<String> {
     let differs = given.is_some() && written.is_some() && given != written;
     differs.then(|| format!("--unit {symbol} replaces the unit stated in the file"))
 }
 
-/// Smallest and largest size of a wheel's suspension, in metres. If the file states no unit, the importer looks for a
+/// Smallest and largest plausible size of a wheel's suspension, in metres. If the file states no unit, the importer looks for a
 /// unit that gives a size in this range.
 const USUAL_SIZE: [f64; 2] = [0.15, 3.0];
 
@@ -164,7 +165,7 @@ const USUAL_SIZE: [f64; 2] = [0.15, 3.0];
 /// is inches or centimetres. The sample suspensions have sizes of 0.45 to 1.3 m. The limit is two thirds of the smallest sample.
 const LEAST_IN_CENTIMETRES: f64 = 0.3;
 
-/// Finds the unit of the coordinates.
+/// Finds the unit of the coordinates: the stated unit, or else a unit with which the suspension has a usual size.
 pub(super) fn unit(
     table: &PointTable,
     options: &ImportOptions<'_>,

@@ -8,7 +8,7 @@ use super::map::Node;
 use saphyr_parser::{Event, Parser, ScalarStyle};
 use std::path::Path;
 
-/// Deepest nesting. Files of points need less than a tenth of this depth.
+/// Largest depth of nested lists and tables. Files of points need less than a tenth of this depth.
 const DEEPEST: usize = 100;
 
 /// True if the file name has the extension of a YAML file.

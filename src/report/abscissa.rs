@@ -4,7 +4,7 @@ use super::record::MotionRecord;
 
 /// Name prefixes of outputs that depend on steering more than on anything else.
 const OF_STEERING: [&str; 4] = ["steer_", "mean_steer_", "ackermann", "steering_ratio"];
-/// Name prefixes of columns that measure the steering.
+/// Name prefixes of motion columns that measure the steering: angle of the steering wheel, displacement of the rack.
 const STEERED: [&str; 2] = ["steering_wheel_angle", "rack_"];
 
 impl MotionRecord {
@@ -23,7 +23,8 @@ impl MotionRecord {
     }
 
     /// Column for the horizontal axis of an output, also for curves over time. For outputs that depend on steering, it is the
-    /// steering column, if the motion of an axle steers. Otherwise it is the column of the drive.
+    /// steering column, if the motion of an axle steers. Otherwise it is the column of the drive: the coordinate that moves the
+    /// wheel or, for an axle, the first moving coordinate.
     pub(super) fn natural_abscissa(&self, output: &str) -> &str {
         let name = output.strip_prefix("left_").unwrap_or(output);
         let name = name.strip_prefix("right_").unwrap_or(name);

@@ -1,4 +1,4 @@
-//! Remarks on curves: conditioning, certificates, and missing values.
+//! Remarks on curves: conditioning of the poses, certificates of the poses, and missing values.
 
 use super::completeness::Completeness;
 use super::counted;
@@ -92,10 +92,10 @@ fn toggled(curves: &Curves) -> Vec<String> {
     warnings
 }
 
-/// Conditioning along the motion.
+/// Conditioning of the poses along the motion.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct ConditionSummary {
-    /// Largest condition number. A value below 1000 may be known only to within a factor of ten.
+    /// Largest condition number of a station. A value below 1000 may be known only to within a factor of ten.
     worst: f64,
     /// Station of the largest condition number.
     at: StationLabel,
@@ -123,7 +123,7 @@ impl ConditionSummary {
         })
     }
 
-    /// Warning, if some stations are ill-conditioned.
+    /// Warning if some stations are ill-conditioned (fewer than six correct digits in derivatives). `None` otherwise.
     fn warning(&self) -> Option<String> {
         let stations = match self.ill_conditioned.len() {
             0 => return None,
@@ -152,12 +152,12 @@ pub(super) struct CertificateSummary {
     /// Largest certified bound on the position error of points of a wheel carrier, in the study's length unit. `None` if no
     /// station is certified.
     largest_position_error: Option<f64>,
-    /// Station with this bound.
+    /// Station with the bound `largest_position_error`.
     at: Option<StationLabel>,
-    /// Station with this bound, in words.
+    /// Station with the bound `largest_position_error`, in words.
     #[serde(skip)]
     at_words: String,
-    /// Smallest distance within which a certificate excludes any other pose, in the study's length unit.
+    /// Smallest distance from a certified pose within which its certificate excludes any other pose, in the study's length unit.
     smallest_uniqueness: Option<f64>,
 }
 

@@ -1,4 +1,5 @@
-//! Work-precision picture for print: double logarithmic. Each series has its own mark and grey level.
+//! Work-precision picture (computing time against accuracy) for print, with logarithmic axes. Each series has its own mark and grey
+//! level.
 
 use super::figure::power_of_ten;
 use crate::bench::accuracy::{Accuracy, Family, Measurement};
@@ -15,7 +16,7 @@ const CAPTION: u32 = 34;
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Failed = Box<dyn std::error::Error>;
 
-/// One of the four diagrams of the picture.
+/// One of the four diagrams of the work-precision picture (computing time against accuracy).
 struct Panel {
     title: &'static str,
     across: &'static str,
@@ -24,7 +25,7 @@ struct Panel {
     legend: SeriesLabelPosition,
 }
 
-/// SVG text of the picture.
+/// SVG text of the work-precision picture.
 pub(super) fn svg(accuracy: &Accuracy, caption: &str) -> String {
     let mut svg = String::new();
     draw(accuracy, caption, &mut svg).expect("a picture in memory can always be drawn");
@@ -120,7 +121,7 @@ impl Panel {
     fn draw(&self, area: &Area<'_>) -> Result<(), Failed> {
         let points = || self.series.iter().flat_map(|(_, points)| points);
         let across = decades(points().map(|p| p.0), 0);
-        // Extra decades leave space for the legend.
+        // Additional powers of ten at the top of the vertical axis leave space for the legend.
         let room = 1 + i32::from(self.up.contains("error"));
         let up = decades(points().map(|p| p.1), room);
         let mut chart = ChartBuilder::on(area)
@@ -180,7 +181,7 @@ impl Panel {
     }
 }
 
-/// Number of different marks.
+/// Number of different marks (shapes of points).
 const MARKS: usize = 7;
 
 /// Grey level that distinguishes a series in addition to its mark.
@@ -193,7 +194,7 @@ fn square(style: ShapeStyle) -> Rectangle<(i32, i32)> {
     Rectangle::new([(-4, -4), (4, 4)], style)
 }
 
-/// Complete decades that contain these values, plus `more` decades above.
+/// Powers of ten that enclose these values, plus `more` powers of ten above.
 fn decades(values: impl Iterator<Item = f64>, more: i32) -> Range<f64> {
     let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(low, high), v| {
         (low.min(v), high.max(v))
@@ -215,7 +216,7 @@ fn ticked(range: Range<f64>) -> WithKeyPoints<LogCoord<f64>> {
     range.log_scale().with_key_points(ticks)
 }
 
-/// Label of a tick.
+/// Label of a tick with this value.
 fn label(value: &f64) -> String {
     power_of_ten(value.log10().round() as i32)
 }

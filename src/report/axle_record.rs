@@ -15,7 +15,7 @@ use crate::study::{Study, Target};
 /// Largest number of stations in the drawing, along the first and along the second coordinate of the motion.
 const MOST_FRAMES: [usize; 2] = [41, 9];
 
-/// A design to be recorded: label, file with its curves, axle, and curves.
+/// A design to be recorded: its label, the name of the file with its curves, its axle, and its curves.
 pub type SolvedAxle<'a> = (&'a str, &'a str, &'a Axle, &'a Curves);
 
 impl Record {
@@ -156,7 +156,8 @@ fn frames_of_rows(
     drawn(axle, &placements, places)
 }
 
-/// Frames at positions of the axle. `places` contains the values of the first and the second coordinate for each frame.
+/// Frames (poses for the drawing) of the axle at `placements`. `places` contains the values of the first and the second moving
+/// coordinate for each frame.
 fn drawn(
     axle: &Axle,
     placements: &[Placement],
@@ -173,7 +174,8 @@ fn drawn(
     Ok(places.zip(drawn).map(frame).collect())
 }
 
-/// Target as a value or a curve in the chart of one column. `None` if the motion with this name cannot show it, and for a band.
+/// Target as a value or a curve in the chart of its column. `None` for a band, for a target on another motion than `name`, and for
+/// a target that gives values of other coordinates.
 fn target(
     target: &Target,
     name: Option<&str>,

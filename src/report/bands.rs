@@ -1,4 +1,5 @@
-//! Bands of tolerances in words, and the share of builds within each band.
+//! Bands (allowed ranges of outputs in a tolerance analysis) in words, and the share of builds within each band. A build is a
+//! random sample of the manufactured suspension.
 
 use super::figure::{as_written, to_digits};
 use super::given_columns::GivenColumns;
@@ -9,10 +10,10 @@ use crate::study::{AxleSite, AxleStudy, Band, Study};
 use crate::tolerance::Problem;
 use serde::{Deserialize, Serialize};
 
-/// A band with its yield.
+/// A band with its yield (share of builds within the band).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BandRecord {
-    /// Band in words.
+    /// Band in the words of the study file.
     pub band: String,
     /// Share of builds within the band, from 0 to 1.
     pub kept: f64,
@@ -27,7 +28,7 @@ pub struct BandRecord {
     /// For an axle: column of the motion to which `at` refers.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub over: Option<String>,
-    /// Lowest and highest value in the column's unit. `None` without a limit.
+    /// Lowest allowed value in the column's unit; `high` is the highest. `None` without a limit.
     #[serde(default)]
     pub low: Option<f64>,
     #[serde(default)]
@@ -66,7 +67,7 @@ impl BandRecord {
 pub(super) const CENTRE_FIRST: &str = "Tighter tolerances cannot give a high yield then. First move the nominal value into the band, for example with \
      `hardpoint optimise`, or change the band";
 
-/// Sentence about a band that the nominal design misses. `value` contains the nominal value and its station in words.
+/// Sentence about a band that the nominal design misses. `value` is the text with the nominal value and its station.
 pub(super) fn nominal_outside(band: &str, value: &str) -> String {
     format!("the nominal design is outside the band {band}; nominal: {value}. {CENTRE_FIRST}")
 }

@@ -208,8 +208,8 @@ impl FrontRecord {
 /// One design of the price list (smallest misfit for each size of the change).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PriceRecord {
-    /// Size of the change: root of a sum over the variables. Each term is the cost of the variable, times the square of (offset /
-    /// range).
+    /// Size of the change: root of a sum over the variables. Each term is the cost (weight) of the variable, times the square of
+    /// (offset / range).
     pub moved: f64,
     /// Smallest misfit with a change of this size, as a multiple of the tolerances.
     pub misfit: f64,
@@ -219,7 +219,7 @@ pub struct PriceRecord {
     pub most: Option<String>,
     /// Offset of that variable, in the study's axes and length unit. Degrees for a rotation.
     pub most_by: Option<f64>,
-    /// Offset of each variable, in the same units.
+    /// Offset of each variable. The units are the same as for `most_by`.
     pub offsets: Vec<f64>,
     /// True if the tuning keeps this design.
     pub kept: bool,

@@ -23,9 +23,9 @@ use crate::model::{Axis, Frame, FrameConvention, LengthUnit, Side};
 /// Conversion of columns from the unit and axes of a study to another unit and other axes.
 #[derive(Clone, Copy, Debug)]
 pub struct ColumnConversion {
-    /// Unit of the study.
+    /// Length unit of the study.
     pub from: LengthUnit,
-    /// Requested unit.
+    /// Requested length unit.
     pub to: LengthUnit,
     /// Axes of the study, and requested axes.
     pub axes: [FrameConvention; 2],
@@ -34,14 +34,14 @@ pub struct ColumnConversion {
 /// A column after the conversion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConvertedColumn {
-    /// Name with the new unit, and with the trail in the new unit.
+    /// Name with the new unit. A trail (distance of the side force behind the contact point) in the name has the new unit, too.
     pub name: String,
     powers: Powers,
     units: [LengthUnit; 2],
     sign: f64,
 }
 
-/// Powers of length, force and torque in the unit of a column.
+/// Powers of length, force and torque in the unit of a column, such as -1 for a length below the fraction line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Powers {
     length: i32,
@@ -64,15 +64,15 @@ impl ColumnConversion {
 }
 
 impl ConvertedColumn {
-    /// Name of the same result in a list of columns. It may differ from the own name in the last digits of the trail. The own
-    /// name if the list does not have the result.
+    /// Name of the same result in a list of columns. It may differ from this column's name in the last digits of the trail (a
+    /// length in the name). Without the same result in the list, the function returns this column's name.
     pub(super) fn name_in(&self, columns: &[String]) -> String {
         let mut columns = columns.iter();
         let same = columns.find(|column| is_same_result(column, &self.name));
         same.unwrap_or(&self.name).clone()
     }
 
-    /// Converts a value of the column.
+    /// Converts a value of the column to the new unit and axes.
     pub fn value(&self, value: f64) -> f64 {
         let [from, to] = self.units;
         let length = match self.powers.length {
@@ -85,12 +85,12 @@ impl ConvertedColumn {
         let newtons = from.newtons() / to.newtons();
         let levers = [from, to].map(|unit| unit.lever().0 / unit.per_metre());
         let newton_metres = newtons * levers[0] / levers[1];
-        // Adding 0 removes the sign of -0.
+        // Adding 0 turns -0 into 0.
         self.sign * length * newtons.powi(force) * newton_metres.powi(torque) + 0.0
     }
 }
 
-/// Motions with respect to which columns are differentiated.
+/// Motions by which columns are differentiated, as in `*_by_rack`.
 const MOTIONS: [&str; 4] = ["rack", "roll", "heave", "travel"];
 
 /// Relation of a column's values to the axes of the study.
@@ -101,10 +101,10 @@ pub(super) struct ColumnAxes {
     is_by_rack: bool,
 }
 
-/// Component that a column shows.
+/// Component of a vector that a column shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Component {
-    /// The axes do not determine the sign.
+    /// The column shows no component along an axis, so the axes do not determine its sign.
     None,
     /// Component along an axis.
     Along(Axis),
@@ -135,7 +135,7 @@ impl ColumnAxes {
         self.is_by_rack || self.component != Component::None
     }
 
-    /// Sign factor from the first axes to the second axes.
+    /// Sign factor that converts values of the column from the first axes to the second axes.
     pub(super) fn sign(self, axes: [FrameConvention; 2]) -> f64 {
         // The old and the new frame belong to the same wheel, so the side of the wheel has no effect.
         let [from, to] = axes.map(|convention| Frame::new(convention, Side::Left));
@@ -261,7 +261,7 @@ fn in_unit(name: &str, from: LengthUnit, to: LengthUnit) -> (String, Powers) {
 
 /// Word before the trail (distance of the side force behind the contact point) in the name of a test result.
 const TRAIL: &str = "_trail_";
-/// Number of digits of a trail in a name.
+/// Number of significant digits of a trail in the name of a test result.
 const TRAIL_DIGITS: usize = 6;
 /// Largest relative difference of two trails of the same test. The conversion and both names round the trail to six digits.
 const TRAIL_ROUNDING: f64 = 2e-5;

@@ -7,14 +7,14 @@ use crate::model::LengthUnit;
 /// Largest difference between equal stations, relative to the largest absolute value in the first table's column.
 const SAME: f64 = 1e-9;
 
-/// Column of the time.
+/// Name of the column with the time.
 pub(super) const TIME: &str = "time_s";
 
 /// Columns of angles that can drive a wheel.
 const ANGLES: [&str; 2] = ["arm_angle_deg", "theta_deg"];
 
-/// Column that identifies the stations of a wheel, together with the rack. It is the time, the angle that drives the wheel, or
-/// the travel.
+/// Name of the column that identifies the stations of a wheel, together with the rack. It is the time, the angle that drives the
+/// wheel, or the travel.
 fn drive(table: &CurveTable) -> &str {
     let mut given = [TIME].iter().chain(&ANGLES);
     let given = given.find(|name| table.column(name).is_some()).copied();
@@ -39,7 +39,8 @@ fn are_of_axles(tables: &[CurveTable], labels: &[&str], travel_left: &str) -> Re
     ))
 }
 
-/// Column that identifies the stations of all wheels, or an error if the wheels have different ones.
+/// Name of the column that identifies the stations in the tables of all wheels. An error if the tables of two wheels have different
+/// columns of this kind.
 fn common_drive<'t>(tables: &'t [CurveTable], labels: &[&str]) -> Result<&'t str, String> {
     let own = drive(&tables[0]);
     match tables.iter().position(|table| drive(table) != own) {
@@ -59,7 +60,8 @@ pub(super) struct CommonMotion {
     pub columns: Vec<String>,
     /// Names of the columns that identify a station: `columns`, and the time of axles.
     matched: Vec<String>,
-    /// Names of columns that repeat the motion. They are not compared.
+    /// Names of further columns that describe the motion, such as the wheel travels if heave is given. They are not compared as
+    /// outputs.
     repeated: Vec<String>,
 }
 
@@ -194,7 +196,7 @@ impl CommonMotion {
     }
 }
 
-/// Values of the columns with these names, row by row: 0 without the column, and NaN for an empty cell.
+/// Values of the columns with these names, row by row. The value is 0 if the table lacks the column, and NaN for an empty cell.
 fn places(table: &CurveTable, names: &[String]) -> Vec<Vec<f64>> {
     let columns: Vec<_> = names.iter().map(|name| table.column(name)).collect();
     let value = |row: usize, column: &Option<&[Option<f64>]>| match column {

@@ -28,9 +28,9 @@ pub struct Compared {
     pub topology: Option<String>,
     /// Curves. Lengths are in `unit`.
     pub curves: CurveTable,
-    /// Unit of the lengths in the curves and points.
+    /// Unit of the lengths in `curves` and `points`.
     pub unit: LengthUnit,
-    /// Axes of the curves. `None` for a run without a stored study.
+    /// Axes of the curves. `None` if they are not known, because the run has no stored study.
     pub axes: Option<FrameConvention>,
     /// Hardpoints, in `unit`.
     pub points: Option<ComparedPoints>,
@@ -48,13 +48,13 @@ pub struct Comparison {
     pub topologies: Vec<String>,
     /// Columns of the motion, which together identify a station.
     pub motion: Vec<StationColumn>,
-    /// Common stations, each with a value for every column of the motion.
+    /// Stations that all designs have, each with a value for every column of the motion.
     pub stations: Vec<Vec<f64>>,
     /// Curves that all designs have.
     pub outputs: Vec<ComparedOutput>,
     /// Stations of each design, with a value for every column of the motion.
     own_stations: Vec<Vec<Vec<f64>>>,
-    /// All curves at the stations of each design, including curves that some designs do not have.
+    /// All outputs at the stations of each design, including outputs that some designs do not have.
     own_outputs: Vec<OwnOutput>,
     /// Columns that some designs do not have, with the labels of the designs that have them.
     #[serde(skip)]
@@ -84,11 +84,11 @@ pub struct StationColumn {
 pub struct ComparedOutput {
     /// Name of the column, in the first design's unit.
     pub column: String,
-    /// Readable name.
+    /// Readable name of the output.
     pub title: String,
-    /// Readable unit.
+    /// Readable unit of the output.
     pub unit: String,
-    /// Values of each design at each station.
+    /// Values of each design at each station that all designs have. `None` if a value is missing.
     pub values: Vec<Vec<Option<f64>>>,
 }
 
@@ -98,11 +98,11 @@ struct OwnOutput {
     column: String,
     title: String,
     unit: String,
-    /// Values of each design at its own stations. `None` if the design does not have the column.
+    /// Values of each design at its own stations. `None` instead of a list if the design does not have the column.
     values: Vec<Option<Vec<Option<f64>>>>,
 }
 
-/// Topologies of the designs in their order, each once.
+/// Names of the topologies of the designs in their order, each once.
 fn topologies(designs: &[Compared]) -> Vec<String> {
     let mut topologies: Vec<String> = Vec::new();
     for topology in designs.iter().filter_map(|design| design.topology.as_ref()) {
@@ -426,7 +426,7 @@ fn side_by_side(designs: &[&Compared]) -> Result<(Vec<CurveTable>, CommonMotion)
     Ok((tables, motion))
 }
 
-/// Curves of a design in the unit and axes of the first design.
+/// Curves of the design `design`, converted to the unit and axes of the design `first`.
 fn like_first(design: &Compared, first: &Compared) -> Result<CurveTable, String> {
     let mut table = design.curves.clone();
     let depends_on_axes = |(name, values): (&String, &Vec<Option<f64>>)| {

@@ -8,10 +8,10 @@ use super::table::{Cell, Table};
 use crate::curves::{Curves, Status};
 use serde::{Deserialize, Serialize};
 
-/// Stations by status, and empty cells by reason.
+/// Numbers of stations by status (such as solved or failed), and of empty cells by reason.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Completeness {
-    /// Statuses, in the order of their first occurrence.
+    /// Statuses with their numbers of stations, in the order of their first occurrence.
     #[serde(default)]
     statuses: Vec<StatusCount>,
     /// Columns with empty cells. Neighbouring columns are listed together if they have equal numbers of empty stations and the same
@@ -26,12 +26,13 @@ struct StatusCount {
     stations: usize,
 }
 
-/// Empty cells at stations with a pose, except cells that are empty because of a toggle or a missing support.
+/// Empty cells of some columns at stations with a pose. Cells that are empty because of a rocker's toggle or a missing support do
+/// not count.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct EmptyCells {
     columns: Vec<String>,
     stations: usize,
-    /// True if no station has a value.
+    /// True if the columns have no value at any station.
     throughout: bool,
     reason: String,
 }

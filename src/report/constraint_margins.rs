@@ -10,11 +10,11 @@ use serde::Serialize;
 /// Margin of a constraint in one design.
 #[derive(Serialize)]
 pub(crate) struct ConstraintMargin {
-    /// Name, with the limits.
+    /// Name of the constraint, with its limits.
     pub name: String,
-    /// Smallest margin to a limit in `unit`. Negative if the constraint is violated, NaN if a value is missing.
+    /// Distance from the value to the nearest limit, in `unit`. Negative if the constraint is violated, NaN if a value is missing.
     pub margin: f64,
-    /// Unit of the margin.
+    /// Unit of `margin`.
     pub unit: String,
     /// True if the constraint is violated by more than rounding errors, or if the margin is NaN.
     pub is_violated: bool,

@@ -1,6 +1,6 @@
 //! Contrast of two colours by WCAG 2.2, for tests of pages and charts.
 
-/// Relative luminance of a colour such as `#0b63c5`.
+/// Relative luminance (WCAG 2.2, from 0 for black to 1 for white) of a colour such as `#0b63c5`.
 pub(crate) fn luminance(colour: &str) -> f64 {
     let part = |k: usize| {
         let value = u8::from_str_radix(&colour[k..k + 2], 16).unwrap();

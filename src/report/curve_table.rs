@@ -4,7 +4,7 @@ use super::figure::to_digits;
 use crate::curves::Status;
 use serde::{Deserialize, Serialize};
 
-/// Columns of numbers, and the column `status` if there is one.
+/// Columns of numbers from a CSV file, and the column `status` if the file has one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CurveTable {
     /// Names of the numeric columns.
@@ -61,7 +61,7 @@ impl CurveTable {
         self
     }
 
-    /// Number of rows.
+    /// Number of rows of the table.
     pub fn rows(&self) -> usize {
         self.columns.first().map_or(0, Vec::len)
     }

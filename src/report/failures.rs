@@ -67,8 +67,8 @@ impl fmt::Display for FailureRange {
     }
 }
 
-/// Index of the given coordinate in which two stations differ. `None` if they differ in several coordinates, or in the
-/// rack.
+/// Index of the motion coordinate in which two stations differ. Only coordinates that the study gives are compared. `None` if the
+/// stations differ in several of them, or in the rack.
 fn moves_on(curves: &Curves, first: usize, last: usize) -> Option<usize> {
     let [first, last] = [first, last].map(|station| &curves.stations[station].at);
     let given = (0..curves.motion.len()).filter(|k| curves.motion[*k].is_given);
@@ -87,8 +87,8 @@ fn continues(curves: &Curves, [first, last]: [usize; 2], next: usize) -> bool {
         && (first == last || along == moves_on(curves, first, first + 1))
 }
 
-/// Position of neighbouring stations in words. One coordinate changes from station to station. The text has its range, because
-/// a motion over time may reverse within the stations.
+/// Position of neighbouring stations in words. One coordinate changes from station to station. The text has the smallest and the
+/// largest value of this coordinate, because a motion over time may reverse within the stations.
 fn place(curves: &Curves, first: usize, last: usize) -> String {
     let text = place_in_words(curves, first);
     let along = (first < last).then(|| moves_on(curves, first, first + 1));

@@ -38,8 +38,8 @@ pub fn brief(value: f64) -> String {
     without_zeros(&format!("{value:.decimals$}")).to_owned()
 }
 
-/// Compares the end of a range with its wanted value: `ends at 7.5, not 8`. If both values have the same six digits, the text
-/// states the difference: `ends 2e-6 below 8`. A difference of at most 1e-9 is a rounding error: `reaches 8`.
+/// Compares the end of a range (`value`) with the requested end (`wanted`): `ends at 7.5, not 8`. If both have the same six digits,
+/// the text states the difference: `ends 2e-6 below 8`. A difference of at most 1e-9 is a rounding error: `reaches 8`.
 pub fn ends_at(value: f64, wanted: f64) -> String {
     let (reached, target) = (brief(value), brief(wanted));
     if reached != target {
@@ -62,8 +62,8 @@ pub fn figure(value: f64, unit: &str) -> String {
     }
 }
 
-/// Formats values side by side, with the decimals of the largest value. A value that would have fewer than two digits gets its
-/// own decimals. The text of an unknown value is empty.
+/// Formats values side by side, with the number of decimals that suits the largest value. A value that would have fewer than two
+/// digits gets its own decimals. The text of an unknown value is empty.
 pub fn figures<const N: usize>(values: [Option<f64>; N], unit: &str) -> [String; N] {
     let largest = values
         .iter()
@@ -128,7 +128,7 @@ pub fn with_minus_signs(text: &str) -> String {
     shown
 }
 
-/// Formats with this number of decimals, without a negative zero.
+/// Formats a number with this many decimals, without a negative zero.
 pub fn with_decimals(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {
@@ -197,7 +197,7 @@ fn size(unit: &str) -> f64 {
     size.powi(power)
 }
 
-/// Power of ten of the first digit.
+/// Power of ten of the number's first digit: 2 for 350.
 fn magnitude(value: f64) -> i32 {
     value.abs().log10().floor() as i32
 }

@@ -26,7 +26,7 @@ pub fn motion_names(curves: &Curves) -> Vec<String> {
     written.map(MotionColumn::name).collect()
 }
 
-/// Values of the motion's columns in files, at one station.
+/// Values of the motion's columns at one station, as cells of CSV files.
 fn motion_values(curves: &Curves, station: &Station) -> Vec<String> {
     let all = curves.motion.iter().zip(&station.at);
     let written = all.filter(|(column, _)| column.is_written);

@@ -22,7 +22,7 @@ pub enum FinishedRun {
 #[derive(Debug, thiserror::Error)]
 #[error("{path}: {reason}")]
 pub struct NotARun {
-    /// Directory, or file in it.
+    /// Directory of the run, or a file in this directory.
     pub path: PathBuf,
     /// Error in the file.
     pub reason: String,

@@ -11,19 +11,19 @@ use serde::{Deserialize, Serialize};
 pub enum FittedOffset {
     /// The offset is between two ends. One of them may be the end of the range.
     TwoSided {
-        /// Lowest offset.
+        /// Lowest offset of the interval.
         offset_lower: f64,
-        /// Highest offset.
+        /// Highest offset of the interval.
         offset_upper: f64,
     },
     /// The variable is at its lower bound, so the interval has only an upper end.
     AtMost {
-        /// Highest offset.
+        /// Highest offset of the interval.
         offset_upper: f64,
     },
     /// The variable is at its upper bound, so the interval has only a lower end.
     AtLeast {
-        /// Lowest offset.
+        /// Lowest offset of the interval.
         offset_lower: f64,
     },
     /// The offset can be anywhere in the range.
@@ -81,8 +81,8 @@ impl FittedOffset {
         }
     }
 
-    /// Number of useful decimals of the offset. They show two digits of a quarter of the interval's width. The width of an
-    /// interval with one end is the distance of this end from the offset. `None` if there is no width.
+    /// Number of useful decimals of the variable's offset. They show two digits of a quarter of the interval's width. If the
+    /// interval has only one end, its distance from the offset counts as the width. `None` without a width above 0.
     pub(super) fn decimals(&self, offset: Option<f64>) -> Option<usize> {
         let width = match (self.ends(), offset) {
             ([Some(lower), Some(upper)], _) => upper - lower,
@@ -93,7 +93,7 @@ impl FittedOffset {
         (error > 0.0).then(|| (1.0 - error.log10().floor()).clamp(0.0, 12.0) as usize)
     }
 
-    /// Interval in words, with this number of decimals, or with six digits.
+    /// Interval in words, with `decimals` decimals. Without `decimals`, numbers have six digits.
     fn in_words(&self, decimals: Option<usize>) -> String {
         let show = |value: f64| {
             let text = decimals.map_or_else(|| brief(value), |d| with_decimals(value, d));
@@ -117,7 +117,7 @@ impl FittedOffset {
         ]
     }
 
-    /// Table cells in the columns of [`FittedOffset::columns`].
+    /// Table cells for the columns of [`FittedOffset::columns`]. Without `decimals`, numbers have six digits.
     pub(super) fn cells(&self, decimals: Option<usize>) -> [Cell; 4] {
         let half = match self {
             FittedOffset::NotDetermined => Cell::from("not determined"),

@@ -1,10 +1,10 @@
-//! Columns for the coordinates that the motion of an axle gives, in tables with one row per position.
+//! Columns for the coordinates that define the motion of an axle (such as roll or the rack), in tables with one row per position.
 
 use crate::ask::degrees;
 use crate::axle::{Axle, AxlePlan, Coordinate, Placement};
 use crate::model::Axis;
 
-/// Names and values of the coordinates that an axle's motion gives.
+/// Names and values of the coordinates that define an axle's motion in its study.
 pub(super) struct GivenColumns<'a> {
     pub plan: &'a AxlePlan,
     pub axle: &'a Axle,

@@ -14,10 +14,10 @@
 //! exceeds the second best by at least [`LEAD`], and each of its cosines is at least [`LEAST_COSINE`]. Otherwise the points do
 //! not determine the axes.
 
-/// Smallest lead of the best reading's score over the second best. An error of 90 degrees in one direction reduces the score by
-/// 1.
+/// Smallest lead of the best reading's score over the second best score. An error of 90 degrees in one direction reduces the score
+/// by 1.
 pub(crate) const LEAD: f64 = 0.5;
-/// Smallest cosine of the angle between a direction and its coordinate.
+/// Smallest cosine of the angle between a direction of the suspension and the coordinate that the reading assigns to it.
 pub(crate) const LEAST_COSINE: f64 = 0.6;
 
 /// Pairs of hardpoints: in a suspension, the first point is above the second.
@@ -85,7 +85,7 @@ const OUTBOARD: &[(&str, &str)] = &[
     ("wheel_centre", "shear_centre"),
 ];
 
-/// Index of a coordinate, and the sign of a direction along this coordinate.
+/// Index of the coordinate that a direction follows, and the sign of the direction along it.
 pub(crate) type Signed = (usize, f64);
 
 /// Assignment of a coordinate and a sign to each of the directions forward, outboard and up.
@@ -97,7 +97,7 @@ pub(crate) struct Reading {
 }
 
 impl Reading {
-    /// All 48 readings.
+    /// All 48 readings (assignments of coordinates and signs to the directions).
     pub(crate) fn all() -> impl Iterator<Item = Reading> {
         const ORDERS: [[usize; 3]; 6] = [
             [0, 1, 2],
@@ -126,14 +126,14 @@ pub(crate) struct Directions {
     up: Option<[f64; 3]>,
 }
 
-/// Result of comparing the allowed readings with the points.
+/// Result of a comparison of several readings with the points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Verdict {
     /// The points show this reading.
     Clear(Reading),
     /// The points cannot distinguish this reading from another one.
     Unclear(Reading),
-    /// No reading is allowed.
+    /// The caller allows no reading.
     None,
 }
 
@@ -178,7 +178,7 @@ impl Directions {
         ]
     }
 
-    /// Sum of the cosines of the known directions.
+    /// Score of a reading: sum of the cosines between the known directions and their coordinates.
     pub(crate) fn score(&self, reading: &Reading) -> f64 {
         self.cosines(reading).into_iter().flatten().sum()
     }
@@ -244,7 +244,7 @@ impl Directions {
     }
 }
 
-/// Unit vector in this direction. `None` without a finite length above 0.
+/// Unit vector in the direction of `vector`. `None` if its length is not finite or is 0.
 fn unit(vector: [f64; 3]) -> Option<[f64; 3]> {
     let length = vector[0].hypot(vector[1]).hypot(vector[2]);
     (length > 0.0 && length.is_finite()).then(|| vector.map(|x| x / length))

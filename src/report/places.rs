@@ -22,7 +22,7 @@ pub struct Places {
     pub clearances: Vec<Clearance>,
 }
 
-/// A shape that does not move.
+/// A shape of a region that does not move with the suspension.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Shape {
     /// Name of the constraint.
@@ -54,7 +54,7 @@ pub struct Clearance {
     pub name: String,
     /// Indices of the two end points of each member.
     pub members: [[usize; 2]; 2],
-    /// Smallest allowed distance between the centre lines of the members.
+    /// Smallest allowed distance between the centre lines of the two members.
     pub least: f64,
 }
 
@@ -70,8 +70,8 @@ impl Places {
         places
     }
 
-    /// Adds the region of a constraint. Constraints without a region add nothing. `size` is the wheel radius, or half the size of
-    /// the suspension if the radius is unknown.
+    /// Adds the region of a constraint to the drawing. Constraints without a region add nothing. `size` is the wheel radius, or
+    /// half the size of the suspension if the radius is unknown.
     fn add(&mut self, constraint: &Constraint, frame: &Frame, design: &[Vector3<f64>], size: f64) {
         let name = || constraint.name.clone();
         let Some(first) = constraint.parts.first() else {
@@ -152,7 +152,7 @@ impl Places {
     }
 }
 
-/// First part of a constraint with a measure of this kind.
+/// First part of a constraint whose measured quantity satisfies `is_wanted`.
 fn part_of(constraint: &Constraint, is_wanted: fn(&Measure) -> bool) -> Option<&Limited> {
     let mut parts = constraint.parts.iter();
     parts.find(|part| is_wanted(&part.of))
@@ -179,7 +179,8 @@ fn rim(constraint: &Constraint, point: PointId, size: f64) -> Rim {
     }
 }
 
-/// Centre and half edge lengths of the box that limits three coordinates.
+/// Centre and half edge lengths of the box whose sides limit the three coordinates of a point. `None` unless all three have two
+/// limits.
 fn inner_box(parts: &[Limited]) -> Option<(Vector3<f64>, Vector3<f64>)> {
     let mut limits = [None; 3];
     for part in parts {
@@ -196,7 +197,7 @@ fn inner_box(parts: &[Limited]) -> Option<(Vector3<f64>, Vector3<f64>)> {
 
 type Lines = Vec<Vec<Vector3<f64>>>;
 
-/// Path around the corners of a square.
+/// Corners of a square in order. The last one repeats the first, so that the path is closed.
 const AROUND: [[f64; 2]; 5] = [
     [-1.0, -1.0],
     [1.0, -1.0],

@@ -59,7 +59,7 @@ pub fn plausibility(suspension: &Suspension) -> Result<Vec<String>, DesignFault>
     Ok(found)
 }
 
-/// Warnings about a suspension, without the warning about the track, which concerns both wheels.
+/// Warnings about a suspension, without the warning about the track (distance between both wheels), which concerns both wheels.
 fn wheel_plausibility(suspension: &Suspension) -> Result<Vec<String>, DesignFault> {
     let doubts = doubts(suspension)?;
     let slip = (!doubts.is_empty()).then(|| slip::explains(suspension));
@@ -140,7 +140,7 @@ impl<'a> PlausibilityRemarks<'a> {
         self.suspension.mechanism.name(id)
     }
 
-    /// Warning if the points show different axes than the study states. Columns may be in another order, or a sign may be wrong.
+    /// Warning if the points show other axes than the study states. Columns may be in another order, or a sign may be wrong.
     fn axes(&mut self) {
         let points = self.suspension.mechanism.points.iter();
         let points: Vec<(&str, [f64; 3])> = points
@@ -263,8 +263,8 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Warning about the range of a variable that moves points. A range of the wrong kind is also too large; it gives only one
-    /// warning.
+    /// Warning about the range of a variable that moves points: a range of offsets instead of coordinates (or the reverse), or else
+    /// a range that is too large. A range of the wrong kind is usually also too large, so only the first warning is given.
     fn variable(&mut self, moves: &[Move], absolute: bool, range: [f64; 2]) {
         let before = self.found.len();
         self.range(moves, absolute, range);
@@ -333,7 +333,7 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Warnings about lengths of wheel and vehicle that are not plausible in the study's unit, or beside the wheel radius.
+    /// Warnings about lengths of wheel and vehicle that are not plausible: in the study's unit, or compared with the wheel radius.
     fn figures(&mut self) {
         let Suspension {
             vehicle,
@@ -360,7 +360,7 @@ impl<'a> PlausibilityRemarks<'a> {
                 ));
             }
         }
-        // A length that is plausible in metres is compared with the wheel radius.
+        // A length that is plausible in metres is also compared with the wheel radius.
         for (name, length, in_metres, [least, most]) in [
             (
                 "wheelbase",
@@ -395,7 +395,7 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Warnings about camber, toe and motion ratio.
+    /// Warnings about camber, toe and motion ratio in the design position.
     fn angles(&mut self) -> Result<(), DesignFault> {
         let Some(view) = design_reading(self.suspension)? else {
             return Ok(());

@@ -10,11 +10,11 @@ pub(super) struct Range {
     /// Unit of the column. Empty for a dimensionless number.
     #[serde(default)]
     unit: String,
-    /// Value in the design position, if it is known.
+    /// Value of the column in the design position, if it is known.
     at_design: Option<f64>,
-    /// Smallest value. `None` if no station has a value.
+    /// Smallest value of the column. `None` if no station has a value.
     min: Option<f64>,
-    /// Largest value. `None` if no station has a value.
+    /// Largest value of the column. `None` if no station has a value.
     max: Option<f64>,
 }
 
@@ -39,7 +39,7 @@ impl Range {
         self.at_design.filter(|_| self.output == column)
     }
 
-    /// Table of the ranges. CSV and JSON also have a column with the unit.
+    /// Table of the ranges of columns. CSV and JSON also have a column with the unit.
     pub(super) fn table(ranges: &[Range]) -> Table {
         let mut table = Table::with_columns(Range::columns());
         for range in ranges {
@@ -48,7 +48,7 @@ impl Range {
         table
     }
 
-    /// Machine-readable table of the ranges over several motions, each with its name.
+    /// Machine-readable table of the ranges of columns over several motions. Each motion has a name.
     pub(super) fn table_of_motions(motions: &[(&str, Vec<Range>)]) -> Table {
         let mut table =
             Table::with_columns([Column::from("motion")].into_iter().chain(Range::columns()));

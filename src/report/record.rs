@@ -51,21 +51,22 @@ pub struct Record {
 /// Curves over one motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MotionRecord {
-    /// Column of the drive value. For an axle: column of the first coordinate that moves.
+    /// Column of the drive value (the coordinate that moves the wheel: travel or an angle). For an axle: column of the first
+    /// coordinate that moves.
     pub drive: String,
     /// Other columns that can be on the horizontal axis. For a wheel: travel if an angle drives the motion, and time. For an axle:
     /// the other coordinates that change.
     pub abscissae: Vec<String>,
     /// Column of the rack displacement, if the rack moves.
     pub rack: Option<String>,
-    /// Columns of the other coordinates that move, for an axle.
+    /// For an axle: columns of the other coordinates that move.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub further: Vec<String>,
     /// Descriptions of the columns of the curves.
     pub outputs: Vec<OutputRecord>,
-    /// Targets of the tuning.
+    /// Targets of the tuning on this motion.
     pub targets: Vec<TargetRecord>,
-    /// Target bands.
+    /// Target bands (lower and upper limits of outputs) on this motion.
     #[serde(default)]
     pub bands: Vec<BandCurve>,
     /// Designs of the run, the tuned one last.
@@ -100,9 +101,9 @@ pub struct OutputRecord {
 pub struct TargetRecord {
     /// Column of the target.
     pub column: String,
-    /// Tolerance in the column's unit.
+    /// Tolerance of the target in the column's unit.
     pub tolerance: f64,
-    /// Drive values and target values, in the units of the CSV files.
+    /// Points of the target: drive value (travel or angle of the station) and target value, in the units of the CSV files.
     pub points: Vec<[f64; 2]>,
     /// For an axle: column that replaces the drive value in `points`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -112,14 +113,14 @@ pub struct TargetRecord {
     pub held: Vec<(String, f64)>,
 }
 
-/// A target band, at its stations.
+/// A target band (lower and upper limit of an output) at its stations.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BandCurve {
-    /// Column of the band.
+    /// Column of the output that the band limits.
     pub column: String,
     /// Drive value, lower limit and upper limit, in the units of the CSV files, sorted by drive value. `None` without a limit.
     pub limits: Vec<(f64, Option<f64>, Option<f64>)>,
-    /// Tolerance in the column's unit.
+    /// Tolerance of the band in the column's unit.
     #[serde(default)]
     pub tolerance: f64,
 }
@@ -131,12 +132,12 @@ pub struct DesignRecord {
     pub label: String,
     /// Name of the file with its curves.
     pub curves: String,
-    /// Number of stations.
+    /// Number of stations of the design's curves.
     pub stations: usize,
     /// Remarks on the accuracy of the curves.
     #[serde(default)]
     pub remarks: Vec<String>,
-    /// Failed stations.
+    /// Ranges of stations without a pose, with their reasons.
     pub failures: Vec<FailureRange>,
     /// Poses at some stations. Empty if they equal the poses of the last design.
     pub frames: Vec<Frame>,
@@ -254,8 +255,8 @@ fn targets(study: &Study, name: Option<&str>) -> Vec<TargetRecord> {
 }
 
 impl BandCurve {
-    /// Curve of a tolerance band. `drives` has the printed drive values of the motion, in any order. Without a drive value of its
-    /// own, the band extends from the smallest to the largest of them.
+    /// Curve of a tolerance band (allowed range of an output). `drives` has the printed drive values (travels or angles) of the
+    /// motion, in any order. A band without its own drive value extends from the smallest to the largest of them.
     pub fn of_tolerance(band: &Band, drives: &[f64]) -> Self {
         let [low, high] = limits_of(band);
         let drives = || drives.iter().copied();
@@ -293,7 +294,7 @@ impl TargetRecord {
         }
     }
 
-    /// Coordinates in `held` with their values, in words: `heave 0 mm`. `None` if there are none.
+    /// Coordinates in `held` with their values, in words: `heave 0 mm`. `None` if `held` is empty.
     pub(super) fn held_in_words(&self) -> Option<String> {
         let held = self.held.iter();
         let words: Vec<String> = held.map(|(column, at)| in_words(column, *at)).collect();

@@ -143,7 +143,7 @@ impl Run {
     }
 }
 
-/// State of a run in `summary.json`, and the other keys of this file.
+/// State of a run in `summary.json` (such as whether it was interrupted), and the other keys of this file.
 #[derive(Deserialize)]
 struct State {
     #[serde(default)]
@@ -183,7 +183,7 @@ impl Folder<'_> {
         }
     }
 
-    /// Content of a file with this name in the folder itself.
+    /// Content of the file with this name, which must be in the folder itself.
     fn bytes(&self, name: &str) -> Result<Cow<'_, [u8]>, NotARun> {
         // The names come from a file, so they could lead out of the directory.
         if Path::new(name).file_name() != Some(name.as_ref()) {

@@ -27,7 +27,7 @@ pub struct Scene {
     pub right_wheel_centre: Option<usize>,
 }
 
-/// Direction of sight.
+/// Direction of sight on the drawing of a mechanism.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sight {
     /// From the front: the car's left is on the right.
@@ -59,7 +59,7 @@ pub struct SceneBody {
     pub name: String,
     /// Kind of the body.
     pub kind: BodyKind,
-    /// Lines of the body, at least one. Each line has the indices of the points through which it runs.
+    /// Lines of the body, at least one. Each line has the indices of the points through which it runs, in order.
     pub lines: Vec<Vec<usize>>,
 }
 
@@ -193,7 +193,7 @@ fn bodies(mechanism: &Mechanism) -> Vec<SceneBody> {
     parts.bodies
 }
 
-/// Bodies of a drawing, with the joints and the strut found so far.
+/// Bodies of a drawing that is being made, with the joints and the strut found so far.
 #[derive(Default)]
 struct Parts {
     bodies: Vec<SceneBody>,

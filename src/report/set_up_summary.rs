@@ -73,23 +73,23 @@ pub struct SetUpSummary {
 /// A static value with its target and results.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StaticRecord {
-    /// Name with unit.
+    /// Name of the static value, with its unit.
     pub column: String,
-    /// Value of the nominal design.
+    /// Static value of the nominal design.
     pub nominal: Option<f64>,
-    /// Value with the computed amounts. For a shim, the computed amount is a whole number of shims.
+    /// Static value with the computed amounts of all adjustments. For a shim, the computed amount is a whole number of shims.
     pub set: Option<f64>,
     /// Target value, or the nominal value that the set-up keeps (see `kept`). `None` without a target.
     pub wanted: Option<f64>,
     /// True if the study has no target for this value, but the set-up keeps it at its nominal value.
     pub kept: bool,
-    /// Computed value minus target value.
+    /// Static value with the computed amounts minus target value.
     pub miss: Option<f64>,
     /// Allowed size of `miss`: effect of half a step of each shim adjustment. 0 for a value that a thread sets.
     pub allowed: f64,
-    /// Value with the rounded amounts.
+    /// Static value with the rounded amounts of all adjustments, which a mechanic can set.
     pub set_rounded: Option<f64>,
-    /// Rounded value minus target value.
+    /// Static value with the rounded amounts minus target value.
     pub miss_rounded: Option<f64>,
     /// Allowed size of `miss_rounded`: `allowed`, plus the effect of half a sixteenth of a turn of each threaded adjuster. For
     /// lengths without a thread or shims, half the smallest change counts.
@@ -114,19 +114,20 @@ pub struct AdjustmentRecord {
     pub turns: Option<f64>,
     /// Number of shims of the computed amount, with the sign of `amount`. `None` without shims.
     pub shims: Option<f64>,
-    /// Amount that a mechanic can set, in the length unit.
+    /// Rounded amount of the adjustment, which a mechanic can set, in the length unit.
     pub amount_rounded: f64,
-    /// Amount that a mechanic can set, in turns, for a threaded adjuster.
+    /// Rounded amount of the adjustment, which a mechanic can set, in turns, for a threaded adjuster.
     pub turns_rounded: Option<f64>,
     /// Change of each static value per length unit of this adjustment, at the nominal design.
     pub by_length: Vec<Option<f64>>,
     /// Change of each static value per turn of this adjustment, for a threaded adjuster.
     pub by_turn: Option<Vec<Option<f64>>>,
-    /// Static values after this step, with the computed amounts.
+    /// Static values after this step (adjustment), with the computed amounts.
     pub after: Vec<Option<f64>>,
-    /// Change of each static value in this step, with the rounded amount.
+    /// Change of each static value in this step (adjustment), with the rounded amount.
     pub effect: Vec<Option<f64>>,
-    /// The changes in words, such as "camber -0.42 deg, toe +0.03 deg". Changes that a mechanic cannot measure are left out.
+    /// These changes of static values in words, such as "camber -0.42 deg, toe +0.03 deg". Changes that a mechanic cannot measure
+    /// are left out.
     pub effect_in_words: String,
 }
 
@@ -242,8 +243,8 @@ impl SetUpSummary {
         })
     }
 
-    /// Machine-readable table of the steps: the adjustments in order, with the static values after each. Further rows have the
-    /// static values of the nominal design, their targets, and their values with the rounded amounts.
+    /// Machine-readable table of the steps: the adjustments in order, with the static values after each of them. Further rows have
+    /// the static values of the nominal design, their targets, and their values with the rounded amounts.
     pub fn steps_table(&self) -> Table {
         let amount = format!("amount {}", self.unit);
         let columns = ["step".to_owned(), amount, "turns".into(), "shims".into()];
@@ -329,7 +330,8 @@ impl SetUpSummary {
         tables.collect()
     }
 
-    /// Table of target values and results. Each value has a row with the computed and a row with the rounded amounts.
+    /// Table of the target values and the resulting static values. Each static value has a row with the computed and a row with the
+    /// rounded amounts.
     pub fn results(&self) -> Table {
         let header = [
             "static value",
@@ -419,7 +421,7 @@ fn static_name(value: Static) -> String {
     }
 }
 
-/// Number with six digits for people. A value below 1e-9 becomes 0.
+/// Table cell with a number for people: six digits. A value below 1e-9 becomes 0.
 fn figure(value: Option<f64>) -> Cell {
     Cell::by(value, |value| {
         if value.abs() < 1e-9 {

@@ -7,10 +7,10 @@ use crate::{PlaceCoordinate, SideEffect};
 
 /// Significant digits for an output without a tolerance.
 const DIGITS: f64 = 3.0;
-/// Largest number of rows on the terminal, unless more are flagged.
+/// Largest number of side effects in the table on the terminal. If more side effects are flagged, all flagged ones are shown.
 const MOST_ROWS: usize = 10;
 
-/// Decimals for values with this tolerance: one more than the first digit of the tolerance needs.
+/// Number of decimals for values with this tolerance: one more than the first digit of the tolerance needs.
 pub(super) fn decimals_beside(tolerance: f64) -> usize {
     (1.0 + (-tolerance.log10()).ceil()).clamp(0.0, 9.0) as usize
 }
@@ -25,7 +25,7 @@ pub(super) fn range_in_words(ends: [f64; 2], decimals: usize) -> String {
     }
 }
 
-/// Decimals for the values of a side effect, as in [`decimals_beside`]. Without a tolerance, the largest value has three
+/// Number of decimals for the values of a side effect, as in [`decimals_beside`]. Without a tolerance, the largest value has three
 /// significant digits.
 fn decimals(effect: &SideEffect) -> usize {
     let ends = [
@@ -52,7 +52,7 @@ fn in_three_digits(tolerance: f64) -> String {
     brief((tolerance * digits).round() / digits)
 }
 
-/// Largest change that no target requests, as text with its sign.
+/// Largest change of the output that no target requests, as text with its sign. `None` without such a change.
 fn change(effect: &SideEffect) -> Option<String> {
     let change = effect.largest_change?;
     let text = with_decimals(change, decimals(effect));

@@ -1,13 +1,13 @@
 //! Slips in a table of points: one coordinate with the wrong sign or the decimal point in the wrong position.
 
-/// A coordinate that is probably wrong.
+/// A coordinate with a probable typing error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Slip {
-    /// Index of the point.
+    /// Index of the point in the table.
     pub(crate) point: usize,
-    /// Index of the coordinate.
+    /// Index of the coordinate in the point: 0 to 2.
     pub(crate) axis: usize,
-    /// Value that fits the other points.
+    /// Value of the coordinate that fits the other points.
     pub(crate) likely: f64,
     /// True for a wrong sign, false for a wrong decimal place.
     pub(crate) is_sign: bool,

@@ -35,10 +35,10 @@ pub struct SolveSummary {
     failed: Vec<FailedStation>,
     /// Range of each column of the curves.
     outputs: Vec<Range>,
-    /// Accuracy, if at least one pose exists.
+    /// Conditioning of the poses along the motion, if at least one pose exists.
     #[serde(default)]
     condition: Option<ConditionSummary>,
-    /// Certificate, if the study requests one.
+    /// Summary of the certificates of the poses, if the study requests certificates.
     #[serde(default)]
     certificate: Option<CertificateSummary>,
     /// Counts of the solver's effort, such as Newton iterations. `None` for an axle.
@@ -63,7 +63,7 @@ struct Left {
 struct FailedStation {
     #[serde(default)]
     station: usize,
-    /// Position in words.
+    /// Position of the station on the motion, in words.
     #[serde(default)]
     at: String,
     /// Coordinates of the station, for a study of one wheel.
@@ -74,8 +74,8 @@ struct FailedStation {
 }
 
 impl SolveSummary {
-    /// Summarises curves. `design` has the curves of the design position alone. Without `design`, these values come from the
-    /// station at the design position, if there is one.
+    /// Summarises the curves of a solve. `design` has the curves of the design position alone. Without `design`, the values in the
+    /// design position come from the station there, if the motion has one.
     pub fn of(study: &Study, curves: &Curves, design: Option<&Curves>) -> Self {
         let wheel = study.wheel();
         let stations = curves.stations.iter().enumerate();
@@ -141,7 +141,7 @@ impl SolveSummary {
     }
 
     fn ranges_of_motion(&self, curves: &Curves) -> Vec<Range> {
-        // A motion need not contain the design position, whose values are the same in all motions.
+        // A motion need not contain the design position. The values in the design position are the same in all motions.
         ranges(curves, |column| {
             let name = &curves.columns[column].name;
             self.outputs.iter().find_map(|own| own.at_design_of(name))

@@ -62,7 +62,8 @@ impl Column {
         }
     }
 
-    /// Name for programs, without a number. Spaces and hyphens become underscores: `at design` -> `at_design`.
+    /// Name of the column for programs, before equal names get a number. Spaces and hyphens become underscores: `at design` ->
+    /// `at_design`.
     fn key(&self) -> String {
         self.name.unwrap_or(&self.title).replace([' ', '-'], "_")
     }
@@ -90,7 +91,7 @@ impl From<&str> for Column {
 pub struct Table {
     columns: Vec<Column>,
     rows: Vec<Vec<Cell>>,
-    /// Number of leading columns for people that identify a row.
+    /// Number of leading columns for people that together identify a row.
     keys: usize,
     /// Indices of the rows that are headings of the rows below them.
     headings: Vec<usize>,
@@ -102,7 +103,7 @@ impl Table {
         Table::with_columns(header)
     }
 
-    /// Makes an empty table whose columns depend on its content or its format.
+    /// Makes an empty table from a list of columns. The list may depend on the content or the format of the table.
     pub fn with_columns(columns: impl IntoIterator<Item: Into<Column>>) -> Self {
         Table {
             columns: columns.into_iter().map(Into::into).collect(),
@@ -133,7 +134,7 @@ impl Table {
         self.rows.push(row);
     }
 
-    /// True if the row with this index is a heading.
+    /// True if the row with this index is a heading for the rows below it.
     pub(super) fn is_heading(&self, row: usize) -> bool {
         self.headings.contains(&row)
     }

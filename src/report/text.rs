@@ -49,12 +49,12 @@ pub(super) fn broken(text: &str, width: usize) -> Vec<String> {
     lines
 }
 
-/// Number of characters in the last line.
+/// Number of characters in the last of these lines.
 fn last(lines: &[String]) -> usize {
     lines.last().map_or(0, |line| line.chars().count())
 }
 
-/// Number of characters in the longest part of a text that breaks at spaces and joints only.
+/// Number of characters in the longest part of a text whose lines break only at spaces and after the characters in [`JOINTS`].
 pub(super) fn widest(text: &str) -> usize {
     let parts = text
         .split(' ')
@@ -142,7 +142,8 @@ pub fn is_printable(text: &str) -> bool {
         .all(|c| "\n\t".contains(c) || !(c.is_control() || turns(c)))
 }
 
-/// True for marks, embeddings, overrides and isolates of bidirectional text, and for line separators.
+/// True for characters that change the direction of reading (marks, embeddings, overrides and isolates of bidirectional text), and
+/// for line separators.
 fn turns(c: char) -> bool {
     matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }

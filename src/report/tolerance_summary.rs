@@ -1,4 +1,5 @@
-//! Results of a tolerance analysis, as tables and files.
+//! Results of a tolerance analysis, as tables and files. A build is a random sample of the manufactured suspension; a contributor
+//! is a scattering part: a point, a length, a jig or a rate.
 
 mod values;
 
@@ -44,9 +45,9 @@ pub struct ToleranceSummary {
     /// For an axle: columns of the coordinates that give the position of a value on the motion.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub places: Vec<String>,
-    /// All evaluated values.
+    /// Scatter of all outputs at all positions.
     pub values: Vec<ValueRecord>,
-    /// Bands of the values, with their yields.
+    /// Bands (allowed ranges of outputs), with their yields (shares of builds within the bands).
     pub bands: Vec<BandRecord>,
     /// Sentences about the bands that the nominal design misses.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -66,9 +67,9 @@ pub struct RejectRecord {
     pub reason: String,
     /// Number of builds rejected for this reason.
     pub builds: u64,
-    /// Number of the first rejected build.
+    /// Number of the first build that was rejected for this reason.
     pub first: u64,
-    /// Explanation of the first rejection, in words.
+    /// Explanation of this first rejection, in words.
     pub what: String,
 }
 
@@ -77,9 +78,9 @@ pub struct RejectRecord {
 pub struct RankingRecord {
     /// Name of the contributor.
     pub contributor: String,
-    /// Largest share of this contributor in the variance of a value that has a band.
+    /// Largest share of this contributor in the variance of an output that has a band (allowed range).
     pub share: f64,
-    /// Output of this value.
+    /// Output in whose variance the contributor has this share.
     #[serde(default)]
     pub output: String,
     /// Predicted yield if the tolerance of this contributor is halved.
@@ -174,7 +175,7 @@ impl ToleranceSummary {
         summary
     }
 
-    /// Removes the histograms of values that the page does not show with a band.
+    /// Removes the histograms of values, except those that the page shows with a band.
     fn keep_drawn_histograms(&mut self) {
         let bands = self.bands.iter();
         let drawn: Vec<ValueRecord> = bands
@@ -192,7 +193,7 @@ impl ToleranceSummary {
         self.yield_of_all.map(percent)
     }
 
-    /// Line that describes the run.
+    /// Line that describes the tolerance analysis.
     pub fn headline(&self) -> String {
         let aligned = if self.aligned {
             ", aligned"
@@ -296,7 +297,7 @@ impl ToleranceSummary {
         table
     }
 
-    /// Names of the columns with the position of a value. `length` is the symbol of the length unit.
+    /// Names of the columns that give the position of a value on the motion. `length` is the symbol of the length unit.
     fn place_columns(&self, length: &str) -> Vec<String> {
         if self.places.is_empty() {
             vec![format!("travel_{length}"), format!("rack_{length}")]
@@ -357,8 +358,8 @@ impl ToleranceSummary {
         table
     }
 
-    /// Table of the contributors' shares in the builds' variance at the design position, with the remainder. Its use is a study
-    /// without bands, which has no ranking. `contributors` has the names in the order of the study.
+    /// Table of the contributors' shares in the builds' variance at the design position, with the remainder that is not first
+    /// order. It is for studies without bands, which have no ranking. `contributors` has the names in the order of the study.
     pub fn shares_table(&self, contributors: &[String]) -> Table {
         let rest: Vec<&ValueRecord> = self.values.iter().filter(|v| v.at_rest).collect();
         let outputs = rest.iter().map(|v| v.output.clone());
@@ -450,7 +451,7 @@ pub(super) fn percent(share: f64) -> String {
     }
 }
 
-/// Columns with the position of an axle's values. Empty for a study of one wheel.
+/// Names of the columns that give the position of an axle's values. Empty for a study of one wheel.
 fn places(problem: &Problem) -> Vec<String> {
     let both = problem.study.axle();
     both.map_or_else(Vec::new, |AxleStudy { axle, plan, .. }| {

@@ -1,4 +1,5 @@
-//! Yields before and after a robust tuning: shares of builds within the bands, as fractions of 1.
+//! Yields before and after a robust tuning: shares of builds (random samples of the manufactured suspension) within the bands
+//! (allowed ranges of outputs), as fractions of 1.
 
 use super::bands::in_words;
 use super::figure::{with_decimals, with_plus};
@@ -18,10 +19,11 @@ pub struct YieldRecord {
     /// Share of builds within all bands: for the design before the tuning, and for the tuned design. `None` if the design cannot be
     /// built.
     pub all: [Option<f64>; 2],
-    /// Share of builds within all bands, for the optimum without scatter. `None` if it cannot be built or was not computed.
+    /// Share of builds within all bands, for the optimum of a tuning without scatter. `None` if this design cannot be built or was
+    /// not computed.
     #[serde(default)]
     pub plain: Option<f64>,
-    /// Yields of the single bands.
+    /// Share of builds within each single band.
     pub bands: Vec<BandShares>,
     /// For a tuning that maximises the yield: final value of the smooth surrogate of the yield.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -31,7 +33,7 @@ pub struct YieldRecord {
 /// Smooth surrogate of a yield at the tuned design.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Surrogate {
-    /// Number of builds over which the surrogate is a mean.
+    /// Number of builds over which the surrogate (smooth approximation of the yield) is a mean.
     pub builds: usize,
     /// Value of the surrogate.
     pub value: f64,
@@ -42,14 +44,14 @@ pub struct Surrogate {
     pub keeps_plain: bool,
 }
 
-/// A band with its yields.
+/// A band (allowed range of an output) with its yields.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BandShares {
     /// Band in words.
     pub band: String,
     /// Share of builds within the band, before and after the tuning.
     pub shares: [Option<f64>; 2],
-    /// Share of builds within the band, for the optimum without scatter.
+    /// Share of builds within the band, for the optimum of a tuning without scatter.
     #[serde(default)]
     pub plain: Option<f64>,
 }
@@ -101,7 +103,7 @@ impl YieldRecord {
         self.all.map(share)
     }
 
-    /// Result in a sentence.
+    /// Yield before and after the tuning in a sentence.
     pub fn headline(&self) -> String {
         let [before, after] = self.percentages();
         let plain = self.plain.map_or(String::new(), |share| {

@@ -52,7 +52,7 @@ impl Rows<'_> {
         }
     }
 
-    /// Adds the values of a row, one for each group of columns.
+    /// Adds the values of a row, one for each set of x, y and z columns.
     pub(super) fn figures(
         &mut self,
         row: u32,

@@ -6,7 +6,7 @@ use crate::optimise::{Linearisation, TargetLayout, assessed, evaluated};
 use crate::report::{ConstraintMargin, constraint_margins};
 use crate::study::{Optimise, Study, Variable};
 
-/// Targets and constraints of a study as functions of all its coordinates.
+/// Targets and constraints of a study as functions of all coordinates of its hardpoints.
 pub(super) struct Targets<'a> {
     pub(super) study: &'a Study,
     pub(super) optimise: Optimise,
@@ -15,7 +15,8 @@ pub(super) struct Targets<'a> {
 }
 
 impl Targets<'_> {
-    /// Residuals of a design and their derivatives.
+    /// Residuals of the targets (deviations divided by tolerances) in a design, and their derivatives with respect to the
+    /// coordinates.
     pub(super) fn evaluated(&self, design: &[Vector3<f64>]) -> Result<Linearisation, String> {
         let mut suspension = self.study.wheel().clone();
         suspension.design = design.to_vec();
@@ -40,7 +41,8 @@ impl Targets<'_> {
         Ok((found.goal.misfit(), margins))
     }
 
-    /// Evaluates the design with its hardpoints rounded to the grid by `steps`. `None` if this design cannot be solved.
+    /// Evaluates the design with its hardpoints rounded to the grid: `steps` has all coordinates in grid steps. `None` if this
+    /// design cannot be solved.
     pub(super) fn candidate(&self, problem: &Problem<'_>, steps: Vec<f64>) -> Option<Candidate> {
         let design = problem.result(&steps, None).design;
         let (misfit, margins) = self.assessed(&design).ok()?;
@@ -55,8 +57,8 @@ impl Targets<'_> {
         })
     }
 
-    /// Moves single coordinates and pairs of coordinates to their other neighbours while this improves the rounding. Ends
-    /// if no move is an improvement, or after [`MOST_TRIALS`] roundings.
+    /// Moves single coordinates and pairs of coordinates to their other neighbours on the grid while this improves the rounding.
+    /// Ends if no such move is an improvement, or after [`MOST_TRIALS`] evaluated roundings.
     pub(super) fn improved(&self, problem: &Problem<'_>, mut best: Candidate) -> Candidate {
         let ends = |coordinate: usize| problem.neighbours(coordinate);
         let movable: Vec<usize> = (0..problem.before.len())

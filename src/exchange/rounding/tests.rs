@@ -31,7 +31,7 @@ fn decimals_of_any_length_are_the_shortest() {
     }
 }
 
-/// A number counts as an integer if its relative distance from an integer is at most 1e-9. For numbers below 1, this
+/// A number of grid steps counts as an integer if its relative distance from an integer is at most 1e-9. For numbers below 1, this
 /// limit applies to the distance itself.
 #[test]
 fn whole_numbers_have_no_neighbours() {
@@ -79,7 +79,7 @@ fn nearest_plane_loses_no_more_than_ordinary_rounding() {
         let loss = rounded.loss.unwrap();
         assert!(loss.best <= loss.ordinary.unwrap(), "{loss:?}");
         better += usize::from(loss.best < loss.ordinary.unwrap());
-        // Rounding a second time does not change the design.
+        // Rounding the rounded design again does not change it.
         let after = study.at_design(rounded.design.clone());
         let again = super::rounded(&after, grid, &all, &free).unwrap();
         assert_eq!(again.coordinates, rounded.coordinates);

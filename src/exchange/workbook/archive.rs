@@ -19,7 +19,7 @@ struct Member {
 enum Stored {
     Plain,
     Deflated,
-    /// Encrypted, or compressed by another method.
+    /// The member is encrypted, or compressed by another method.
     Otherwise,
 }
 
@@ -42,13 +42,13 @@ fn number(bytes: &[u8], at: usize, width: usize) -> Option<usize> {
 }
 
 impl Archive {
-    /// Reads the list of members.
+    /// Opens an archive and reads the list of its members (files in the archive).
     pub(super) fn open(bytes: Vec<u8>) -> Result<Self, String> {
         let members = members(&bytes).ok_or(DAMAGED)?;
         Ok(Archive { bytes, members })
     }
 
-    /// Names of the members.
+    /// Names of the members (files) of the archive.
     pub(super) fn names(&self) -> impl Iterator<Item = &str> {
         self.members.iter().map(|member| member.name.as_str())
     }
@@ -89,7 +89,8 @@ impl Archive {
     }
 }
 
-/// Members in the central directory. The record at the archive's end gives the directory's position.
+/// Members that the central directory at the end of the archive lists. The last record of the archive gives the position of this
+/// directory.
 fn members(bytes: &[u8]) -> Option<Vec<Member>> {
     const END: usize = 22;
     let last = bytes.len().checked_sub(END)?;

@@ -23,7 +23,7 @@ pub(super) struct Element {
 }
 
 impl Element {
-    /// Value of an attribute, by its name without prefix.
+    /// Value of an attribute, by the attribute's name without the prefix of its namespace.
     pub(super) fn attribute(&self, name: &str) -> Option<&str> {
         let found = self.attributes.iter().find(|(key, _)| key == name);
         found.map(|(_, value)| value.as_str())
@@ -49,7 +49,7 @@ impl<R: BufRead> Markup<R> {
         }
     }
 
-    /// Reads the next event. `None` at the end of the document.
+    /// Reads the next event of the document: start of an element, end of an element, or text. `None` at the end of the document.
     pub(super) fn next(&mut self) -> Result<Option<Event>, String> {
         if let Some(name) = self.pending.take() {
             return Ok(Some(Event::End(name)));

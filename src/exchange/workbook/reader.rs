@@ -6,7 +6,7 @@ use super::markup::{Element, Event, Markup};
 use crate::exchange::cell::{Cell, Places, Sheet};
 use std::io::BufRead;
 
-/// Largest size of the shared texts, in bytes.
+/// Largest size of all texts in the workbook's list of shared texts, in bytes.
 const MOST_SHARED: usize = 16 << 20;
 
 /// A workbook, with its sheets by name.

@@ -22,7 +22,7 @@ pub enum Value {
 /// A table to be written. Its first row is the header.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Page {
-    /// Name of the sheet.
+    /// Name of the sheet for the table.
     pub name: String,
     /// Rows of cells.
     pub rows: Vec<Vec<Value>>,

@@ -92,8 +92,8 @@ impl CarComparison {
         csv_of_rows(std::iter::once(header).chain(rows))
     }
 
-    /// Table of wheel loads and results of the whole car that differ by more than rounding errors, or that a car lacks.
-    /// `comparison.csv` has all results.
+    /// Table of the results that differ between the cars by more than rounding errors, or that a car lacks: wheel loads, and
+    /// results of the whole car. `comparison.csv` has all results.
     pub fn table(&self) -> Table {
         let is_key = |row: &&Row| {
             matches!(
@@ -114,7 +114,7 @@ impl CarComparison {
         table
     }
 
-    /// Table of parameters, rates and coordinates that differ.
+    /// Table of parameters, rates and coordinates that differ between the cars.
     pub fn changes_table(&self) -> Table {
         let head = ["changed", "unit"].map(str::to_owned);
         let mut table = Table::with_columns(head.into_iter().chain(self.labels.iter().cloned()));
@@ -141,7 +141,7 @@ impl CarResults<'_> {
     }
 }
 
-/// True if values differ by more than rounding errors in their unit, or if some of them are missing.
+/// True if the values of a result differ between the cars by more than rounding errors in `unit`, or if some of them are missing.
 fn differ(values: &[Option<f64>], unit: &str) -> bool {
     let mut known = values.iter().flatten();
     let Some(first) = known.next() else {
@@ -151,7 +151,7 @@ fn differ(values: &[Option<f64>], unit: &str) -> bool {
     apart || values.iter().any(Option::is_none)
 }
 
-/// Sign factor that converts a parameter of a car to the axes of the first car.
+/// Sign factor that converts a parameter of `car` from the axes of this car to the axes of the first car.
 fn sign_in_first(moves: &Moves, first: &Car, car: &Car) -> f64 {
     let axis = match moves {
         Moves::Body(BodyParameter::CgX) => Axis::X,
@@ -177,11 +177,11 @@ fn in_first_units(moves: &Moves, first: &Car, car: &Car, value: f64) -> f64 {
             let [from, to] = [car, first].map(|car| car.length_unit);
             let value = value * from.newtons() / to.newtons();
             match parameter {
-                // Force per length.
+                // The unit of these rates is force per length.
                 AxleParameter::SpringRate
                 | AxleParameter::HeaveSpringRate
                 | AxleParameter::TyreRate => from.convert(value, to),
-                // The other rates are force times length per angle.
+                // The unit of the other rates is force times length per angle.
                 _ => to.convert(value, from),
             }
         }

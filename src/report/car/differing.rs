@@ -4,9 +4,9 @@ use super::{CarResults, CarState};
 use crate::car::{AXLE_NAMES, CarQuantity, GRAVITY, Moves, WheelPlace, WheelResult, WholeResult};
 use crate::report::{as_written, to_digits};
 
-/// Relative difference from which a share differs noticeably.
+/// Relative difference above which a share (such as the brake share) counts as different.
 const SHARE: f64 = 1e-3;
-/// Relative difference from which a length or a mass differs noticeably. Studies often give rounded values.
+/// Relative difference above which a length or a mass counts as different. Studies often give rounded values.
 const ROUNDED: f64 = 0.01;
 
 /// A value in the study of an axle, and the same value in the study of the car.
@@ -16,12 +16,12 @@ struct Compared {
     own: Option<f64>,
     of_car: Option<f64>,
     unit: &'static str,
-    /// Relative difference from which the values differ noticeably.
+    /// Relative difference above which the two values count as different.
     noticeable: f64,
 }
 
 impl Compared {
-    /// The two values in words, if they differ noticeably.
+    /// The value of the axle's study and the value of the car in words. `None` if they do not differ noticeably.
     fn in_words(&self) -> Option<String> {
         let (own, of_car) = (self.own?, self.of_car?);
         let shown = |value: f64| {

@@ -16,11 +16,11 @@ pub(super) fn csv(header: &[String], rows: impl IntoIterator<Item = Vec<String>>
     csv_of_rows(std::iter::once(header.to_vec()).chain(rows))
 }
 
-/// States over ax and ay (g-g map).
+/// Results of a g-g map: states of the car over forward acceleration ax and lateral acceleration ay.
 pub struct GgResults {
     /// Content of `gg.csv`.
     pub csv: Vec<u8>,
-    /// States in the form for the page.
+    /// States of the map in the form for the page.
     pub map: CarMap,
     /// Number of states without equilibrium in the finished rows.
     pub failures: usize,
@@ -39,7 +39,7 @@ impl GgResults {
 }
 
 impl<'s> CarResults<'s> {
-    /// Columns of the requested results.
+    /// Names of the columns of the requested results.
     fn columns(&self) -> Vec<String> {
         let unit = self.study.car.length_unit;
         self.study
@@ -49,7 +49,8 @@ impl<'s> CarResults<'s> {
             .collect()
     }
 
-    /// Cells of the requested results in a state. Undefined results, and all results without a state, are empty.
+    /// Cells of the requested results in a state. Cells of undefined results are empty. If the case has no equilibrium, all cells
+    /// are empty.
     fn values(&self, state: &CarState<'_>, case: &Case) -> Vec<String> {
         let quantities = self.study.quantities.iter();
         match state {
@@ -60,7 +61,7 @@ impl<'s> CarResults<'s> {
         }
     }
 
-    /// Reason and status of a state, as the last two cells of its row.
+    /// Reason why a case has no equilibrium (empty if it has one), and its status. They are the last two cells of its row.
     pub(super) fn end(&self, state: &CarState<'_>) -> [String; 2] {
         match state {
             CarState::Solved { .. } => [String::new(), "ok".to_owned()],

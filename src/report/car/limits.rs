@@ -5,9 +5,9 @@ use crate::report::table::{Cell, Column, Table};
 use crate::report::{brief, figure};
 use crate::study::CarStudy;
 
-/// Decimal places to which the acceleration at wheel lift is known.
+/// Decimal places to which the acceleration (in g) at wheel lift is known.
 const LIFT_PLACES: i32 = 9;
-/// Decimal places to which the end of equilibrium is known.
+/// Decimal places to which the largest acceleration (in g) with an equilibrium is known.
 const END_PLACES: i32 = 5;
 
 /// Lift limits of a car along a direction, or for a load case.
@@ -18,7 +18,7 @@ pub struct CarLimits {
     pub degrees: f64,
     /// Acceleration of 1 g in this direction: forward and left components.
     way: [f64; 2],
-    /// Limits, or the name of a key that is missing in `[car]`.
+    /// Lift limits in this direction, or the name of a key that is missing in `[car]`.
     pub found: Result<RayLimits, &'static str>,
 }
 
@@ -30,7 +30,7 @@ impl CarLimits {
             .map_or(true, |found| found.end > 0.0 || found.why.is_none())
     }
 
-    /// Word for programs: `ok` if the limits are known.
+    /// Status of the limits in one word, for programs: `ok` if the limits are known.
     fn status(&self) -> &'static str {
         match &self.found {
             Err(_) => "unsupported",
@@ -39,7 +39,7 @@ impl CarLimits {
         }
     }
 
-    /// Reason why limits or equilibria end. Empty if equilibria exist up to the end of the search.
+    /// Reason why the limits are unknown, or why equilibria end. Empty if equilibria exist up to the end of the search.
     fn reason(&self, car: &Car) -> String {
         match &self.found {
             Err(key) => format!("needs {key} in [car]"),
@@ -92,7 +92,7 @@ pub fn car_limits(study: &CarStudy, solver: &mut CarSolver<'_>) -> Vec<CarLimits
     limits
 }
 
-/// Number with this many decimal places.
+/// Rounds a number to this many decimal places.
 fn rounded(value: f64, places: i32) -> f64 {
     let power = 10_f64.powi(places);
     (value * power).round() / power

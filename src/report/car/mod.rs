@@ -50,9 +50,9 @@ pub enum CarState<'s> {
 /// States of all load cases of a study.
 pub struct CarResults<'s> {
     study: &'s CarStudy,
-    /// States in the order of the cases.
+    /// States of the car in the order of the load cases.
     pub states: Vec<CarState<'s>>,
-    /// Forces in the members for each case, in newtons. Empty if unknown or not requested.
+    /// Forces in the members for each case, in newtons. The list of a case is empty if they are unknown or not requested.
     members: Vec<Vec<f64>>,
 }
 
@@ -124,12 +124,12 @@ impl<'s> CarResults<'s> {
         remarks
     }
 
-    /// The study.
+    /// The study of the car.
     pub fn study(&self) -> &'s CarStudy {
         self.study
     }
 
-    /// Symbol of the length unit.
+    /// Symbol of the study's length unit.
     fn unit(&self) -> &'static str {
         self.study.car.length_unit.symbol()
     }

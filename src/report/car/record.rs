@@ -56,7 +56,7 @@ pub struct CarRecord {
     pub files: Vec<String>,
 }
 
-/// Unit of forces in records of older versions.
+/// Unit of forces for records of older versions, which do not state it.
 fn newtons() -> String {
     "N".to_owned()
 }
@@ -64,11 +64,11 @@ fn newtons() -> String {
 /// A key value of the car.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CarFact {
-    /// Name of the result.
+    /// Name of the key value.
     pub name: String,
-    /// Printed value.
+    /// Key value as a printed number, in `unit`.
     pub value: f64,
-    /// Unit.
+    /// Unit of the key value.
     pub unit: String,
 }
 
@@ -81,7 +81,7 @@ pub struct CarCase {
     pub ax: f64,
     /// Acceleration to the left, g.
     pub ay: f64,
-    /// Reason why there is no state.
+    /// Reason why the load case has no state. `None` if it has one.
     pub reason: Option<String>,
     /// State of the car, if there is one.
     pub state: Option<CarStateRecord>,
@@ -116,14 +116,15 @@ pub struct CarStateRecord {
     pub sprung_cg: [f64; 3],
 }
 
-/// States over ax and ay. ay varies fastest.
+/// States of the car over forward acceleration ax and lateral acceleration ay. The lists have one entry per state; ay varies
+/// fastest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CarMap {
     /// Forward accelerations, g.
     pub ax: Vec<f64>,
     /// Accelerations to the left, g.
     pub ay: Vec<f64>,
-    /// Largest friction demand among the wheels. `None` without an equilibrium.
+    /// Largest friction demand among the wheels in each state. `None` without an equilibrium.
     pub friction: Vec<Option<f64>>,
     /// Number of lifted wheels in each state. 0 without an equilibrium.
     pub lifted: Vec<usize>,
@@ -140,7 +141,7 @@ pub struct CarTargetRecord {
     pub wanted: [Option<f64>; 2],
     /// Tolerance of the target, in the unit of `output`.
     pub tolerance: f64,
-    /// Values before and after.
+    /// Values of the result before and after the tuning.
     pub values: [Option<f64>; 2],
     /// Deviation after the tuning, as a multiple of the tolerance. For a target of a single axle: largest deviation.
     pub deviation: Option<f64>,
@@ -177,9 +178,9 @@ pub struct CarVariableRecord {
     pub name: String,
     /// Value before the tuning; 0 for an offset. `None` if the car has no such value.
     pub before: Option<f64>,
-    /// Tuned value.
+    /// Value after the tuning.
     pub after: f64,
-    /// Lowest and highest value.
+    /// Lowest and highest allowed value of the variable.
     pub range: [f64; 2],
     /// `lower` or `upper`, if the variable ended at that end of its range.
     #[serde(default)]
@@ -202,16 +203,16 @@ pub struct CarConstraintRecord {
     pub name: String,
     /// Load case, or `front axle alone` or `rear axle alone`.
     pub place: String,
-    /// Lowest and highest value. `None` without a limit, and for constraints with several different limits.
+    /// Lowest and highest allowed value. `None` without a limit, and for constraints with several different limits.
     pub limits: [Option<f64>; 2],
     /// Unit of limits and margins.
     pub unit: String,
-    /// Margins to the nearer limit before and after. Negative if the constraint is violated.
+    /// Margins to the nearer limit before and after the tuning. Negative if the constraint is violated.
     pub margins: [Option<f64>; 2],
     /// True for a constraint of an axle alone. Then `name` includes the limits.
     #[serde(default)]
     pub is_of_axle: bool,
-    /// Status after the tuning. `None` in some records of older versions.
+    /// Status of the constraint after the tuning. `None` in some records of older versions.
     #[serde(default)]
     pub status: Option<ConstraintStatus>,
     /// Decrease of the misfit if the limit moves outward by one unit. The misfit is a multiple of the tolerances.
@@ -223,7 +224,7 @@ pub struct CarConstraintRecord {
 }
 
 impl<'s> CarResults<'s> {
-    /// Makes the record of a run.
+    /// Makes the record of a car's run from its results.
     pub fn record(
         &self,
         command: &str,
@@ -337,7 +338,7 @@ impl<'s> CarResults<'s> {
 }
 
 impl CarMap {
-    /// Makes a map without states.
+    /// Makes a g-g map without states over these forward accelerations `ax` and lateral accelerations `ay`.
     pub(super) fn of(ax: &[f64], ay: &[f64]) -> Self {
         CarMap {
             ax: ax.to_vec(),
@@ -347,14 +348,14 @@ impl CarMap {
         }
     }
 
-    /// Adds the rows of another map with the same values of ay.
+    /// Adds the rows of another g-g map with the same values of ay.
     pub(super) fn append(&mut self, other: CarMap) {
         self.ax.extend(other.ax);
         self.friction.extend(other.friction);
         self.lifted.extend(other.lifted);
     }
 
-    /// Adds the next state.
+    /// Adds the next state of the g-g map.
     pub(super) fn push(&mut self, state: &CarState<'_>, case: &Case) {
         let (friction, lifted) = match state {
             CarState::Failed(_) => (None, 0),
@@ -381,7 +382,7 @@ impl CarStateRecord {
 }
 
 impl CarTargetRecord {
-    /// Name with the load case, or with the axle for a target of a single axle.
+    /// Name of the target: its result with the load case, or with the axle for a target of a single axle.
     pub fn full_name(&self) -> String {
         match self.curve {
             Some(_) => format!("{}, {}", self.output, self.case),
@@ -389,7 +390,8 @@ impl CarTargetRecord {
         }
     }
 
-    /// Size of the deviation in words. `None` if the target is met, or if its value is unknown.
+    /// Size of the deviation from the target in words, as a multiple of the tolerance. `None` if the target is met, or if its value
+    /// is unknown.
     pub fn missed_by(&self) -> Option<String> {
         let deviation = self.deviation.filter(|_| !self.is_met())?.abs();
         let up_to = self.curve.map_or("", |_| "up to ");

@@ -61,8 +61,8 @@ impl<'s> CarResults<'s> {
         Some(csv(&header.map(str::to_owned), rows))
     }
 
-    /// Derivatives of a result with respect to the parameters of both axles and of the body. `push` takes axle, parameter, axis,
-    /// value, and unit of the parameter.
+    /// Derivatives of a result with respect to the parameters of both axles and of the body. `push` receives axle, parameter, axis,
+    /// derivative, and unit of the parameter.
     fn push_gradient(
         &self,
         gradient: &CarGradient,

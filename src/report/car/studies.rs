@@ -17,8 +17,8 @@ pub fn car_with_axles(text: &str, front: &str, rear: &str) -> String {
     )
 }
 
-/// Edits of three studies: the car, its front axle and its rear axle. They set rates and other values to the values of the
-/// variables, but do not move hardpoints.
+/// Edits of the texts of three studies: the car, its front axle and its rear axle. They set rates and other values to the values of
+/// the variables, but do not move hardpoints.
 struct Edits {
     of_car: Vec<String>,
     of_axles: [Vec<String>; 2],

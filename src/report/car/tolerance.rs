@@ -1,4 +1,5 @@
-//! Scatter of a car: `tolerance.csv`, `contributors.csv`, `summary.json` and tables.
+//! Scatter of a car's results over its builds (random samples of the manufactured car): `tolerance.csv`, `contributors.csv`,
+//! `summary.json` and tables.
 
 use crate::report::bands::nominal_outside;
 use crate::report::figure::{as_written, finite};
@@ -22,9 +23,9 @@ pub struct CarToleranceSummary {
     failed: u64,
     /// Number of the first failed build.
     first_failed: Option<u64>,
-    /// Reason for the failure of this build.
+    /// Reason why build `first_failed` failed.
     reason: Option<String>,
-    /// Names of the contributors, in the order of the study.
+    /// Names of the contributors (scattering parts), in the order of the study.
     contributors: Vec<String>,
     values: Vec<CarValue>,
     bands: Vec<CarBandRecord>,
@@ -48,7 +49,7 @@ struct CarValue {
     mean_error: Option<f64>,
     sigma: Option<f64>,
     sigma_error: Option<f64>,
-    /// First-order standard deviation.
+    /// Standard deviation according to the first-order estimate.
     sigma_linear: Option<f64>,
     /// Second-order term, as a fraction of the first-order variance.
     second_order: Option<f64>,
@@ -56,28 +57,28 @@ struct CarValue {
     linear_holds: Option<bool>,
     /// Fraction of the builds' variance that is not first order: curvature, interaction and sampling error. It may be negative.
     remainder: Option<f64>,
-    /// Standard error of the remainder.
+    /// Standard error of `remainder`.
     remainder_error: Option<f64>,
-    /// Second-order estimate of the remainder.
+    /// Estimate of `remainder` from second-order derivatives.
     remainder_second_order: Option<f64>,
     percentiles: [Option<f64>; PERCENTILES.len()],
     range: [Option<f64>; 2],
-    /// Share of each contributor in the first-order variance. `None` if the value does not scatter.
+    /// Share of each contributor in the first-order variance of the result. `None` if the result does not scatter.
     shares: Vec<Option<f64>>,
-    /// False if the builds differ only by rounding errors.
+    /// False if the result differs between the builds only by rounding errors.
     scatters: bool,
-    /// True if the value has a band.
+    /// True if a band (allowed range) applies to the result.
     has_band: bool,
 }
 
-/// A band with its yield.
+/// A band (allowed range of a result) with its yield (fraction of the builds within the band).
 #[derive(Clone, Debug, Serialize)]
 struct CarBandRecord {
     output: String,
     case: String,
-    /// Lowest value of the band. `None` without a lower limit.
+    /// Lowest allowed value. `None` without a lower limit.
     low: Option<f64>,
-    /// Highest value of the band. `None` without an upper limit.
+    /// Highest allowed value. `None` without an upper limit.
     high: Option<f64>,
     /// Fraction of the builds within the band.
     kept: f64,
@@ -203,7 +204,7 @@ impl CarToleranceSummary {
         }
     }
 
-    /// Line that describes the run.
+    /// Line that describes the tolerance analysis.
     pub fn headline(&self) -> String {
         let mut line = counted(self.builds, "build");
         if let Some(kept) = self.yield_of_all {
@@ -221,7 +222,7 @@ impl CarToleranceSummary {
         ))
     }
 
-    /// Table of the values that have bands. If there are no bands, the table has all values that scatter.
+    /// Table of the results that have bands. If there are no bands, the table has all results that scatter.
     pub fn values_table(&self) -> Table {
         let numbers = ["mean", "sigma", "linear", "p5", "p95", "linear holds"].map(Column::from);
         let head = [
@@ -286,7 +287,7 @@ impl CarToleranceSummary {
         table
     }
 
-    /// Table of contributors, ranked by their largest share in the variance of a value. If there are bands, only values with
+    /// Table of contributors, ranked by their largest share in the variance of a result. If there are bands, only results with
     /// bands are used.
     pub fn ranking_table(&self) -> Table {
         let has_bands = !self.bands.is_empty();

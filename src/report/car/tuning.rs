@@ -11,7 +11,7 @@ use crate::report::{brief, figure};
 use crate::study::{CarOptimise, CarStudy, Constraint};
 use serde_json::{Value, json};
 
-/// Table cell with the target value, or with the limits in words.
+/// Table cell with the target value, or with both limits of the target in words.
 fn wanted_cell(wanted: [Option<f64>; 2], unit: &str) -> Cell {
     match wanted {
         [Some(low), Some(high)] if low == high => Cell::figure(low, unit),
@@ -19,7 +19,7 @@ fn wanted_cell(wanted: [Option<f64>; 2], unit: &str) -> Cell {
     }
 }
 
-/// Lower and upper limit in words; empty without limits.
+/// Lower and upper limit of a target or constraint in words; empty without limits.
 fn limits_in_words(limits: [Option<f64>; 2], unit: &str) -> String {
     match limits {
         [Some(low), Some(high)] => format!("{} to {}", figure(low, unit), figure(high, unit)),
@@ -29,7 +29,7 @@ fn limits_in_words(limits: [Option<f64>; 2], unit: &str) -> String {
     }
 }
 
-/// Target value, or the limits in words.
+/// Target value (both limits are equal), or else the limits in words.
 fn value_in_words(limits: [Option<f64>; 2], unit: &str) -> String {
     match limits {
         [Some(low), Some(high)] if low == high => figure(low, unit),
@@ -63,7 +63,7 @@ impl CarTargetRecord {
     }
 }
 
-/// Table of the targets with their values.
+/// Table of the targets with their values before and after the tuning.
 pub fn car_targets_table(records: &[CarTargetRecord]) -> Table {
     let mut table = Table::new(["target", "case", "wanted", "before", "after", "tolerance"]);
     for target in records {
@@ -101,7 +101,7 @@ pub fn car_targets_json(records: &[CarTargetRecord]) -> Value {
     targets.collect()
 }
 
-/// Table of the constraints with their margins. `None` without constraints.
+/// Table of the constraints with their margins before and after the tuning. `None` without constraints.
 pub fn car_constraints_table(records: &[CarConstraintRecord]) -> Option<Table> {
     if records.is_empty() {
         return None;
@@ -185,7 +185,7 @@ impl CarResults<'_> {
                     wanted: [Some(0.0); 2],
                     tolerance,
                     values: rms.map(|rms| Some(rms? * tolerance)),
-                    // As in reports of an axle, the largest deviation is shown.
+                    // The largest deviation along the curve or band of the target is shown, as in reports of an axle.
                     deviation: outcomes[1]
                         .as_ref()
                         .map(|found| found.targets[number].worst),
@@ -254,8 +254,8 @@ impl CarResults<'_> {
         records
     }
 
-    /// Variables of a tuning with their values: offsets of hardpoints, and values of all other variables. `before` is the study
-    /// before the tuning.
+    /// Variables of a tuning with their values before and after it: offsets of hardpoints, and values of all other variables.
+    /// `before` is the study before the tuning.
     pub fn variable_records(&self, before: &CarStudy, fit: &Fit) -> Vec<CarVariableRecord> {
         let variables = before.optimise.iter().flat_map(|o| &o.variables);
         let record = |(number, variable): (usize, &CarVariable)| CarVariableRecord {
@@ -306,10 +306,11 @@ fn common_limits(constraint: &Constraint) -> [Option<f64>; 2] {
     }
 }
 
-/// Goals of one axle alone: index and name of the axle, its goals, and their outcome before and after a tuning.
+/// Targets and constraints of one axle alone: index and name of the axle, these goals, and their outcome before and after a tuning.
 type Rig<'s> = (usize, &'static str, &'s RigGoals, [Option<RigOutcome>; 2]);
 
-/// Axles that have goals of their own, with two outcomes: in the design of the study, and with the variables at `x`.
+/// Axles with targets or constraints of their own, each with two outcomes: in the design of the study, and with the variables at
+/// `x`.
 fn rigs<'s>(study: &CarStudy, wanted: &'s CarOptimise, x: &[f64]) -> Vec<Rig<'s>> {
     let mut found = Vec::new();
     let start = vec![0.0; x.len()];

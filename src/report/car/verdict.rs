@@ -17,11 +17,11 @@ use serde_json::{Value, json};
 pub struct CarVerdict<'a> {
     /// Study before the tuning.
     pub study: &'a CarStudy,
-    /// Targets with their values.
+    /// Targets with their values before and after the tuning.
     pub targets: &'a [CarTargetRecord],
-    /// Constraints with their margins.
+    /// Constraints with their margins before and after the tuning.
     pub constraints: &'a [CarConstraintRecord],
-    /// The tuning.
+    /// The tuning whose result is judged.
     pub tuning: &'a CarTuning,
 }
 
@@ -31,7 +31,7 @@ impl CarVerdict<'_> {
         car_constraint_names(self.constraints, &self.tuning.contradiction)
     }
 
-    /// Names of missed targets that no variable changes.
+    /// Names of missed targets on which no variable has an effect.
     fn unmoved(&self) -> Vec<String> {
         let targets = self.tuning.unmoved.targets.iter();
         targets
@@ -44,12 +44,12 @@ impl CarVerdict<'_> {
         SlightEffectRecord::all(&self.tuning.unmoved.slightly, name)
     }
 
-    /// Names of violated constraints that no variable changes, with their limits.
+    /// Names of violated constraints on which no variable has an effect, with their limits.
     fn unmoved_constraints(&self) -> Vec<String> {
         car_constraint_names(self.constraints, &self.tuning.unmoved_constraints)
     }
 
-    /// Bounds of variables that keep missed targets from their goals. `None` if they are not known.
+    /// Bounds of variables that keep targets from being met. `None` if they are not known.
     pub fn holding(&self) -> Option<Vec<HoldingRecord>> {
         let found = self.tuning.holding.as_ref()?;
         let variables = &self.study.optimise.as_ref()?.variables;
@@ -57,7 +57,7 @@ impl CarVerdict<'_> {
         let missed = |number: usize| {
             let target = &self.targets[number];
             target.missed_by()?;
-            // The value of a target of an axle alone is the root mean square deviation itself.
+            // For a target of an axle alone, `values` already contains the root mean square deviation.
             let of_case = || Some(target.deviation?.abs() * target.tolerance);
             Some(Missed {
                 name: target.full_name(),
@@ -76,7 +76,7 @@ impl CarVerdict<'_> {
         Some(HoldingRecord::all(self.targets.len(), found, missed, moved))
     }
 
-    /// Sentences about missed targets that no bound of a variable holds.
+    /// Sentences about missed targets that no bound of a variable keeps from being met.
     fn not_held(&self) -> Vec<String> {
         let Some(records) = self.holding() else {
             return Vec::new();

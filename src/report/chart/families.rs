@@ -12,11 +12,11 @@ const MOST_FAMILIES: usize = 9;
 pub(in crate::report) struct Family {
     /// Value of the second moving coordinate. 0 without a second moving coordinate.
     pub place: f64,
-    /// Rows of the table.
+    /// Rows of the design's table with this value.
     pub rows: Vec<usize>,
-    /// Index in the sequential colour scale.
+    /// Index of the family's colour in the sequential colour scale.
     pub(super) shade: usize,
-    /// True if the value is the one nearest to zero.
+    /// True if `place` is the value nearest to zero.
     pub is_present: bool,
 }
 
@@ -31,15 +31,15 @@ pub(in crate::report) fn moving_beside<'r>(
     all.filter(|name| *name != abscissa).collect()
 }
 
-/// Value nearest to zero in a column. `None` if the column has no values.
+/// Value nearest to zero among the values of a column. `None` if the column has no values.
 pub(super) fn nearest_to_zero(values: &[Option<f64>]) -> Option<f64> {
     let known = values.iter().flatten().copied();
     known.min_by(|a, b| a.abs().total_cmp(&b.abs()))
 }
 
-/// Groups the rows of a table by the values of the first column in `moving`. Uses only rows in which all other columns of
-/// `moving` have their value nearest to zero. Also returns the number of values of the first column. If there are more than
-/// nine values, the function keeps the first, the last, the one nearest to zero, and evenly spaced others.
+/// Groups the rows of a table by their values in the first of the columns `moving`. Uses only rows in which all other columns of
+/// `moving` have their value nearest to zero. Also returns the number of different values of the first column. If there are more
+/// than nine values, the function keeps the first, the last, the one nearest to zero, and evenly spaced others.
 pub(in crate::report) fn families(moving: &[&String], table: &CurveTable) -> (Vec<Family>, usize) {
     let mut columns = moving.iter().filter_map(|name| table.column(name));
     let apart = columns.next();

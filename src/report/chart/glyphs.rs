@@ -63,7 +63,7 @@ impl<'a> Font<'a> {
         let (map, code) = (self.characters, u32::from(character));
         let find = || {
             let (mut first, mut last) = (0, map.u32(12)? as usize);
-            // The segments are sorted.
+            // The segments of `characters` are sorted, so a binary search finds the segment of the character.
             while first < last {
                 let middle = first.midpoint(last);
                 let [start, end, glyph] = [0, 4, 8].map(|k| map.u32(16 + 12 * middle + k));
@@ -80,7 +80,7 @@ impl<'a> Font<'a> {
         find().unwrap_or(0)
     }
 
-    /// Distance from the start of a letter to the start of the next one.
+    /// Advance width: horizontal distance from the start of this glyph to the start of the next one, in font units.
     pub(in crate::report) fn advance(&self, glyph: u16) -> u16 {
         // The last width applies to all further glyphs.
         let place = usize::from(glyph).min(self.widths.saturating_sub(1));
@@ -275,8 +275,8 @@ fn coordinates(
     values.collect()
 }
 
-/// Draws a contour from its points. The flag of a point is true if the point is on the curve. Equation (1) gives the implied
-/// points.
+/// Draws a contour from its points. The flag of a point is true if the point is on the curve. Equation (1) of this module gives the
+/// implied points halfway between two points off the curve.
 fn draw_contour(points: &[([f32; 2], bool)], draw: &mut impl FnMut(Command)) {
     let Some((first, others)) = points.split_first() else {
         return;

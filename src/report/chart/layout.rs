@@ -12,17 +12,17 @@ use serde::Serialize;
 
 /// Width and height of a chart.
 pub(in crate::report) const SIZE: [f64; 2] = [420.0, 350.0];
-/// Smallest left end and smallest top of the plot within the chart.
+/// Smallest distances of the plot from the left and the top edge of the chart.
 const START: [f64; 2] = [68.0, 48.0];
-/// Height of a line of remarks. The first line needs no further space.
+/// Height of a line of remarks, from the second line on. The first line fits into the space above the plot.
 const NOTE_LINE: f64 = 14.0;
-/// Height of the space below the plot for ticks and title.
+/// Height of the space below the plot for the ticks and the title of the horizontal axis.
 const BELOW: f64 = 44.0;
-/// Height of the strip of deviations, including the gap above it.
+/// Height of the strip below the plot that shows deviations from targets, including the gap above it.
 const STRIP: f64 = 44.0;
 /// Width of a letter in labels of curves and ticks.
 const LETTER: f64 = 7.0;
-/// Width of a letter in remarks below the name.
+/// Width of a letter in remarks below the name of the chart.
 const NOTE_LETTER: f64 = 6.5;
 
 /// Layout of a chart. Positions are in picture units, with y downward.
@@ -30,28 +30,28 @@ const NOTE_LETTER: f64 = 6.5;
 pub(in crate::report) struct Layout {
     /// Name of the chart.
     pub key: String,
-    /// Width and height.
+    /// Width and height of the chart.
     pub size: [f64; 2],
-    /// Left, top, right and bottom of the plot.
+    /// Positions of the left, top, right and bottom edge of the plot.
     pub plot: [f64; 4],
-    /// Top and bottom of the strip of deviations. `None` without a strip.
+    /// Positions of the top and bottom of the strip that shows deviations from targets. `None` without a strip.
     pub strip: Option<[f64; 2]>,
-    /// Horizontal axis.
+    /// Horizontal axis of the plot.
     pub x: AxisLayout,
-    /// Vertical axis.
+    /// Vertical axis of the plot.
     pub y: AxisLayout,
-    /// Curves.
+    /// Curves in the plot.
     pub lines: Vec<LineLayout>,
     /// Labels at the ends of curves.
     pub labels: Vec<EndLabel>,
-    /// Points of each target: value on the horizontal axis, lower limit and upper limit.
+    /// Points of each target: value on the horizontal axis, lower limit and upper limit of the output.
     pub wanted: Vec<Vec<Limit>>,
     #[serde(skip)]
     chart: Chart,
-    /// Lines of remarks below the name.
+    /// Lines of remarks below the name of the chart.
     #[serde(skip)]
     remarks: Vec<Vec<Remark>>,
-    /// Words before the name.
+    /// Words before the name of the chart.
     #[serde(skip)]
     before: String,
     #[serde(skip)]
@@ -64,12 +64,12 @@ pub(in crate::report) struct Layout {
     deviations: Vec<Deviations>,
 }
 
-/// Deviations of a curve from a target, as multiples of the tolerance.
+/// Deviations of a curve from a target, as multiples of the target's tolerance.
 #[derive(Clone, Debug)]
 struct Deviations {
-    /// Index of the curve.
+    /// Index of the curve in the chart.
     line: usize,
-    /// Value on the horizontal axis, and deviation.
+    /// Points of the deviation: value on the horizontal axis, and deviation.
     points: Vec<[f64; 2]>,
 }
 
@@ -78,7 +78,7 @@ struct Deviations {
 struct Remark {
     class: &'static str,
     text: String,
-    /// Left end of the text.
+    /// Position of the left end of the remark's text.
     at: f64,
 }
 
@@ -90,13 +90,13 @@ type Limit = (f64, Option<f64>, Option<f64>);
 pub(in crate::report) struct AxisLayout {
     /// Column of the axis. For the same output of both wheels, the column of the first one.
     pub column: String,
-    /// Readable name.
+    /// Readable name of the quantity.
     pub name: String,
-    /// Readable unit.
+    /// Readable unit of the quantity.
     pub unit: String,
-    /// Value at the first end.
+    /// Value at the left or lower end of the axis.
     pub low: f64,
-    /// Value at the other end.
+    /// Value at the right or upper end of the axis.
     pub high: f64,
     /// True for a logarithmic scale.
     pub is_log: bool,
@@ -111,19 +111,19 @@ pub(in crate::report) struct AxisLayout {
 /// A curve for the page's script: rows of two columns of a table.
 #[derive(Clone, Debug, Serialize)]
 pub(in crate::report) struct LineLayout {
-    /// Name in the list of values at the crosshair.
+    /// Name of the curve in the list of values at the crosshair.
     pub told: String,
-    /// CSS classes for colour and stroke.
+    /// CSS classes for colour and stroke of the curve.
     pub class: String,
-    /// True for the main curve. Its value comes first.
+    /// True for the main curve. Its value is the first in the list at the crosshair.
     pub is_main: bool,
-    /// Index of the table.
+    /// Index of the table with the curve's data.
     pub table: usize,
     /// Column of the horizontal axis.
     pub x: String,
     /// Column of the values.
     pub y: String,
-    /// Rows of the table.
+    /// Rows of the table, in the order of the curve.
     pub rows: Vec<usize>,
 }
 
@@ -134,9 +134,9 @@ pub(in crate::report) struct EndLabel {
     pub text: String,
     /// CSS classes of the labelled curve.
     pub class: String,
-    /// Position of the label: left end, at half of its height.
+    /// Position of the label: its left end, at half of its height.
     pub at: [f64; 2],
-    /// End of the labelled curve.
+    /// Position of the end of the labelled curve.
     pub end: [f64; 2],
 }
 
@@ -281,7 +281,8 @@ fn in_power(title: &str, power: i32) -> String {
     }
 }
 
-/// Deviations of the curves in the strip from the targets of their column, at the positions of each target.
+/// Deviations from targets for each curve that the strip shows. A curve is compared with the targets of its own column, at the
+/// positions of each target.
 fn deviations(chart: &Chart, points: &[Vec<Option<[f64; 2]>>]) -> Vec<Deviations> {
     let mut all = Vec::new();
     for (number, (line, points)) in chart.lines.iter().zip(points).enumerate() {
@@ -361,7 +362,8 @@ fn beginning(text: &str, most: usize) -> &str {
     }
 }
 
-/// Value of a curve at a position, by linear interpolation between its points. `None` outside the curve and in its gaps.
+/// Value of a curve at the position `place` on the horizontal axis, by linear interpolation between its points. `None` outside the
+/// curve and in its gaps.
 fn value_at(points: &[Option<[f64; 2]>], place: f64) -> Option<f64> {
     let known = || points.iter().flatten();
     if let Some([_, value]) = known().find(|[at, _]| *at == place) {

@@ -19,7 +19,7 @@ pub(in crate::report) enum Lettering {
     Outlines(Font<'static>),
 }
 
-/// Part of the words that is at their position.
+/// Part of some words that is at the given position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::report) enum Anchor {
     /// Left end of the words.
@@ -72,12 +72,12 @@ impl<'a> Words<'a> {
     }
 }
 
-/// Size of outlines divided by the size of text. The letters of DejaVu Sans are large for their nominal size. This ratio makes them
-/// look like the usual fonts for SVG.
+/// Ratio of the letter size of outlines to the letter size of text. The letters of DejaVu Sans are large for their nominal size.
+/// This ratio makes them look like the usual fonts for SVG.
 const OUTLINE_SHARE: f64 = 0.92;
-/// Size of small words in the style.
+/// Size of small words, as in the CSS style of charts.
 const SIZE: f64 = 12.0;
-/// Size of labels in the style.
+/// Size of axis labels, as in the CSS style of charts.
 const LABEL_SIZE: f64 = 13.0;
 
 impl Lettering {

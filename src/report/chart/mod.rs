@@ -35,11 +35,11 @@ use super::curve_table::CurveTable;
 pub(super) struct Quantity {
     /// Column of the values. For the same output of both wheels, the column of the first one.
     pub column: String,
-    /// Readable name.
+    /// Readable name of the quantity.
     pub name: String,
-    /// Readable unit. Empty for a dimensionless number.
+    /// Readable unit of the quantity. Empty for a dimensionless number.
     pub unit: String,
-    /// True for a logarithmic scale.
+    /// True for a logarithmic scale of the axis.
     pub is_log: bool,
 }
 
@@ -77,18 +77,18 @@ impl Quantity {
 /// Data of a curve: rows of two columns of a table.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Source {
-    /// Index of the table.
+    /// Index of the table with the curve's data.
     pub table: usize,
     /// Column of the horizontal axis.
     pub x: String,
     /// Column of the values.
     pub y: String,
-    /// Rows in the order of the curve.
+    /// Rows of the table, in the order of the curve.
     pub rows: Vec<usize>,
 }
 
 impl Source {
-    /// Positions on the horizontal axis, including those without a value.
+    /// Values on the horizontal axis, including rows without a value on the vertical axis.
     fn places(&self, tables: &[CurveTable]) -> Vec<f64> {
         let table = tables.get(self.table);
         let x = table.and_then(|table| table.column(&self.x));
@@ -115,9 +115,9 @@ impl Source {
 pub(super) struct Line {
     /// Label at the end of the curve. `None` if the curve needs no label.
     pub label: Option<String>,
-    /// Name in the list of values at the crosshair.
+    /// Name of the curve in the list of values at the crosshair.
     pub told: String,
-    /// CSS classes for colour and stroke.
+    /// CSS classes for colour and stroke of the curve.
     pub class: String,
     /// True for a main curve. Its value comes first at the crosshair.
     pub is_main: bool,
@@ -125,16 +125,16 @@ pub(super) struct Line {
     pub in_strip: bool,
     /// True if each point has a dot.
     pub has_dots: bool,
-    /// Values of the curve.
+    /// Data of the curve.
     pub source: Source,
 }
 
 /// Area between two curves with the same rows.
 #[derive(Clone, Debug)]
 pub(super) struct Fan {
-    /// CSS class for the colour.
+    /// CSS class for the colour of the area.
     pub class: &'static str,
-    /// Lower and upper curve.
+    /// Lower and upper curve that bound the area.
     pub edges: [Source; 2],
 }
 
@@ -147,7 +147,7 @@ pub(super) struct Chart {
     pub x: Quantity,
     /// Quantity of the vertical axis.
     pub y: Quantity,
-    /// Remarks below the name: CSS class and text of each remark.
+    /// Remarks below the name of the chart: CSS class and text of each remark.
     pub notes: Vec<(&'static str, String)>,
     /// Areas behind the curves.
     pub fans: Vec<Fan>,

@@ -16,7 +16,7 @@ const MOST_OF_EACH_WHEEL: usize = 3;
 pub(in crate::report) struct ChartGroup<'r> {
     /// Name of the chart. Each group has its own name.
     pub key: String,
-    /// One output, or one of each wheel.
+    /// The output of the chart, or the same output of the left and the right wheel.
     pub outputs: Vec<&'r OutputRecord>,
 }
 
@@ -55,7 +55,7 @@ pub(in crate::report) fn chart_groups(outputs: &[OutputRecord]) -> Vec<ChartGrou
     groups
 }
 
-/// Wheel in the name of a column, and the name without it.
+/// Wheel in the name of a column ("left" or "right"), and the name without it. `None` if the name has no wheel.
 fn side_of(column: &str) -> Option<(&'static str, &str)> {
     ["left", "right"].into_iter().find_map(|side| {
         let name = column.strip_prefix(side)?.strip_prefix('_')?;
@@ -163,11 +163,11 @@ fn title_of(output: &OutputRecord, is_pair: bool) -> &str {
     }
 }
 
-/// Curves of one design and one output in a chart. Their common properties determine the CSS classes and the labels.
+/// Curves of one design and one output in a chart. Their CSS classes and labels depend on these common properties.
 struct DesignCurves<'a> {
-    /// Label of the design.
+    /// Label of the design in the run.
     design: &'a str,
-    /// True for the last design.
+    /// True for the last design of the run.
     is_last: bool,
     /// True if the chart shows no other design.
     is_alone: bool,
@@ -177,7 +177,7 @@ struct DesignCurves<'a> {
     beside: Option<&'a str>,
     /// Number of curves, one for each value of the second moving coordinate.
     count: usize,
-    /// True for the designs of a tolerance run.
+    /// True if the run is a tolerance analysis, whose curves show percentiles.
     is_scatter: bool,
 }
 
@@ -186,7 +186,7 @@ impl DesignCurves<'_> {
         self.count > 1
     }
 
-    /// CSS classes of a curve's colour and stroke.
+    /// CSS classes for colour and stroke of a curve.
     fn class(&self, family: &Family) -> String {
         let colour = match (self.is_last, self.side, self.has_several()) {
             (true, Some(side), _) => side.to_owned(),
@@ -349,8 +349,8 @@ impl Chart {
     }
 }
 
-/// True if the main curves and a target have the same values of the coordinates that the target holds fixed. The main curves have
-/// the values nearest to zero.
+/// True if the main curves of a chart can be compared with a target. Both must have the same values of the coordinates that the
+/// target holds fixed (`target.held`). The main curves have the values nearest to zero.
 fn is_at_zero(target: &TargetRecord, tables: &[CurveTable]) -> bool {
     let column = |name: &str| tables.last().and_then(|table| table.column(name));
     let mut held = target.held.iter();
@@ -407,9 +407,8 @@ fn is_solved(status: &str) -> bool {
     solved.iter().any(|s| s.word() == status)
 }
 
-/// Points (drive value and column value) at which the last design of a tuning violates limits by more than the tolerance. If the
-/// rack moves, only rows with the rack at 0 are compared. Each limit has a drive value, a minimum and a maximum. Empty for other
-/// commands, and for an axle with several moving coordinates.
+/// Points (drive value, column value) at which the last design of a tuning exceeds `limits` (drive value, minimum, maximum) by more
+/// than `tolerance`. A rack that moves must be at 0. Empty for other commands, and if an axle moves in several coordinates.
 fn outside(
     record: Charted<'_>,
     column: &str,

@@ -5,15 +5,15 @@ use crate::report::figure::{power_of_ten, with_minus_signs};
 /// Linear or logarithmic scale of an axis, with round ticks.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::report) struct Scale {
-    /// Value at the first end. It is the lower value.
+    /// Value at the left or lower end of the axis. It is the smaller value.
     pub low: f64,
-    /// Value at the other end.
+    /// Value at the other end of the axis.
     pub high: f64,
-    /// Distance of the ticks: in values, or in powers of ten for a logarithmic scale.
+    /// Distance between ticks: a difference of values, or a number of powers of ten for a logarithmic scale.
     step: f64,
     /// True for a logarithmic scale.
     pub is_log: bool,
-    /// Positions of the two ends on the picture.
+    /// Positions of the ends `low` and `high` on the picture.
     ends: [f64; 2],
 }
 
@@ -28,7 +28,7 @@ impl Scale {
             (l.min(v), h.max(v))
         });
         let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
-        // For a constant, the range is wide enough that rounding errors do not look like a slope.
+        // A constant gets a range that is wide enough. Otherwise its rounding errors would look like a slope.
         let least = 1e-6 * low.abs().max(high.abs()).max(1e-3);
         let (low, high) = if low == 0.0 && high == 0.0 {
             // If all values are exactly zero, they do not determine a scale.

@@ -6,7 +6,7 @@ use crate::report::figure::brief;
 /// A target in a chart.
 #[derive(Clone, Debug)]
 pub(in crate::report) enum Wanted {
-    /// Target values with a common tolerance.
+    /// Target values of an output, with a common tolerance.
     Values {
         /// Points: value of the motion's coordinate, and target value.
         points: Vec<[f64; 2]>,

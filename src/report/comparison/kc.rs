@@ -15,7 +15,7 @@ pub struct ComparedKc {
     pub label: String,
     /// Content of its `kc.csv`.
     pub csv: Vec<u8>,
-    /// Axes of the results. `None` for a run without a stored study.
+    /// Axes of the results in `csv`. `None` if they are not known, because the run has no stored study.
     pub axes: Option<FrameConvention>,
 }
 
@@ -27,7 +27,8 @@ pub struct KcComparison {
     figures: Vec<Figure>,
 }
 
-/// A result of a test, with value and secant in each run. `None` if a run does not have the result.
+/// A result of a test, with its value and its secant in each run. The secant is the mean slope between the loads -`window` and
+/// +`window` of the test. `None` if a run does not have the result.
 struct Figure {
     keys: Vec<String>,
     unit: String,
@@ -195,7 +196,7 @@ impl Sheet {
         Ok(Sheet { keys, rows })
     }
 
-    /// Converts stations and results from the first axes to the second axes.
+    /// Converts the stations and results of a run from the first axes to the second axes.
     fn turn(&mut self, axes: [FrameConvention; 2]) {
         let signs: Vec<f64> = self.keys.iter().map(|key| sign(key, axes)).collect();
         for (keys, _, values) in &mut self.rows {
@@ -211,7 +212,7 @@ impl Sheet {
         }
     }
 
-    /// Name of the first value that is not 0 and whose sign depends on the axes.
+    /// Name of the first result or station column that has a value other than 0, and whose sign depends on the axes.
     fn component(&self) -> Option<&str> {
         let matters = |name: &str| ColumnAxes::of(split_unit(name).0).matter();
         let is_number = |cell: &str| cell.parse::<f64>().is_ok_and(|number| number != 0.0);
@@ -228,7 +229,7 @@ impl Sheet {
     }
 }
 
-/// Name of the quantity, which is the last key of a row.
+/// Name of the quantity in a row of `kc.csv`. It is the last of the row's keys.
 fn quantity(keys: &[String]) -> &str {
     keys.last().map_or("", String::as_str)
 }

@@ -4,7 +4,7 @@ use super::super::table::{Cell, Table};
 use super::{Compared, ComparedPoints, Comparison};
 use crate::model::{Axis, Side};
 
-/// A point whose position differs from its position in the first design.
+/// A point whose position in a design differs from its position in the first design.
 #[derive(Clone, Debug)]
 pub(super) struct Moved {
     /// Side of the wheel. `None` unless a design has points of its own for the right wheel.

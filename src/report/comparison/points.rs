@@ -5,7 +5,7 @@
 pub struct NamedPoints {
     /// Names of the points, and their positions in the kernel's frame of the wheel.
     pub points: Vec<(String, [f64; 3])>,
-    /// Signs that convert to the study's axes.
+    /// Signs that convert coordinates from the kernel's frame (x forward, y outboard, z up) to the study's axes.
     pub signs: [f64; 3],
 }
 

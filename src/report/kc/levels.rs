@@ -8,13 +8,14 @@ use crate::compliance::{
 use crate::model::{Axis, Frame};
 use crate::number::Vector3;
 
-/// Number of columns of a wheel before the columns of its bushings and links.
+/// Number of columns for the state of a wheel, without the columns of its bushings and links.
 const WHEEL_CELLS: usize = 12;
-/// Columns of a bushing.
+/// Number of columns for each bushing.
 const BUSHING_CELLS: usize = 12;
 
 impl KcResults<'_> {
-    /// Content of `levels.csv`: one row per load level. `None` if no test has load levels, or if no station has an equilibrium.
+    /// Content of `levels.csv`: one row per load level (load at which the equilibrium is computed). `None` if no test has load
+    /// levels, or if no station has an equilibrium.
     pub fn levels_csv(&self) -> Option<Vec<u8>> {
         let mut header = self.station_columns();
         header.extend(self.columns(&["load", "trail_U", "mode", "hold", "anti_roll_bar"]));
@@ -45,8 +46,8 @@ impl KcResults<'_> {
         (!rows.is_empty()).then(|| csv(header, rows))
     }
 
-    /// Columns of a wheel's state. Its angles have the signs of a left wheel, and its coordinates are in the study's axes. The
-    /// values of a bushing are along and about the axes of the bushing.
+    /// Names of the columns for a wheel's state. Angles have the signs of a left wheel, and coordinates are in the study's axes.
+    /// The values of a bushing are along and about the axes of the bushing.
     fn wheel_columns(&self) -> Vec<String> {
         let mut header = self.columns(&[
             "vertical_force_N",

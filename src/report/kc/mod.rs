@@ -1,5 +1,5 @@
-//! Results of `kc` tests on one wheel or an axle: `kc.csv` and `compliance_matrix.csv`. The submodules write the load levels,
-//! tables, sensitivities and remarks.
+//! Results of `kc` tests (kinematics and compliance under load) on one wheel or an axle: `kc.csv` and `compliance_matrix.csv`. The
+//! submodules write the load levels, tables, sensitivities and remarks.
 
 mod levels;
 mod names;
@@ -24,7 +24,7 @@ use names::{OtherFigure, StationMatrix};
 
 /// Results of the tests of a study, with their units.
 pub struct KcResults<'a> {
-    /// The suspension.
+    /// Suspension of the tested wheel, or of the left wheel of an axle.
     pub suspension: &'a Suspension,
     /// Names of the bushings, in the order of the bushing values in the results.
     pub bushings: Vec<String>,
@@ -39,7 +39,8 @@ pub struct KcResults<'a> {
     pub stations: Vec<KcStation>,
     /// Rate of the tyre, in newtons per length unit.
     pub tyre_rate: Option<f64>,
-    /// Program whose results are added, with their names and definitions, to the results of hardpoint.
+    /// Other program whose results are added, with its names and definitions, to the results of hardpoint. `None` without such
+    /// results.
     pub other: Option<OtherProgram>,
 }
 
@@ -71,7 +72,7 @@ pub fn no_equilibrium(why: &NoEquilibrium) -> String {
     }
 }
 
-/// Motion of the softest part, in words.
+/// Motion of the part with the least stiffness, in words, such as "... turns about z".
 pub fn weakest_motion(part: &str, motion: Motion) -> String {
     match motion {
         Motion::Turn(axis) => format!("{part} turns about {}", axis.name()),
@@ -79,7 +80,7 @@ pub fn weakest_motion(part: &str, motion: Motion) -> String {
     }
 }
 
-/// Status word of a state without equilibrium.
+/// Status of a state without equilibrium, in one word.
 fn status(why: &NoEquilibrium) -> &'static str {
     match why.lack {
         Lack::Stability | Lack::Stiffness(_) => "unstable",
@@ -97,7 +98,7 @@ fn place(place: TestPlace) -> &'static str {
     }
 }
 
-/// State of the anti-roll bar in a test.
+/// State of the anti-roll bar in a test: `connected` or `disconnected`. Empty for a study of one wheel.
 fn bar(test: &KcTest) -> &'static str {
     match (test.mode, test.has_bar) {
         (TestMode::OneWheel, _) => "",
@@ -125,7 +126,7 @@ fn mode(test: &KcTest) -> &'static str {
     }
 }
 
-/// Part to which a result belongs.
+/// Part to which a result belongs: a wheel or the axle. Empty for a study of one wheel.
 fn subject(of: KcSubject) -> &'static str {
     match of {
         KcSubject::OneWheel => "",
@@ -167,7 +168,7 @@ impl KcResults<'_> {
         cells
     }
 
-    /// Names of the columns of [`KcResults::station`].
+    /// Names of the columns that give the station of a test.
     fn station_columns(&self) -> Vec<String> {
         if self.is_axle {
             self.columns(&["travel_left_U", "travel_right_U", "rack_U"])
@@ -176,7 +177,7 @@ impl KcResults<'_> {
         }
     }
 
-    /// Name of a station in words.
+    /// Name of a station in words: its travels and its rack displacement.
     pub(in crate::report) fn station_name(&self, station: &KcStation) -> String {
         let u = self.length().symbol();
         let [travel, rack] = [station.travel, station.rack].map(super::brief);
@@ -219,7 +220,7 @@ impl KcResults<'_> {
         csv(header, rows)
     }
 
-    /// Cells of a row, from the columns of the station to the column `wheel`.
+    /// Cells of a row from the columns of the station up to the column `wheel`, before the quantity.
     fn test_cells(
         &self,
         station: &KcStation,
@@ -240,7 +241,7 @@ impl KcResults<'_> {
         cells
     }
 
-    /// Value of a result in its printed unit.
+    /// Value of a result, converted to the unit that is printed.
     fn printed(&self, figure: &KcFigure, value: Option<f64>) -> Option<f64> {
         value.map(|value| value * figure.unit.printed_factor(self.length()))
     }

@@ -56,7 +56,7 @@ pub enum OtherProgram {
     Altair,
 }
 
-/// A result by another program's definition.
+/// A result by another program's definition, with its name in that program.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct OtherFigure {
     pub(super) name: String,
@@ -64,10 +64,10 @@ pub(super) struct OtherFigure {
     pub(super) unit: &'static str,
 }
 
-/// Matrix of a wheel or an axle at a station, with the units of its entries.
+/// Compliance matrix of a wheel or an axle at a station, with the units of its entries.
 #[derive(Clone, Copy)]
 pub(super) struct StationMatrix<'a> {
-    /// Entries in the study's axes and length unit: six rows, or twelve for an axle.
+    /// Entries of the compliance matrix in the study's axes and length unit: six rows, or twelve for an axle.
     pub(super) matrix: &'a [Vec<f64>],
     pub(super) frame: Frame,
     pub(super) length: LengthUnit,
@@ -79,7 +79,7 @@ pub(super) struct StationMatrix<'a> {
     pub(super) centre_distance: Option<f64>,
 }
 
-/// Value of a definition, with its name and unit.
+/// Name, value and unit of a result by another program's definition.
 type Defined = (&'static str, f64, &'static str);
 
 impl StationMatrix<'_> {
@@ -166,7 +166,7 @@ impl StationMatrix<'_> {
             .then_some(OtherFigure { name, value, unit })
     }
 
-    /// Results of the axle as a whole.
+    /// Result of the axle as a whole by another program's definition. `None` if the program has no such result.
     fn of_axle(&self, program: OtherProgram, quantity: &str, test: &KcTest) -> Option<Defined> {
         let wheels = Side::ALL.map(|side| LoadedWheel {
             of: self,
@@ -195,13 +195,14 @@ impl StationMatrix<'_> {
         }
     }
 
-    /// Difference of the heights of both wheel centres, in mm, caused by equal and opposite vertical forces of 1 N.
+    /// Difference of the heights of both wheel centres in mm, caused by equal and opposite vertical forces of 1 N. It is dz of
+    /// equation (13) of this module, without the tyres.
     fn roll_height(&self) -> f64 {
         self.entry(3, 3) - self.entry(3, 9) - self.entry(9, 3) + self.entry(9, 9)
     }
 }
 
-/// A wheel, with loads on both wheels.
+/// A wheel of an axle in a test with loads on both wheels.
 struct LoadedWheel<'a> {
     of: &'a StationMatrix<'a>,
     side: Side,
@@ -210,7 +211,7 @@ struct LoadedWheel<'a> {
 }
 
 impl LoadedWheel<'_> {
-    /// The sum B(row, column) that is defined at the head of the module.
+    /// The sum B(row, column) = C(r, column) + s C(r, column + 6) that the head of this module defines.
     fn both(&self, row: usize, column: usize) -> f64 {
         let row = match self.side {
             Side::Left => row,
@@ -224,12 +225,14 @@ impl LoadedWheel<'_> {
         self.of.radius * self.of.mm()
     }
 
-    /// Rotation caused by a side force at the end of the vertical lever: equations (1) and (2).
+    /// Rotation in degrees per kN, caused by a side force at the end of the vertical lever (at the ground): equations (1) and (2)
+    /// of this module.
     fn by_side_force(&self, row: usize) -> f64 {
         1000.0 * (self.both(row, 2) + self.both(row, 4) * self.radius()) * DEGREES
     }
 
-    /// Rotation caused by a longitudinal force at the wheel centre or at the end of the vertical lever: equations (5) to (7).
+    /// Rotation in degrees per kN, caused by a longitudinal force at the wheel centre or at the end of the vertical lever (at the
+    /// ground): equations (5) to (7) of this module.
     fn by_longitudinal_force(&self, row: usize, place: TestPlace) -> f64 {
         let lever = match place {
             TestPlace::ContactPoint => self.radius(),
@@ -238,7 +241,7 @@ impl LoadedWheel<'_> {
         1000.0 * (self.both(row, 1) - lever * self.both(row, 5)) * DEGREES
     }
 
-    /// Rotation per height of the wheel centre, in degrees per mm: equations (8) to (10), (18) and (19).
+    /// Rotation per height of the wheel centre, in degrees per mm, as in equations (8) to (10), (18) and (19) of this module.
     fn by_height(&self, row: usize) -> f64 {
         let sign = match (row, self.side) {
             (4, Side::Right) => -1.0,
@@ -247,7 +250,7 @@ impl LoadedWheel<'_> {
         sign * self.both(row, 3) / self.both(3, 3) * DEGREES
     }
 
-    /// Roll steer in percent: equation (13). `None` without a tyre's rate, and for one wheel.
+    /// Roll steer of the wheel in percent: equation (13) of this module. `None` without a tyre's rate, and for one wheel.
     fn roll_steer(&self) -> Option<f64> {
         let (of, row) = (self.of, if self.side == Side::Left { 6 } else { 12 });
         let tyre = of.tyre_rate? / of.mm();

@@ -1,4 +1,4 @@
-//! Stations and load levels without equilibrium, and warnings.
+//! Remarks on `kc` tests: stations and load levels without equilibrium, and warnings.
 
 use super::{KcResults, no_equilibrium};
 use crate::axle::Stop;
@@ -49,8 +49,9 @@ impl KcResults<'_> {
         failures
     }
 
-    /// Warnings about load levels: values that come from an extrapolated bushing curve, and wheels that lift. A remark without the
-    /// word "warning" states how often a stop is in contact. The counts of an axle contain the states of both wheels.
+    /// Warnings about load levels. They name bushings beyond their force curve or turned by more than 60 degrees, and wheels that
+    /// lift. A remark without the word "warning" states how often a spring's stop is in contact. For an axle, the states of both
+    /// wheels are counted.
     pub fn warnings(&self) -> Vec<String> {
         let outcomes = self
             .stations

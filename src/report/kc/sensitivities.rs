@@ -9,18 +9,18 @@ use crate::compliance::{
 use crate::model::{Axis, PointId};
 use crate::study::RATE_AXES;
 
-/// An input with its printed name, axis and unit.
+/// An input of the derivatives (coordinate, rate or other parameter), with its printed name, axis and unit.
 struct Input {
     parameter: Parameter,
     name: String,
     axis: String,
     unit: String,
-    /// Factor from the derivative with respect to the program's input to the derivative with respect to the printed input.
+    /// Factor that converts a derivative from the program's unit of the input to the printed unit.
     factor: f64,
 }
 
 impl KcResults<'_> {
-    /// Inputs of a suspension: coordinates of `points`, values of the elastic parts, and values of the subframe's `mounts`.
+    /// Inputs of the derivatives: coordinates of `points`, values of the elastic parts, and values of the subframe's `mounts`.
     fn inputs(
         &self,
         parts: &Compliance,
@@ -191,8 +191,8 @@ impl KcResults<'_> {
         (!points.is_empty()).then(|| self.sensitivity_rows(&inputs, gradients))
     }
 
-    /// CSV file with a row for each station, test, result and input. `gradients` gives the derivatives of the results of a
-    /// station's tests.
+    /// CSV file with a row for each station, test, result and input. `gradients` computes the derivatives of all results of the
+    /// tests at a station.
     fn sensitivity_rows(
         &self,
         inputs: &[Input],
@@ -213,7 +213,7 @@ impl KcResults<'_> {
             let Ok(outcomes) = &station.outcomes else {
                 continue;
             };
-            // Gradients exist for a station that has an equilibrium.
+            // Only a station with an equilibrium has derivatives.
             let Some(found) = gradients(station, outcomes) else {
                 continue;
             };

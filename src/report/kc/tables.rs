@@ -7,7 +7,7 @@ use crate::ask::Unit;
 use crate::compliance::{KcFigure, KcStation};
 use crate::model::LengthUnit;
 
-/// Readable unit.
+/// Readable form of a result's unit.
 fn unit_shown(unit: Unit, length: LengthUnit) -> String {
     let u = length.symbol();
     match unit {
@@ -25,7 +25,7 @@ fn unit_shown(unit: Unit, length: LengthUnit) -> String {
 }
 
 impl KcResults<'_> {
-    /// Machine-readable table of the results of all stations.
+    /// Machine-readable table of the test results at all stations.
     pub fn table(&self) -> Table {
         let u = self.length().symbol();
         let mut columns = vec!["test".to_owned()];
@@ -109,7 +109,7 @@ impl KcResults<'_> {
         Some([four_figures(value), unit_shown(figure.unit, self.length())])
     }
 
-    /// Cells of a result: name, value, secant and unit.
+    /// Table cells of a result: name, value, secant (mean slope from -`window` to +`window`) and unit.
     fn figure_cells(&self, figure: &KcFigure) -> [Cell; 4] {
         let number = |value: Option<f64>| Cell::by(value, four_figures);
         [

@@ -30,7 +30,7 @@ const point = (name, value, from) => {
   for (const follow of followers) follow(name, value, from);
 };
 
-// Writes the number of drawn elements into an attribute of the page, for tests and other programs.
+// Writes the number of elements that the page has drawn into an attribute of the page, for tests and other programs.
 const drawn = new Set();
 const noteDrawn = (element) => {
   drawn.add(element);

@@ -39,7 +39,7 @@ fn titled(case: &CarCase) -> String {
     html(&case.name.replace('_', " "))
 }
 
-/// Page of a car.
+/// HTML of the page of a car.
 pub fn car_page(record: &CarRecord) -> String {
     with_design(record, None)
 }
@@ -229,7 +229,7 @@ fn targets(record: &CarRecord) -> String {
     )
 }
 
-/// Tuned variables, with the misfit and the reason why the search ended.
+/// Section with the tuned variables, the misfit, and the reason why the search ended.
 fn variables(record: &CarRecord) -> String {
     let Some(tuning) = &record.tuning else {
         return String::new();
@@ -247,7 +247,7 @@ fn variables(record: &CarRecord) -> String {
     )
 }
 
-/// Constraints of a tuning with their margins.
+/// Section with the constraints of a tuning and their margins.
 fn constraints(record: &CarRecord) -> String {
     let tuning = record.tuning.as_ref();
     let constraints = tuning.map_or(&[][..], |tuning| &tuning.constraints);
@@ -278,7 +278,8 @@ fn starts(record: &CarRecord) -> String {
     }
 }
 
-/// Changes that no target requests. Important changes come first. Other visible changes are in a section that can be opened.
+/// Section with the changes by a tuning that no target requests. Important changes come first. Other visible changes are in a part
+/// that can be opened.
 fn side_effects(record: &CarRecord) -> String {
     let effects = &record.side_effects;
     if effects.is_empty() {

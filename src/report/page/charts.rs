@@ -7,14 +7,14 @@ use crate::report::curve_table::CurveTable;
 /// Charts of a page, and the tables with their data.
 #[derive(Default)]
 pub(super) struct Charts {
-    /// Tables of numbers.
+    /// Tables with the numbers of all charts.
     pub tables: Vec<CurveTable>,
-    /// Layouts, in the order of the figures.
+    /// Layouts of the charts, in the order of their figures on the page.
     pub layouts: Vec<Layout>,
 }
 
 impl Charts {
-    /// Adds a chart. Returns its figure as HTML, with these attributes and remarks.
+    /// Adds a chart to the page. Returns its figure as HTML, with these attributes and these remarks.
     pub(super) fn figure(&mut self, chart: Chart, attributes: &str, remarks: &str) -> String {
         let layout = chart.layout(&self.tables);
         let number = self.layouts.len();
@@ -27,7 +27,7 @@ impl Charts {
     }
 }
 
-/// Writes an attribute of an element.
+/// HTML text of an attribute with its name and value.
 pub(super) fn attribute(name: &str, value: &str) -> String {
     format!(" {name}=\"{}\"", html(value))
 }

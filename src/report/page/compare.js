@@ -1,4 +1,4 @@
-// Shows the curves or their differences, over the chosen column.
+// Shows the curves or their differences from the first design, over the chosen column.
 const choose = () => {
   const [kind, over] = ['what', 'over'].map((id) => byId(id).value);
   for (const { figure } of charts) figure.hidden = figure.dataset.kind !== kind || figure.dataset.over !== over;

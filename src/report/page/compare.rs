@@ -28,7 +28,7 @@ struct Data<'a> {
     charts: &'a [Layout],
 }
 
-/// Values that a chart shows.
+/// Values that a chart shows: the curves of the designs, or their differences from the first design.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Curves,
@@ -116,8 +116,8 @@ fn figures(comparison: &Comparison, moving: &[String], charts: &mut Charts) -> S
     figures
 }
 
-/// Curves of a design, each with its rows of the table. The columns of the axes are not set yet. There is one curve for each
-/// value of the second moving coordinate. `label` and `short` are the full and the short name of the design.
+/// Curves of a design, each with its rows of `table`. There is one curve for each value of the second moving coordinate. The caller
+/// sets the columns of the axes later. `label` and `short` are the full and the short name of the design.
 fn lines_of_design(
     table: &CurveTable,
     apart: &[&String],
@@ -146,7 +146,7 @@ fn lines_of_design(
     families.into_iter().map(line).collect()
 }
 
-/// Colours of the designs, with their names in full.
+/// Legend: colours of the designs, with their full names.
 fn key(labels: &[String]) -> String {
     let item = |(design, label): (usize, &String)| {
         format!("<li><i class=\"{}\"></i>{}</li>", hue(design), html(label))

@@ -8,7 +8,7 @@ const titled = (k) => withUnit(columns[k].title, columns[k].unit);
 const value = (k, row) => shown.columns[k][row];
 const isWhole = (row) => shown.failing[row] === null;
 const allRows = shown.design.map((_, row) => row);
-// Rows of designs that violate a constraint.
+// Rows of the designs that violate a constraint.
 const outside = new Set(allRows.filter((row) => columns.some(({ least }, k) => least !== null && value(k, row) !== null && value(k, row) < least)));
 const SHADES = 9;
 const SCATTER = { size: [900, 520], box: [74, 52, 880, 462] };
@@ -25,7 +25,7 @@ const shadesBy = (k) => {
   return shades;
 };
 const shadesOf = (state) => (state.colour === 'status' ? null : shadesBy(state.colour));
-// Groups of designs, the most important ones last: class, rows, name.
+// Groups of designs in the scatter plot, the most important ones last. Each group has a CSS class, rows and a name.
 const groupsOf = (state) => {
   const selected = (row) => state.selected === null || state.selected.has(row);
   const plain = allRows.filter((row) => isWhole(row) && !marked.has(row) && !outside.has(row));

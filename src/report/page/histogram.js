@@ -1,4 +1,5 @@
-// Histogram of the designs over the column of the horizontal axis. The selected designs have another colour.
+// Histogram of the designs over the column that is on the horizontal axis of the scatter plot. The selected designs have another
+// colour.
 const COUNTS = { size: [900, 190], box: [74, 14, 880, 138], bins: 30 };
 const countsPlot = byId('counts-plot');
 const drawCounts = (state) => {

@@ -60,8 +60,8 @@ pub fn kc_page(study: &str, results: &KcResults<'_>) -> String {
     sheet(study, "kc", &verdict(results), &sections)
 }
 
-/// Number of states without equilibrium, and main results. Each result comes from the station nearest to the design position that
-/// has the result.
+/// Sentences on the number of states without equilibrium, and on the main results. Each result comes from the station nearest to
+/// the design position that has the result.
 fn verdict(results: &KcResults<'_>) -> String {
     let failed = match results.failures().len() {
         0 => "Every state has an equilibrium.".to_owned(),
@@ -84,8 +84,8 @@ fn verdict(results: &KcResults<'_>) -> String {
     }
 }
 
-/// Position of one station, and the charts of its tests. The function takes the station nearest to the design position that has
-/// load levels. Both texts are empty without such a station.
+/// Name of one station, and HTML with the charts of its tests. It is the station nearest to the design position that has load
+/// levels. Both texts are empty without such a station.
 fn charts(results: &KcResults<'_>) -> (String, String) {
     let stations = results.nearest_stations();
     let found = stations

@@ -46,16 +46,16 @@ const STAGE: &str = include_str!("stage.html");
 struct Page<'a, Data> {
     study: &'a str,
     about: String,
-    /// Key values at the top of the page: names and values.
+    /// Key values at the top of the page: name and value of each.
     facts: Vec<(&'static str, String)>,
-    /// Remarks above the charts.
+    /// Remarks above the charts of the page.
     remarks: String,
-    /// Identifiers and names of the sections.
+    /// Identifiers and names of the page's sections.
     sections: Vec<(&'static str, &'static str)>,
     controls: &'a str,
     main: String,
     files: &'a [String],
-    /// Data for the script.
+    /// Data for the page's script.
     data: Data,
     /// Parts of the page's own script.
     scripts: &'a [&'a str],

@@ -30,8 +30,8 @@ pub(super) fn controls(motion: &MotionRecord, plots: &str) -> String {
 }
 
 /// Figures of all outputs over all possible horizontal axes of a motion. At first, only the usual horizontal axis is visible.
-/// `missed` has the column and the deviation of each missed target. `further` returns lines that are drawn behind the lines of a
-/// chart.
+/// `missed` has the column and the deviation of each missed target. `further` returns additional lines, which are drawn behind the
+/// curves of a chart.
 pub(super) fn figures(
     of: Charted<'_>,
     missed: &[(&str, String)],

@@ -54,7 +54,7 @@ pub(super) fn opening(tuning: &TuningSummary, record: &Record) -> String {
     )
 }
 
-/// Result in short sentences.
+/// Verdict on the tuning in short sentences.
 fn verdict(tuning: &TuningSummary) -> String {
     let (all, missed) = (tuning.targets(), tuning.missed().len());
     let flagged = tuning.side_effects.iter().filter(|e| e.flagged).count();
@@ -141,7 +141,7 @@ fn margins(tuning: &TuningSummary) -> String {
     })
 }
 
-/// Pictures of the first and the last design, from the front and from the side. The first design is dashed, the last
+/// Pictures of the first and the last design of a run, from the front and from the side. The first design is dashed; the last
 /// design has colours.
 fn pictures(record: &Record) -> String {
     let [Some(first), Some(last)] = [record.motion.designs.first(), record.motion.designs.last()]

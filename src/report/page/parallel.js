@@ -3,7 +3,7 @@
 const parallel = byId('parallel-plot');
 const MOST_AXES = 12;
 const PARALLEL = { size: [1180, 436], box: [50, 102, 1130, 396] };
-// Length of a line of an axis title, relative to the distance of two axes.
+// Largest length of a line in an axis title, relative to the distance of two axes.
 const TITLE = 1.8;
 const brushes = new Map();
 
@@ -22,7 +22,7 @@ const parallelAxes = (state) => {
 const placeOfAxis = (i, all) => PARALLEL.box[0] + (all > 1 ? (i * (PARALLEL.box[2] - PARALLEL.box[0])) / (all - 1) : 0);
 const heightOn = (k, v) => PARALLEL.box[3] - shareOn(axisOf(k, false), v) * (PARALLEL.box[3] - PARALLEL.box[1]);
 
-// A title in up to two lines of at most this many letters.
+// Splits a title into up to two lines of at most `most` letters.
 const linesOf = (words, most) => {
   if (words.length <= most) return [words];
   const at = words.lastIndexOf(' ', most) > 0 ? words.lastIndexOf(' ', most) : most;

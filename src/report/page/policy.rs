@@ -59,7 +59,7 @@ mod tests {
         }
     }
 
-    /// Example from the CSP specification, level 2, section 4.2.5.
+    /// Hash of the example script in the CSP specification, level 2, section 4.2.5.
     #[test]
     fn scripts_are_named_by_their_hashes() {
         let policy = policy(&["alert('Hello, world.');"], "");

@@ -96,7 +96,7 @@ impl PageDesign {
     }
 }
 
-/// Page of a run.
+/// HTML of the page of a run.
 pub fn page(run: &Run) -> String {
     with_design(run, None)
 }
@@ -221,7 +221,7 @@ fn front_curves(points: &[FrontPoint]) -> Vec<CurveTable> {
 }
 
 /// Lines of the points of a Pareto front in the chart of a group of outputs over a column. `first` is the index of the first table
-/// of the front. The script shows one point at a time.
+/// with curves of these points. The script shows one point at a time.
 fn front_lines(
     record: &Record,
     tables: &[CurveTable],
@@ -343,7 +343,7 @@ fn labelled(run: &Run) -> impl Iterator<Item = (String, &DesignRecord)> {
     own.chain(named)
 }
 
-/// All failed ranges with their reasons.
+/// Section with all ranges of failed stations and their reasons.
 fn failures(run: &Run) -> String {
     let mut items = String::new();
     for (label, design) in labelled(run) {

@@ -14,15 +14,15 @@ use std::fmt::Write;
 const WIDTH: f64 = 760.0;
 /// Width of the names on the left.
 const NAMES: f64 = 250.0;
-/// Width of the numbers on the right.
+/// Width of the numbers (yield and capability) on the right.
 const NUMBERS: f64 = 110.0;
-/// Height of a row.
+/// Height of the row of a value.
 const ROW: f64 = 64.0;
 /// Height of a histogram.
 const HISTOGRAM: f64 = 28.0;
-/// Height of the band behind the histogram.
+/// Height of the band (allowed range) behind the histogram.
 const BAND: f64 = 44.0;
-/// Distance from the top of a row to the middle of the boxes.
+/// Distance from the top of a row to the middle of the boxes that show percentiles.
 const BOXES: f64 = 38.0;
 /// Height of a contributor's row.
 const BAR: f64 = 26.0;
@@ -61,7 +61,7 @@ fn opening(height: f64, title: &str) -> String {
     format!("<svg viewBox=\"0 0 {WIDTH} {height}\" role=\"img\" aria-label=\"{title}\">")
 }
 
-/// Band in words. A position on the motion of a wheel has its unit.
+/// Name of a band for its row: output, position and limits. The position on the motion of a wheel has its unit.
 fn name_of(band: &BandRecord, drive: &str) -> String {
     match (band.at, &band.over, band.band.split_once(": ")) {
         (Some(at), None, Some((_, limits))) => {
@@ -295,7 +295,7 @@ pub(super) fn contributors(summary: &ToleranceSummary) -> String {
     )
 }
 
-/// Position of the label at the end of a contributor's bar.
+/// Position of the label of a predicted yield at the end of a contributor's bar.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct EndLabel {
     place: f64,

@@ -6,7 +6,7 @@ const HELPERS: &str = include_str!("../../studio/page/draw.js");
 const SPACE: &str = include_str!("../../studio/page/space.js");
 const MECHANISM_VIEW: &str = include_str!("../../studio/page/mechanism_view.js");
 
-/// Joins these parts to one script, with the helpers before them.
+/// Joins these parts of a page's script, with the helper functions before them.
 pub(super) fn script(parts: &[&str]) -> String {
     let own = [HELPERS, SPACE, MECHANISM_VIEW];
     let mut script = "'use strict';\n(() => {\n".to_owned();

@@ -80,7 +80,7 @@ pub fn set_up_page(wheels: &[SetUpSummary]) -> String {
     sheet(study, "set-up", verdict, &sections)
 }
 
-/// One strip for each static value that has a target.
+/// One strip for each static value (such as camber or toe) that has a target.
 fn wanted_strips(summary: &SetUpSummary) -> Vec<Strip> {
     let wanted = summary.statics.iter().filter_map(|s| Some((s, s.wanted?)));
     wanted
@@ -105,7 +105,7 @@ fn wanted_strips(summary: &SetUpSummary) -> Vec<Strip> {
 pub struct LimitsSheet<'a> {
     /// Name of the study.
     pub study: &'a str,
-    /// Quantities with lower limit, upper limit and causes.
+    /// Table of the limits: quantities with lower limit, upper limit and their causes.
     pub limits: &'a Table,
     /// Ranges of the study's motion. The names are the same as in the table of limits.
     pub motion: &'a [(String, [f64; 2])],

@@ -6,11 +6,11 @@ use crate::report::chart::mark::{number, path};
 use crate::report::{brief, to_digits, with_minus_signs};
 use std::fmt::Write;
 
-/// Width of the picture. It equals the width of a chart.
+/// Width of the picture with strips. It equals the width of a chart.
 const WIDTH: f64 = 420.0;
 /// Space left and right of the scale.
 const MARGIN: f64 = 34.0;
-/// Height of a strip with its name, its line and the numbers below.
+/// Height of a strip with its name, its line and the numbers below the line.
 const HEIGHT: f64 = 58.0;
 /// Vertical position of the line in a strip.
 const LINE: f64 = 30.0;
@@ -25,12 +25,12 @@ const EDGE: f64 = 8.0;
 pub(super) struct Strip {
     /// Name of the quantity.
     pub title: String,
-    /// Range, drawn as a line with ends.
+    /// Range of the quantity, drawn as a line with ends.
     pub range: Option<[f64; 2]>,
-    /// Band behind the line. Its ends have numbers only if the strip also has a range. Otherwise the title contains the target
-    /// value.
+    /// Band (such as a target with its allowed error, or the study's motion), drawn behind the line. Its ends have numbers only if
+    /// the strip also has a range. Otherwise the title contains the target value.
     pub band: Option<[f64; 2]>,
-    /// CSS class and value of each dot.
+    /// Values of the quantity, drawn as dots: CSS class and value of each dot.
     pub dots: Vec<(&'static str, f64)>,
 }
 
@@ -104,7 +104,7 @@ fn draw(strip: &Strip, top: f64, svg: &mut String) {
             false,
         );
     }
-    // Numbers of the values are placed first. Numbers at the ends of range and band follow, if there is enough space.
+    // The numbers below the dots are placed first. Numbers at the ends of range and band follow, if there is enough space.
     let dots = strip.dots.iter().rev().map(|(_, value)| *value);
     let ends = strip.range.into_iter().chain(strip.range.and(strip.band));
     let mut taken: Vec<[f64; 2]> = Vec::new();

@@ -51,7 +51,7 @@ struct Data<'a> {
     drawn: Vec<Option<u64>>,
     record: Option<&'a Record>,
     curves: &'a [CurveTable],
-    /// Charts of these designs.
+    /// Charts of the designs in `drawn`.
     charts: &'a [Layout],
 }
 
@@ -275,7 +275,7 @@ fn remarks(run: &SweepRun) -> String {
     remarks
 }
 
-/// Describes which designs the page shows.
+/// Describes which designs of the sweep the page shows.
 fn choice(run: &SweepRun) -> String {
     let (summary, shown) = (&run.summary, run.shown.design.len());
     let file = match run.files.first() {

@@ -5,7 +5,7 @@ use crate::report::chart::{Chart, Line, Quantity, Source};
 use crate::report::curve_table::CurveTable;
 use crate::report::{FrontRecord, PriceRecord};
 
-/// Line through some rows of a table.
+/// Line through some rows of the table with index `table`. `columns` are the columns of the horizontal and the vertical axis.
 fn line(table: usize, columns: [&str; 2], rows: Vec<usize>, class: &str) -> Line {
     Line {
         label: None,
@@ -135,8 +135,8 @@ pub(super) fn front_charts(
     let mut figures = String::new();
     for [a, b] in pairs {
         let columns = [names[*a].as_str(), names[*b].as_str()];
-        // The line is interrupted where the Pareto front has a gap. With more than two targets, the points have no
-        // line.
+        // The line through the points is interrupted where the Pareto front has a gap. With more than two targets, the points have
+        // no line.
         let mut pieces: Vec<Vec<usize>> = vec![Vec::new()];
         for row in 0..front.points.len() {
             pieces

@@ -2,11 +2,11 @@
 
 /// Width of a small letter, and height of a line.
 const LETTER: [f64; 2] = [6.6, 13.0];
-/// Distances from the point to try, nearest first.
+/// Distances between a point and its name that are tried, nearest first.
 const DISTANCES: [f64; 6] = [9.0, 18.0, 30.0, 46.0, 66.0, 90.0];
-/// Number of directions to try at each distance.
+/// Number of directions from the point that are tried at each distance.
 const DIRECTIONS: usize = 16;
-/// Distance beyond which a name needs a line to its point.
+/// Distance between point and name beyond which a line connects them.
 const FAR: f64 = 12.0;
 /// A name without a line is nearer to its own point than to others by at least this distance.
 const CLEARLY: f64 = 3.0;
@@ -16,7 +16,7 @@ const CLEARLY: f64 = 3.0;
 pub(super) struct Label<'a> {
     /// Text of the name.
     pub text: &'a str,
-    /// Left end of its baseline.
+    /// Position of the left end of the name's baseline.
     pub at: [f64; 2],
     /// Line from the point to the name. `None` if the name is beside the point and clearly belongs to it.
     pub leader: Option<Segment>,
@@ -133,7 +133,7 @@ fn around(dot: [f64; 2]) -> Area {
     [dot[0] - 4.0, dot[1] - 4.0, dot[0] + 4.0, dot[1] + 4.0]
 }
 
-/// Common area of two rectangles, relative to the area of a letter.
+/// Common area of two rectangles, divided by the area of a letter.
 fn overlap(a: &Area, b: &Area) -> f64 {
     let width = a[2].min(b[2]) - a[0].max(b[0]);
     let height = a[3].min(b[3]) - a[1].max(b[1]);
@@ -146,7 +146,7 @@ fn distance(area: &Area, dot: [f64; 2]) -> f64 {
     across.hypot(along)
 }
 
-/// True if the segment crosses the rectangle: clipping leaves a part of it.
+/// True if the segment crosses the rectangle.
 fn crosses(area: &Area, [from, to]: &Segment) -> bool {
     let mut share = [0.0f64, 1.0f64];
     for k in 0..2 {

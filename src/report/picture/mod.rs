@@ -26,7 +26,7 @@ pub struct Picture {
     pub contents: Vec<u8>,
 }
 
-/// Name of the picture with several outputs.
+/// Name of the picture that shows several outputs together.
 const OVERVIEW: &str = "overview";
 /// Name of the drawing of the mechanism.
 const MECHANISM: &str = "mechanism";
@@ -43,7 +43,7 @@ const NAMED_VIEW: [f64; 2] = [560.0, 560.0];
 /// Name of the file with the layouts of all charts.
 const LAYOUTS: &str = "charts.json";
 
-/// Style of the views.
+/// Style of the views of the mechanism.
 const STYLE: &str = "text{font:12px system-ui,-apple-system,Segoe UI,Roboto,Helvetica,Arial,sans-serif;fill:#3d454d}\
 .label{font-size:13px;fill:#1b1f24}path{fill:none;stroke-linejoin:round;stroke-linecap:round}";
 
@@ -65,7 +65,7 @@ pub fn picture_names(record: &Record) -> Vec<String> {
     files.chain([LAYOUTS.to_owned()]).collect()
 }
 
-/// Charts of one motion.
+/// Charts of one motion of a run.
 struct MotionCharts<'r> {
     /// Name of the motion. Empty for the study's own motion.
     motion: &'r str,
@@ -143,7 +143,7 @@ impl<'r> MotionCharts<'r> {
     }
 }
 
-/// Content of a cell of a picture.
+/// Content of one cell (panel) of a picture.
 enum Cell<'r> {
     Chart(Box<Layout>),
     View(View<'r>),
@@ -170,7 +170,7 @@ impl<'r> Sheet<'r> {
         }
     }
 
-    /// Drawing of the mechanism with the names of its points.
+    /// Picture of the mechanism in front, side and top view, with the names of its points.
     fn mechanism(record: &'r Record) -> Self {
         let views = Sight::ALL.map(|sight| View::of(record, sight, true, NAMED_VIEW));
         let views = views.into_iter().flatten().map(Cell::View);
@@ -243,7 +243,7 @@ impl<'r> Sheet<'r> {
         svg + "</svg>\n"
     }
 
-    /// Styles of the parts that the picture contains.
+    /// CSS styles for the parts that the picture contains.
     fn style(&self) -> String {
         let is_view = |cell: &Cell| !matches!(cell, Cell::Chart(_));
         let mut style = String::new();
@@ -269,7 +269,7 @@ impl<'r> Sheet<'r> {
 /// Content of `charts.json`.
 #[derive(Serialize)]
 struct Layouts<'a> {
-    /// Files of the curves, by the index of the table.
+    /// Names of the files with the curves. A table index in a layout refers to this list.
     tables: Vec<&'a str>,
     charts: Vec<&'a Layout>,
 }

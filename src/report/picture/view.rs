@@ -34,7 +34,7 @@ pub(super) struct View<'r> {
     size: [f64; 2],
 }
 
-/// Scale of a view. It converts positions in the study's axes to positions on the picture.
+/// Scale of a view. It converts positions in the study's axes to positions on the picture. The axes of the view point right and up.
 struct Projection {
     axes: [(usize, f64); 2],
     middle: [f64; 2],
@@ -78,7 +78,7 @@ impl<'r> View<'r> {
         is_drawn.then_some(view)
     }
 
-    /// View as an SVG group, moved by `shift`.
+    /// View as an SVG group, moved by `shift` to the right and down.
     pub(super) fn svg(&self, shift: [f64; 2], lettering: &Lettering) -> String {
         let designs = self.record.motion.designs.iter();
         let poses: Vec<&Placement> = designs.filter_map(DesignRecord::nearest_pose).collect();
@@ -200,7 +200,7 @@ fn shown_points(scene: &Scene, pose: &Placement) -> Vec<usize> {
     (0..scene.points.len().min(pose.points.len())).collect()
 }
 
-/// Circle of each wheel in its plane. Empty without a wheel radius.
+/// Circle of each wheel in the wheel's plane, as points. Empty without a wheel radius.
 fn wheels(scene: &Scene, pose: &Placement) -> Vec<Vec<[f64; 3]>> {
     let Some(radius) = scene.wheel_radius else {
         return Vec::new();
@@ -236,7 +236,7 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     ]
 }
 
-/// Draws one pose. `style` replaces the style of every part.
+/// Draws one pose of the mechanism. If `style` is given, it is the CSS class of every part.
 fn draw(
     svg: &mut String,
     scene: &Scene,
@@ -327,7 +327,7 @@ fn segments(scene: &Scene, pose: &Placement, projection: &Projection) -> Vec<[[f
     lines.chain(rims).collect()
 }
 
-/// Legend of the lines in a drawing, as an SVG group moved by `shift`.
+/// Legend of the lines in a drawing, as an SVG group moved by `shift` to the right and down.
 pub(super) fn key(record: &Record, shift: [f64; 2], lettering: &Lettering) -> String {
     let [across, down] = shift.map(number);
     let mut svg = format!("<g transform=\"translate({across} {down})\">\n");

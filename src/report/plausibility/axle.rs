@@ -88,7 +88,8 @@ fn soft_spring(axle: &Axle) -> Option<String> {
     })
 }
 
-/// Warnings about the curves of an axle, one per line. `turns_against` is true if the wheels turn against the steering wheel.
+/// Warnings about the curves of an axle, one per line. `turns_against` is true if the wheels turn in the opposite direction to the
+/// steering wheel.
 pub fn axle_plausibility(
     axle: &Axle,
     plan: &AxlePlan,

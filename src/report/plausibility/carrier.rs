@@ -6,7 +6,8 @@ use crate::model::{Body, Constraint, Mechanism, PointId, Suspension};
 use crate::number::Vector3;
 use crate::report::figure::brief;
 
-/// Largest plausible distance of the wheel centre beyond the points of its carrier, in wheel radii: in height and along x.
+/// Largest plausible distance of the wheel centre beyond the points of its carrier, in wheel radii. The first number is for the
+/// height, the second for the direction x.
 const OFF_CARRIER: [f64; 2] = [0.25, 1.0];
 
 /// Largest plausible distance of an outer joint from the wheel centre, in wheel radii. Outer joints are inside the rim or a
@@ -130,7 +131,7 @@ fn carrier_joints(mechanism: &Mechanism) -> Vec<PointId> {
     without_repetition(mechanism.constraints.iter().filter_map(joint))
 }
 
-/// The points, each once, in the order of their first occurrence.
+/// These points, each once, in the order of their first occurrence.
 fn without_repetition(points: impl Iterator<Item = PointId>) -> Vec<PointId> {
     let mut once = Vec::new();
     for id in points {

@@ -18,7 +18,7 @@ const HALF_TRACK_IN_RADII: f64 = 2.4;
 
 impl PlausibilityRemarks<'_> {
     /// Warning if the wheel centre is near the centre plane, compared with its distance from the points of the body. Probably the
-    /// file's origin is at the wheel.
+    /// coordinates are measured from the wheel.
     pub(super) fn wheel_at_the_centre_plane(&mut self) {
         if self.is_at_the_centre_plane() {
             let wheel = as_written(self.at(self.suspension.mechanism.wheel_centre).y);
@@ -31,7 +31,8 @@ impl PlausibilityRemarks<'_> {
         }
     }
 
-    /// True if the wheel centre is near the centre plane, compared with its distance from the points of the body.
+    /// True if the wheel centre is near the centre plane of the car, compared with its lateral distance from the points of the
+    /// body.
     fn is_at_the_centre_plane(&self) -> bool {
         let mechanism = &self.suspension.mechanism;
         let wheel = self.at(mechanism.wheel_centre).y;
@@ -49,7 +50,8 @@ impl PlausibilityRemarks<'_> {
         reach > 0.0 && wheel < WHEEL_AT_CENTRE * reach
     }
 
-    /// Wheel radius of the study, or else the usual radius for this half track. `None` if the points do not show the half track.
+    /// Wheel radius of the study. If the study has none, the usual radius for this half track (distance of the wheel centre from
+    /// the centre plane). `None` if the points do not show the half track.
     pub(super) fn usual_radius(&self) -> Option<f64> {
         let wheel = self.at(self.suspension.mechanism.wheel_centre).y;
         let shows_track = wheel > 0.0 && !self.is_at_the_centre_plane();

@@ -77,7 +77,7 @@ impl PlausibilityRemarks<'_> {
         self.suspension.length_unit.symbol()
     }
 
-    /// Wheel radius with its unit. States if the study does not give it.
+    /// Wheel radius with its unit, in words. The text says so if the study does not give the radius.
     fn wheel_in_words(&self, radius: f64) -> String {
         match self.suspension.wheel_radius {
             Some(_) => format!("{} {}", as_written(radius), self.unit()),

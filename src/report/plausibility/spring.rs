@@ -8,7 +8,7 @@ use crate::report::figure::brief;
 use crate::solve::StationOrder;
 use crate::study::{AxleStudy, Outputs, Study, WheelStudy};
 
-/// Number of travels in each direction at which the motion ratio is computed.
+/// Number of travels, in bump and in rebound, at which the motion ratio is computed.
 const PLACES: u32 = 64;
 
 /// Warnings about springs whose motion ratio changes its sign within the travel of these curves, one per line. Beyond the
@@ -39,7 +39,7 @@ pub fn spring_doubts(study: &Study, found: &Curves) -> Vec<String> {
     }
 }
 
-/// Warnings about the spring of a wheel between the design position and these travels.
+/// Warnings about the spring of a wheel if its motion ratio changes its sign between the design position and the travels `ends`.
 fn turns(suspension: &Suspension, ends: [f64; 2], wheel: &str) -> Vec<String> {
     let Some(spring) = suspension.mechanism.spring else {
         return Vec::new();

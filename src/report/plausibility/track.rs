@@ -1,11 +1,12 @@
-//! Warning about a track that does not agree with the wheels.
+//! Warning about a track of the study that does not agree with the positions of the wheels.
 
 use super::design_reading;
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::report::figure::brief;
 
-/// Largest difference in metres between the track of the study and that of its wheels: rounding of the written track.
+/// Largest difference in metres between the track in the study and the track of its wheels that counts as rounding of the written
+/// track.
 const ROUNDING: f64 = 1e-3;
 
 /// Warning if the track in `[vehicle]` differs from the distance of the wheel centres, and also from the distance of the contact

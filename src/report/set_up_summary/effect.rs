@@ -21,7 +21,7 @@ pub(super) fn effect_of_step(found: &SetUp, place: usize) -> Vec<Option<f64>> {
         .collect()
 }
 
-/// Smallest visible change of a length in mm.
+/// Smallest change of a length that a mechanic can measure, in mm.
 const VISIBLE_LENGTH: f64 = 0.05;
 
 /// Changes of static values in words, with the decimals that a mechanic can measure. Unknown and invisible changes are left out.
@@ -100,7 +100,7 @@ mod tests {
             "toe -0.01 deg, ride height change +0.050 in"
         );
         assert_eq!(words([0.0; 4], mm), "no visible change");
-        // The smallest visible length is 0.05 mm in every unit.
+        // The smallest visible change of a length is 0.05 mm in every unit.
         for (unit, per_mm) in [
             (mm, 1.0),
             (LengthUnit::Metre, 1e-3),

@@ -24,7 +24,7 @@ pub(super) struct Summing<W> {
 }
 
 impl Summing<File> {
-    /// Starts a checksum of the bytes that will be written to a file.
+    /// Starts a checksum of the bytes that the caller will write to a file.
     pub(super) fn new(file: File) -> Self {
         Summing {
             to: file,
@@ -34,7 +34,7 @@ impl Summing<File> {
 }
 
 impl<W> Summing<W> {
-    /// Checksum of all bytes so far, in hexadecimal digits.
+    /// Checksum of all bytes that were passed on, in hexadecimal digits.
     pub(super) fn checksum(self) -> String {
         format!("{:08x}", self.sum.finalize())
     }

@@ -10,7 +10,8 @@ use crate::sweep::csv::CurvesCsv;
 /// of the station among all evaluated stations, and its values in these columns.
 type Places = (Vec<String>, Vec<(usize, Vec<f64>)>);
 
-/// Drive, rack (if it moves) and time (for a time law) of each station, in printed units and in the study's axes.
+/// Columns of a wheel's stations: drive value (travel or angle), rack displacement (if the rack moves) and time (for a time law).
+/// Values are in printed units and in the study's axes.
 fn of_wheel(plan: &SweepPlan, study: &Study) -> Places {
     let (motion, suspension) = (study.motion(), study.wheel());
     let mut names = vec![plan.record.drive.clone()];
@@ -32,7 +33,7 @@ fn of_wheel(plan: &SweepPlan, study: &Study) -> Places {
     (names, stations.of_motion().map(place).collect())
 }
 
-/// Coordinates that the motion gives for each station. Results, such as the wheel travels in roll, are left out.
+/// Columns of an axle's stations: the coordinates that define the motion. Results, such as the wheel travels in roll, are left out.
 fn of_axle(AxleStudy { axle, plan, .. }: &AxleStudy) -> Places {
     let columns = GivenColumns { plan, axle };
     let placements = plan.motion.placements().into_iter().enumerate();
@@ -40,7 +41,7 @@ fn of_axle(AxleStudy { axle, plan, .. }: &AxleStudy) -> Places {
     (columns.names(), stations.collect())
 }
 
-/// Writer of a sweep's curves.
+/// Makes the writer of a sweep's curves.
 pub(super) fn curves_csv(plan: &SweepPlan, study: &Study) -> CurvesCsv {
     let (places, stations) = match study.axle() {
         Some(both) => of_axle(both),

@@ -27,11 +27,11 @@ pub enum MergeError {
 #[derive(Clone, Debug)]
 pub struct SweepDirectory {
     path: PathBuf,
-    /// Description of the sweep.
+    /// Description of the sweep: the content of `sweep.json`.
     pub record: SweepRecord,
 }
 
-/// Complete parts of a sweep, and its missing parts.
+/// Statistics of the complete parts of a sweep, and the numbers of its missing parts.
 #[derive(Clone, Debug)]
 pub struct Done {
     /// Merged statistics of all complete parts, in order.
@@ -143,7 +143,7 @@ impl SweepDirectory {
         &self.path
     }
 
-    /// True if the rows of a part exist. The program writes the rows last, so such a part is complete.
+    /// True if the file with the rows of a part exists. The program writes this file last, so such a part is complete.
     pub fn has_rows(&self, part: u64) -> bool {
         self.path.join(self.record.rows_name(part)).is_file()
     }
@@ -154,10 +154,10 @@ impl SweepDirectory {
         found.map(|found| self.renewed(found)).transpose()
     }
 
-    /// Record of a part with the statistics that this version computes. If the statistics have other dimensions, it sums them
-    /// again from the rows. The number of levels grows with the number of designs ([`SweepStatistics::are_of`]), so it changes if
-    /// a sweep is extended. Other versions may also store fewer numbers. The new sums have the same bits as the sums of a
-    /// sweep that runs at once.
+    /// Record of a part with the statistics that this version computes. If the statistics have other dimensions, it sums them again
+    /// from the rows. The number of levels (intervals of a variable's range) grows with the number of designs
+    /// ([`SweepStatistics::are_of`]), so it changes if a sweep is extended. Other versions may also store fewer numbers. The new
+    /// sums have the same bits as the sums of a sweep that runs at once.
     fn renewed(&self, mut found: PartRecord) -> Result<PartRecord, NotARun> {
         let record = &self.record;
         if found.statistics.are_of(record) {
@@ -174,8 +174,8 @@ impl SweepDirectory {
         Ok(found)
     }
 
-    /// Record of a part, if it is complete. Checks the lengths of its files, but not their checksums. The statistics may have the
-    /// levels of a sweep with fewer designs.
+    /// Record of a part, if the part is complete. Checks the lengths of its files, but not their checksums. The statistics may have
+    /// the smaller number of levels (intervals of a variable's range) of a sweep with fewer designs.
     fn written(&self, part: u64) -> Result<Option<PartRecord>, NotARun> {
         if !self.has_rows(part) {
             return Ok(None);

@@ -99,7 +99,8 @@ impl Parts {
         Ok(())
     }
 
-    /// Writes one header, then the rows of all parts, to a temporary file. `name` returns the name of a part's file.
+    /// Writes one header, then the rows of all parts, to a temporary file. `name` returns the name of a part's file from the
+    /// description of the sweep.
     fn joined(
         &self,
         into: &SweepDirectory,

@@ -26,7 +26,7 @@ pub(super) struct ParquetFile {
     rows: usize,
 }
 
-/// A column of the current row group. In `levels`, each row has a 1 if it has a value, or else a 0.
+/// Values of a column in the current row group. In `levels`, each row has a 1 if it has a value, or else a 0.
 enum Column {
     Whole(Vec<i64>),
     Number {
@@ -40,7 +40,7 @@ enum Column {
 }
 
 impl Column {
-    /// Empty column of the type that belongs to this name.
+    /// Empty column. Its name determines the type of its values.
     fn named(name: &str) -> Self {
         match name {
             "design" | "failed_stations" => Column::Whole(Vec::new()),
@@ -179,7 +179,7 @@ impl ParquetFile {
         Ok(())
     }
 
-    /// Writes the remaining rows and the end of the file.
+    /// Writes the remaining rows and the end of the file. Returns the complete file.
     pub(super) fn finish(mut self) -> io::Result<SummedFile> {
         if self.rows > 0 {
             self.write_group().map_err(failed)?;

@@ -26,21 +26,21 @@ pub(super) const FORM: u32 = 2;
 pub struct PartRecord {
     /// Equal to `FORM`.
     pub form: u32,
-    /// Digest of the sweep.
+    /// Digest of the sweep to which the part belongs.
     pub digest: String,
     /// Number of the part, from 0.
     pub part: u64,
-    /// Length of the file with its rows, in bytes.
+    /// Length of the file with the part's rows, in bytes.
     pub rows_length: u64,
-    /// Length of the file with the curves of the part, if there is one.
+    /// Length of the file with the part's curves, in bytes, if there is one.
     pub curves_length: Option<u64>,
-    /// Checksum of the file with its rows.
+    /// Checksum of the file with the part's rows. `None` in records of older versions.
     #[serde(default)]
     pub rows_checksum: Option<String>,
-    /// Checksum of the file with the curves of the part, if there is one.
+    /// Checksum of the file with the part's curves, if there is one.
     #[serde(default)]
     pub curves_checksum: Option<String>,
-    /// Statistics of its rows.
+    /// Statistics of the part's rows.
     pub statistics: SweepStatistics,
 }
 
@@ -169,7 +169,7 @@ impl PartRecord {
     }
 }
 
-/// Table that is being written under a temporary name.
+/// Table of rows or curves that is being written under a temporary name.
 pub(super) struct Pending {
     name: String,
     temporary: NamedTempFile,
@@ -203,7 +203,7 @@ impl Pending {
         })
     }
 
-    /// Writes the end of the table.
+    /// Writes the end of the table. Returns the complete file, still under its temporary name.
     fn finish(self) -> Result<Whole, WriteError> {
         let checksum = self.table.finish()?;
         let metadata = self.temporary.as_file().metadata();

@@ -15,13 +15,13 @@ use std::path::Path;
 pub struct SweepRun {
     /// Description of the sweep.
     pub record: SweepRecord,
-    /// Summary of its results.
+    /// Summary of the sweep's results.
     pub summary: SweepSummary,
-    /// Choice of the designs that are shown.
+    /// Choice of the designs that the page shows.
     pub choice: Choice,
-    /// Rows of the chosen designs.
+    /// Rows of the designs that the page shows.
     pub shown: ShownDesigns,
-    /// Some designs with their curves, if this sweep has any.
+    /// Some designs with their curves and mechanism, if this sweep has stored any.
     pub drawn: Option<DrawnDesigns>,
     /// Names of the existing files. A star represents the numbers of parts.
     pub files: Vec<String>,

@@ -5,12 +5,13 @@ use crate::sweep::{Rows, SweepRecord};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// Largest number of values of designs on a page.
+/// Largest number of values (variables and outputs of all designs) on a page.
 const MOST_NUMBERS: usize = 45_000;
 /// Largest number of designs on a page.
 const MOST_DESIGNS: usize = 4_000;
 
-/// Designs that are shown: the best ones, the Pareto front, examples of failures, and some others at regular intervals.
+/// Choice of the designs that the page shows: the best ones, the Pareto front, examples of failures, and some others at regular
+/// intervals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
     /// Numbers of the designs that are always shown.
@@ -73,13 +74,14 @@ fn common_divisor(a: u64, b: u64) -> u64 {
 pub struct ShownDesigns {
     /// Numbers of the designs, in rising order.
     pub design: Vec<u64>,
-    /// Cells as `[column][row]`: variables, then outputs. `None` for an empty cell.
+    /// Values of the designs as `[column][row]`: variables, then outputs. `None` for a missing value.
     pub columns: Vec<Vec<Option<f64>>>,
     /// For each row, the index in `reasons` of the reason why the design was not solved everywhere. `None` for a solved design.
     pub failing: Vec<Option<usize>>,
-    /// For each row, the drive value of the failed station that is nearest to the design position.
+    /// For each row, the drive value (travel or angle) of the failed station that is nearest to the design position. `None` for a
+    /// solved design.
     pub failed_at: Vec<Option<f64>>,
-    /// Different failures, each with its status and reason.
+    /// Different failures of designs, each with its status and reason.
     pub reasons: Vec<[String; 2]>,
 }
 
@@ -107,7 +109,7 @@ impl ShownDesigns {
         }
     }
 
-    /// Index of a reason. Adds a new reason.
+    /// Index of a reason in `reasons`. A new reason is added to the list.
     fn number_of(&mut self, reason: [String; 2]) -> usize {
         let known = self.reasons.iter().position(|r| *r == reason);
         known.unwrap_or_else(|| {
@@ -116,7 +118,7 @@ impl ShownDesigns {
         })
     }
 
-    /// Index of the row of a design. `None` if it is not shown.
+    /// Index of the row of a design. `None` if the design is not shown.
     pub fn row(&self, design: u64) -> Option<usize> {
         self.design.binary_search(&design).ok()
     }

@@ -36,7 +36,7 @@ pub struct SweepSummary {
     statistics_designs: u64,
     /// Designs that were not solved everywhere, by status and reason.
     pub(in crate::report) failures: Vec<FailureCount>,
-    /// Columns of the variables.
+    /// Columns of the variables in the rows of the sweep.
     variables: Vec<String>,
     pub(in crate::report) outputs: Vec<OutputSummary>,
     /// Best designs, sorted by misfit. All are solved at every station and satisfy the constraints that the sweep checks.
@@ -54,22 +54,22 @@ pub(in crate::report) struct OutputSummary {
     /// Unit of the output. Empty for a dimensionless number.
     #[serde(default)]
     unit: String,
-    /// Value of the study's own design, if it exists.
+    /// Value of the output for the study's own design, if it exists.
     at_design: Option<f64>,
-    /// Number of designs that have the output. Designs that are not solved everywhere may have it, too.
+    /// Number of designs with a value of the output. Designs that are not solved everywhere may have one, too.
     count: u64,
     /// Smallest value of the output.
     min: Option<f64>,
-    /// Number of the design with the smallest value.
+    /// Number of the design with the smallest value of the output.
     min_design: Option<u64>,
     /// Largest value of the output.
     max: Option<f64>,
-    /// Number of the design with the largest value.
+    /// Number of the design with the largest value of the output.
     max_design: Option<u64>,
-    /// Mean over the `statistics_designs`. `None` without such designs.
+    /// Mean of the output over the designs that `statistics_designs` counts. `None` without such designs.
     mean: Option<f64>,
     standard_deviation: Option<f64>,
-    /// Fraction of the variance that a linear least-squares fit explains. `None` for an output that no design changes.
+    /// Fraction of the output's variance that a linear least-squares fit explains. `None` for an output that no design changes.
     r2: Option<f64>,
     effects: Vec<EffectSummary>,
 }
@@ -80,9 +80,10 @@ struct EffectSummary {
     variable: String,
     /// Change of the output from the lower to the upper end of the variable's range.
     change: Option<f64>,
-    /// First-order Sobol index, as a fraction of 1.
+    /// First-order Sobol index: fraction of the output's variance that the variable causes alone.
     share: Option<f64>,
-    /// Total Sobol index, as a fraction of 1. Only for Saltelli's method.
+    /// Total Sobol index: fraction of the output's variance that the variable causes, with its interactions. Only for Saltelli's
+    /// method.
     total: Option<f64>,
 }
 
@@ -93,7 +94,7 @@ pub(in crate::report) struct DesignSummary {
     pub(in crate::report) misfit: f64,
     /// RMS deviation from each target, as a multiple of its tolerance.
     pub(in crate::report) rms: Vec<f64>,
-    /// Values of the variables.
+    /// Values of the variables in this design.
     pub(in crate::report) variables: Vec<f64>,
 }
 
@@ -329,7 +330,7 @@ pub fn pareto_csv(record: &SweepRecord, statistics: &SweepStatistics) -> Option<
     Some(csv)
 }
 
-/// Summary of the `k`-th output.
+/// Summary of the output with index `k`.
 fn output(
     record: &SweepRecord,
     statistics: &SweepStatistics,
@@ -364,7 +365,7 @@ fn output(
     }
 }
 
-/// True if a range is only rounding error in its unit.
+/// True if a range of values is only rounding error in its unit.
 fn is_rounding(range: f64, unit: &str) -> bool {
     range < resolution(unit)
 }
@@ -376,8 +377,8 @@ impl OutputSummary {
         range.is_none_or(|(min, max)| is_rounding(max - min, &self.unit))
     }
 
-    /// The three variables with the largest shares of the variance in percent, or else with the largest changes. Shares below
-    /// 0.5 % are left out. Empty if no design changes the output.
+    /// Names of the three variables with the largest effects on the output, with these effects: shares of the output's variance in
+    /// percent, or else changes of the output. Shares below 0.5 % are left out. Empty if no design changes the output.
     fn what_matters(&self) -> String {
         if self.is_unmoved() {
             return String::new();

@@ -96,7 +96,7 @@ fn is_parquet(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending == "parquet")
 }
 
-/// Reader of a file's lines as CSV, the header first.
+/// Reader of the file's lines as CSV, the header first. A Parquet file is converted.
 pub(super) fn open_lines(path: &Path) -> io::Result<Box<dyn BufRead>> {
     if !is_parquet(path) {
         return Ok(Box::new(BufReader::new(File::open(path)?)));
@@ -115,7 +115,8 @@ mod tests {
     use crate::sweep::csv;
     use std::io::Read;
 
-    /// Rows of several row groups come back unchanged. The size of the chunks does not change the file.
+    /// Rows in several row groups are read back unchanged. The size of the pieces in which rows are written does not change the
+    /// file.
     #[test]
     fn parquet_gives_the_text_back() {
         let directory = tempfile::tempdir().unwrap();

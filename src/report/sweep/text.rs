@@ -1,4 +1,4 @@
-//! Converts finished blocks to text. The workers do this, so it runs on all threads.
+//! Converts finished blocks of a sweep's designs to text. The workers do this, so it runs on all threads.
 
 use super::curve_places::curves_csv;
 use crate::study::Study;
@@ -6,10 +6,11 @@ use crate::sweep::csv::{CurvesCsv, append_rows};
 use crate::sweep::{SweepPlan, SweepRecord, SweepStatistics, SweptWorker};
 use std::sync::{Mutex, PoisonError};
 
-/// Formatter that converts blocks to text.
+/// Formatter that converts finished blocks of designs to text.
 pub struct SweepText {
     curves: Option<CurvesCsv>,
-    /// Buffers of written rows, kept for the next blocks. Requesting new memory takes longer than filling it.
+    /// Buffers whose rows have been written. They are used again for the next blocks, because requesting new memory takes longer
+    /// than filling it.
     spare: Mutex<Vec<Vec<u8>>>,
 }
 
@@ -79,9 +80,9 @@ impl SweepText {
     }
 }
 
-/// Results of a block.
+/// Results of a block of designs.
 pub struct Finished {
-    /// Rows as text of the file.
+    /// Rows of the designs, as text for the file with the rows.
     pub designs: Vec<u8>,
     /// Curves as text for the curves file.
     pub curves: Vec<u8>,

@@ -18,7 +18,7 @@ impl Cell {
         Cell::shown(value, figure(value, unit))
     }
 
-    /// Cells with numbers that people compare side by side.
+    /// Cells with numbers in `unit` that people compare side by side. They have the decimals of the largest number.
     pub fn figures<const N: usize>(
         values: [Option<f64>; N],
         unit: &str,
@@ -41,7 +41,7 @@ impl Cell {
         value.map(|value| Cell::shown(value, show(value))).into()
     }
 
-    /// Cell with the same text as the cell above. In text output, the cell is empty.
+    /// Cell with the same text as the cell above it. In text output, the cell is empty.
     pub fn repeated(text: &str) -> Self {
         Cell {
             shown: String::new(),
@@ -63,7 +63,7 @@ impl Cell {
         Cell::shown(text.parse().unwrap_or(value), text)
     }
 
-    /// Text for people.
+    /// Text of the cell for people.
     pub fn text(&self) -> &str {
         &self.shown
     }
@@ -81,7 +81,7 @@ impl Cell {
                 .starts_with(|c: char| c.is_ascii_digit() || "+-".contains(c))
     }
 
-    /// Text for a CSV file.
+    /// Text of the cell for a CSV file.
     pub(super) fn csv(&self) -> String {
         match &self.data {
             Value::Null => String::new(),

@@ -5,17 +5,18 @@ use super::cell::Cell;
 
 /// Layout of a column.
 pub(super) struct Layout {
-    /// True if the cells are aligned to the right.
+    /// True if the cells of the column are aligned to the right.
     to_the_right: bool,
-    /// True if some cell has several words.
+    /// True if some cell of the column has several words.
     pub(super) prose: bool,
-    /// Width without breaks.
+    /// Width of the column without line breaks, in characters.
     pub(super) natural: usize,
-    /// Smallest width. Numbers and short names are never broken; names longer than half of the line may be broken.
+    /// Smallest width of the column, in characters. Numbers and short names are never broken; names longer than half of the line
+    /// may be broken.
     pub(super) least: usize,
 }
 
-/// Smallest width of a text column.
+/// Smallest width of a column with texts, in characters.
 const LEAST: usize = 14;
 
 impl Layout {

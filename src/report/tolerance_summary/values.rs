@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// Scatter of an output at one position, in the unit of the output.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ValueRecord {
-    /// Name with unit.
+    /// Name of the output, with its unit.
     pub output: String,
     /// Wheel travel in the study's length unit, in a study of one wheel.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -22,28 +22,28 @@ pub struct ValueRecord {
     /// For an axle: values of the coordinates [`ToleranceSummary::places`](super::ToleranceSummary::places).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub place: Vec<f64>,
-    /// Number of builds that have the value.
+    /// Number of builds in which the output has a value at this position.
     pub builds: u64,
-    /// Value of the nominal design.
+    /// Value of the output in the nominal design.
     #[serde(alias = "drawn")]
     pub nominal: Option<f64>,
-    /// Mean over the builds.
+    /// Mean of the output over the builds.
     pub mean: Option<f64>,
     /// Standard error of the mean.
     pub mean_error: Option<f64>,
-    /// Standard deviation of the builds.
+    /// Standard deviation of the output over the builds.
     pub sigma: Option<f64>,
     /// Standard error of the standard deviation.
     pub sigma_error: Option<f64>,
-    /// Standard deviation, according to the first-order estimate.
+    /// Standard deviation of the output, according to the first-order estimate.
     pub sigma_linear: Option<f64>,
     /// Second-order term, as a fraction of the first-order variance. `None` if it is unknown.
     pub second_order: Option<f64>,
     /// True if the first-order estimate is accurate enough. `None` if this is unknown.
     pub linear_holds: Option<bool>,
-    /// Percentiles of the builds, see [`PERCENTILES`].
+    /// Percentiles of the output over the builds, see [`PERCENTILES`].
     pub percentiles: [Option<f64>; PERCENTILES.len()],
-    /// Smallest and largest value of the builds.
+    /// Smallest and largest value of the output in the builds.
     pub range: [Option<f64>; 2],
     /// Histogram, for a value that the page shows with its band.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -52,22 +52,22 @@ pub struct ValueRecord {
     pub shares: Vec<Option<f64>>,
     /// Fraction of the builds' variance that is not first order: curvature, interaction and sampling error. It may be negative.
     pub remainder: Option<f64>,
-    /// Standard error of the remainder.
+    /// Standard error of `remainder`.
     pub remainder_error: Option<f64>,
-    /// Second-order estimate of the remainder.
+    /// Estimate of `remainder` from second-order derivatives.
     pub remainder_second_order: Option<f64>,
-    /// False if the builds differ only by rounding errors. Earlier versions did not write this field.
+    /// False if the output differs between the builds only by rounding errors. Earlier versions did not write this field.
     #[serde(default = "scatters")]
     pub scatters: bool,
     /// True for a value at the design position.
     pub(super) at_rest: bool,
-    /// Unit of the value.
+    /// Unit of the output.
     pub(super) unit: String,
 }
 
-/// Validity of the linear result of a value.
+/// Accuracy of the first-order estimate of a value's scatter.
 pub(in crate::report) struct LinearResult {
-    /// True if the linear result is accurate enough. `None` if this is unknown.
+    /// True if the first-order estimate is accurate enough. `None` if this is unknown.
     pub holds: Option<bool>,
     /// Second-order term, as a fraction of the first-order variance. `None` if it is unknown.
     pub second_order: Option<f64>,
@@ -80,7 +80,7 @@ pub(in crate::report) struct LinearResult {
 }
 
 impl LinearResult {
-    /// Validity in words: `yes`, or `no` with the reason. Empty if the value is not computed.
+    /// Accuracy of the first-order estimate in words: `yes`, or `no` with the reason. Empty if the value is not computed.
     pub(in crate::report) fn in_words(&self) -> &'static str {
         match self.holds {
             Some(true) => "yes",
@@ -93,7 +93,7 @@ impl LinearResult {
         }
     }
 
-    /// Reason why the linear result is not accurate enough, or why this is unknown. Empty if it is accurate.
+    /// Reason why the first-order estimate is not accurate enough, or why this is unknown. Empty if it is accurate.
     pub(in crate::report) fn because(&self) -> &'static str {
         match self.holds {
             Some(true) => "",
@@ -117,7 +117,7 @@ fn scatters() -> bool {
 }
 
 impl ValueRecord {
-    /// Validity of the linear result.
+    /// Accuracy of the first-order estimate of this value's scatter.
     pub(super) fn linear_result(&self) -> LinearResult {
         LinearResult {
             holds: self.linear_holds,
@@ -134,7 +134,7 @@ impl ValueRecord {
         of_wheel.chain(self.place.iter().copied()).map(shortest)
     }
 
-    /// Fraction of the builds' variance that a contributor causes in first order.
+    /// Fraction of the builds' variance that a contributor causes in first order. `contributor` is its index in `shares`.
     pub(super) fn share_of_builds(&self, contributor: usize) -> Option<f64> {
         Some(self.shares[contributor]? * (1.0 - self.remainder?))
     }

@@ -1,4 +1,4 @@
-//! Bounds of variables that keep targets from their goals.
+//! Bounds of variables that keep targets from being met.
 
 use super::*;
 use crate::optimise::HoldingBound;
@@ -6,28 +6,28 @@ use crate::optimise::HoldingBound;
 /// Largest number of bounds that the terminal shows for a target.
 const MOST_BOUNDS: usize = 4;
 
-/// A bound that keeps a missed target from its goal, and the effect of moving this bound outwards.
+/// A bound of a variable that keeps a target from being met, and the effect of moving this bound outwards.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct HoldingRecord {
     /// Name of the missed target.
     target: String,
     /// Name of the variable.
     variable: String,
-    /// `lower` or `upper`.
+    /// End of the variable's range: `lower` or `upper`.
     bound: String,
-    /// Value of the bound, in `variable_unit`.
+    /// Value of the variable at the bound, in `variable_unit`.
     limit: f64,
     /// Unit of the variable: `mm`. `factor` if the variable is the logarithm of a factor.
     variable_unit: String,
     /// Change of the target's root mean square deviation per unit by which the bound moves outwards, in `unit`.
     deviation_per_unit: f64,
-    /// Unit of the target, without a name for a plain number.
+    /// Unit of the target; empty for a plain number.
     unit: String,
     /// Change of the misfit per unit by which the bound moves outwards.
     misfit_per_unit: f64,
 }
 
-/// A missed target: its name, its root mean square deviation, and the unit of this deviation.
+/// A target that is missed: its name, its root mean square deviation, and the unit of this deviation.
 pub(in crate::report) struct Missed {
     pub name: String,
     pub rms: f64,
@@ -42,8 +42,8 @@ pub(in crate::report) struct Moved {
 }
 
 impl HoldingRecord {
-    /// Makes the records of missed targets, target by target. `missed` returns a target if it is missed, and `moved` returns a
-    /// variable.
+    /// Makes the records, target by target. `missed` returns the target with an index, if it is missed. `moved` returns the
+    /// variable with an index.
     pub(in crate::report) fn all(
         targets: usize,
         found: &[HoldingBound],
@@ -75,7 +75,7 @@ impl HoldingRecord {
         records
     }
 
-    /// Bound as an inequality: `strut_top y <= 20 mm`.
+    /// Bound of the variable as an inequality: `strut_top y <= 20 mm`.
     fn limit_in_words(&self) -> String {
         let sign = if self.bound == "upper" { "<=" } else { ">=" };
         let limit = match self.variable_unit.as_str() {
@@ -85,7 +85,8 @@ impl HoldingRecord {
         format!("{} {sign} {limit}", self.variable)
     }
 
-    /// Change per unit of the variable in words, with two digits: `-0.041 deg per mm`. A factor changes by 10 %.
+    /// Change per unit by which the bound moves, in words with two digits: `-0.041 deg per mm`. For a factor, the change belongs to
+    /// a change of the factor by 10 %.
     fn change_in_words(&self, per_unit: f64, unit: &str) -> String {
         let (change, per) = match self.variable_unit.as_str() {
             "factor" => (per_unit * 1.1_f64.ln(), "10 %"),
@@ -96,7 +97,7 @@ impl HoldingRecord {
     }
 }
 
-/// Table of the bounds that keep missed targets from their goals.
+/// Table of the bounds that keep targets from being met.
 pub fn holding_table(records: &[HoldingRecord]) -> Table {
     let readers = ["missed target", "held by bound", "rms deviation", "misfit"];
     let programs = [
@@ -131,7 +132,7 @@ pub fn holding_table(records: &[HoldingRecord]) -> Table {
     table
 }
 
-/// Records for the terminal: up to four bounds for each target. Also returns the number of other records.
+/// Records for the terminal: up to four bounds for each target. Also returns the number of records that are left out.
 pub fn shown_holding(records: &[HoldingRecord]) -> (Vec<HoldingRecord>, usize) {
     let mut shown: Vec<HoldingRecord> = Vec::new();
     for own in records {
@@ -148,14 +149,15 @@ pub fn shown_holding(records: &[HoldingRecord]) -> (Vec<HoldingRecord>, usize) {
 pub const HOLDING_NOTE: &str = "bounds reached at the smallest misfit; changes to first order, if this bound moves outwards \
      and the tuning runs again";
 
-/// Sentence about a missed target that no bound of a variable holds.
+/// Sentence about a missed target that no bound of a variable keeps from being met.
 pub(in crate::report) fn not_held_in_words(target: &str) -> String {
     format!(
         "no bound of a variable keeps {target} from its goal: other targets, constraints or the geometry do"
     )
 }
 
-/// Sentences about missed targets that no bound holds. `missed` has the names of targets on which the variables have an effect.
+/// Sentences about missed targets that no bound keeps from being met. `missed` has the names of targets on which the variables have
+/// an effect.
 pub(in crate::report) fn not_held(missed: &[&str], records: &[HoldingRecord]) -> Vec<String> {
     let is_held = |target: &str| records.iter().any(|own| own.target == target);
     let others = missed.iter().filter(|target| !is_held(target));

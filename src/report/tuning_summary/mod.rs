@@ -76,20 +76,20 @@ pub struct TuningSummary {
     /// State of each constraint. Empty if no start could be evaluated.
     #[serde(default)]
     constraints: Vec<ConstraintSummary>,
-    /// Missed targets that no variable changes.
+    /// Missed targets on which no variable has an effect.
     #[serde(default)]
     unmoved: Vec<String>,
-    /// Keys of `[wheel]` that give the values of such targets, by the name of the target.
+    /// Keys of `[wheel]` that give the values of the targets in `unmoved`, by the name of the target.
     #[serde(default)]
     unmoved_keys: BTreeMap<String, String>,
-    /// Missed targets that the variables hardly change.
+    /// Missed targets on which the variables have only a small effect.
     #[serde(default)]
     hardly_moved: Vec<SlightEffectRecord>,
-    /// Bounds of variables that keep missed targets from their goals. `None` if they are not known, because the tuning did not end
-    /// at a minimum of the misfit.
+    /// Bounds of variables that keep targets from being met. `None` if they are not known, because the tuning did not end at a
+    /// minimum of the misfit.
     #[serde(default)]
     pub holding: Option<Vec<HoldingRecord>>,
-    /// Violated constraints that no variable changes.
+    /// Violated constraints on which no variable has an effect.
     #[serde(default)]
     unmoved_constraints: Vec<String>,
     /// Constraints that contradict each other.
@@ -134,11 +134,11 @@ struct VariableSummary {
     /// Unit of the offset in words: `mm`, `N/mm`. `factor` if the offset is the logarithm of a factor.
     #[serde(default)]
     unit: String,
-    /// Lowest and highest offset.
+    /// Lowest and highest allowed offset, in `unit`.
     range: [f64; 2],
     /// `lower` or `upper`, if the variable ended at that bound.
     at_bound: Option<String>,
-    /// For a fit: standard error.
+    /// For a fit: standard error of the offset.
     #[serde(default)]
     standard_error: Option<f64>,
     /// For a fit: half the width of the 95 % confidence interval, if it has two sides.
@@ -179,9 +179,9 @@ impl VariableSummary {
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct TargetSummary {
-    /// Column, with the stations of the target.
+    /// Column of the output that the target is for, with the stations of the target.
     output: String,
-    /// Tolerance in the unit of the column.
+    /// Tolerance of the target, in the unit of the column.
     tolerance: f64,
     /// Smallest and largest target value, in the unit of the tolerance. `None` on a side on which a band has no limit.
     #[serde(default)]
@@ -191,8 +191,8 @@ struct TargetSummary {
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     between_curves: bool,
     weight: f64,
-    /// Smallest and largest value at the stations of the target before and after the tuning, in the unit of the tolerance. For a
-    /// robust tuning: values of the nominal design.
+    /// Smallest and largest value of the output at the stations of the target before the tuning, in the unit of the tolerance.
+    /// `values_after` has the values after it. For a robust tuning: values of the nominal design.
     #[serde(default)]
     values_before: Option<[f64; 2]>,
     #[serde(default)]
@@ -204,8 +204,8 @@ struct TargetSummary {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct ConstraintSummary {
     name: String,
-    /// Value at the smallest margin, and the limit that is nearest to it, in `unit`. `None` for a constraint whose limits are
-    /// not limits of a single quantity.
+    /// Value of the constrained quantity where the margin is smallest, in `unit`. `limit` is the nearest limit. Both are `None` for
+    /// a constraint whose limits are not limits of a single quantity.
     #[serde(default)]
     value: Option<f64>,
     #[serde(default)]
@@ -213,18 +213,18 @@ struct ConstraintSummary {
     /// True if `limit` is the upper limit.
     #[serde(default)]
     is_upper: bool,
-    /// Margin to the nearest limit in `unit`; negative if it is violated. `None` if it is not known.
+    /// Margin of the constraint to the nearest limit in `unit`; negative if this limit is violated. `None` if it is not known.
     #[serde(alias = "room")]
     margin: Option<f64>,
     unit: String,
-    /// Drive value with the smallest margin.
+    /// Drive value (travel or angle of the station) with the smallest margin.
     at: Option<f64>,
     /// Unit of `at`.
     #[serde(default)]
     at_unit: String,
     /// Decrease of the misfit if the limit moves outward by one unit. The misfit is a multiple of the tolerances.
     price: Option<f64>,
-    /// Status. Absent in summaries of older versions, whose margins are in millimetres and degrees.
+    /// Status of the constraint. Absent in summaries of older versions, whose margins are in millimetres and degrees.
     #[serde(default)]
     status: Option<ConstraintStatus>,
     /// True if the price (decrease of the misfit per unit of the limit) is not determined, because binding limits depend on
@@ -239,7 +239,7 @@ impl ConstraintSummary {
             .unwrap_or_else(|| ConstraintStatus::of(self.margin.unwrap_or(f64::NAN)))
     }
 
-    /// Nearest limit in words.
+    /// Nearest limit of the constraint in words. `None` if it is not known.
     fn limit_in_words(&self) -> Option<String> {
         let words = if self.is_upper { "at most" } else { "at least" };
         self.limit.map(|limit| format!("{words} {}", brief(limit)))
@@ -255,7 +255,7 @@ impl ConstraintSummary {
 struct AddedStations {
     /// Name of the target.
     target: String,
-    /// Drive values of the stations.
+    /// Drive values (travels or angles) of the added stations.
     at: Vec<f64>,
     /// Unit of `at`.
     #[serde(default)]
@@ -265,9 +265,9 @@ struct AddedStations {
 /// Deviation from a target, as a multiple of its tolerance.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct DeviationSummary {
-    /// Root mean square deviation.
+    /// Root mean square deviation over the stations of the target.
     rms: f64,
-    /// Largest deviation, with its sign.
+    /// Largest deviation at a station of the target, with its sign.
     worst: f64,
     /// Largest deviation in the unit of the target, with its sign.
     #[serde(default)]
@@ -278,7 +278,7 @@ struct DeviationSummary {
     /// Unit of `worst_at`.
     #[serde(default)]
     worst_at_unit: String,
-    /// Rack displacement at this position, in the study's axes and length unit.
+    /// Rack displacement at the largest deviation, in the study's axes and length unit.
     #[serde(default)]
     worst_rack: f64,
 }

@@ -91,7 +91,7 @@ impl TunedStudy<'_> {
         format!("{}{motion}{racks}{held}", target.of.column)
     }
 
-    /// Keys of `[wheel]` that give the values of unmoved targets, by the name of the target.
+    /// Keys of `[wheel]` that give the values of missed targets on which no variable has an effect, by the name of the target.
     fn unmoved_keys(&self) -> BTreeMap<String, String> {
         let unmoved = self.tuning.unmoved.targets.iter();
         let unmoved = unmoved.map(|number| &self.optimise.targets[*number]);
@@ -146,7 +146,7 @@ impl TunedStudy<'_> {
         variables.map(|(k, v)| self.variable(k, v)).collect()
     }
 
-    /// Summary of the `k`-th variable.
+    /// Summary of the variable with index `k`.
     fn variable(&self, k: usize, variable: &Variable) -> VariableSummary {
         let suspension = self.study.wheel();
         let best = self.tuning.best.as_ref();
@@ -282,7 +282,7 @@ impl TunedStudy<'_> {
         targets.map(summary).collect()
     }
 
-    /// Bounds of variables that keep missed targets from their goals. `None` if they are not known.
+    /// Bounds of variables that keep targets from being met. `None` if they are not known.
     fn holding(&self) -> Option<Vec<HoldingRecord>> {
         let best = self.tuning.best.as_ref()?;
         let length = self.study.wheel().length_unit;
@@ -310,8 +310,8 @@ impl TunedStudy<'_> {
         StartSummary::all(&self.tuning.starts)
     }
 
-    /// For each direction, the largest move that raises the misfit by at most [`Direction::RISE`] and keeps the constraints. Moves
-    /// below a hundredth of a range are left out.
+    /// Moves of the variables that hardly change the targets. For each direction of such moves, it is the largest move that raises
+    /// the misfit by at most [`Direction::RISE`] and keeps the constraints. Moves below a hundredth of a range are left out.
     fn unseen(&self) -> Vec<Vec<f64>> {
         let Some(best) = &self.tuning.best else {
             return Vec::new();
@@ -349,7 +349,7 @@ fn single_limit(constraint: &Constraint, is_upper: bool) -> Option<f64> {
     limit.filter(|_| is_shown && part.lower != part.upper)
 }
 
-/// True for a band with a curve as a limit.
+/// True for a band of which a limit is a curve over the motion.
 fn is_between_curves(target: &Target) -> bool {
     let is_curve = |limit: &Option<Limit>| matches!(limit, Some(Limit::Curve { .. }));
     match &target.wanted {

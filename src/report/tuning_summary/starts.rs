@@ -14,7 +14,7 @@ const NOT_BEGUN: &str = "not begun: ";
 /// A start of a tuning (point at which the search begins) and its result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StartSummary {
-    /// Number of the start, from 0.
+    /// Number of the start in the tuning, from 0.
     pub(super) start: usize,
     /// Values of the variables at the start point.
     offsets: Vec<f64>,
@@ -26,7 +26,7 @@ pub struct StartSummary {
     evaluations: Option<u64>,
     /// Misfit at the end of the search, as a multiple of the tolerances.
     misfit: Option<f64>,
-    /// KKT residual of the result of this start, defined as in the summary of the tuning.
+    /// Residual of the optimality conditions (KKT) at the result of this start, defined as in the summary of the tuning.
     #[serde(default)]
     kkt_residual: Option<f64>,
 }
@@ -81,7 +81,7 @@ pub fn starts_in_words(starts: &[StartSummary], best: Option<usize>, least: f64)
         "{all} starts: {near} ended within 1 % of the smallest misfit{kept}; largest misfit: {}",
         misfit_in_words(worst)
     );
-    // No start belongs to two of these kinds.
+    // Each start belongs to at most one of these three kinds.
     for (is_interrupted, has_begun, words) in [
         (false, false, "could not be started"),
         (true, true, "interrupted"),

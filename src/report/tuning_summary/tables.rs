@@ -20,7 +20,7 @@ impl TuningSummary {
         misfit_table(self.misfit_before, self.misfit_after)
     }
 
-    /// Table of the variables and their moves.
+    /// Table of the variables of the tuning and their offsets.
     pub fn variables_table(&self) -> Table {
         let columns = ["axis", "design", "tuned", "moved"].map(Column::from);
         let has_parts = self.variables.iter().any(|v| v.hardpoint.contains(':'));
@@ -251,7 +251,7 @@ impl TuningSummary {
         Some(table)
     }
 
-    /// Table of the starts.
+    /// Table of the starts of the tuning (points at which the search begins) and their results.
     pub fn starts_table(&self) -> Table {
         starts_table(&self.starts, self.best_start)
     }
@@ -279,7 +279,7 @@ impl TargetSummary {
     }
 }
 
-/// Deviation in the unit of its target, to a hundredth of the tolerance or finer.
+/// Deviation in the unit of its target, rounded to a hundredth of the tolerance or finer.
 fn to_hundredth_of(deviation: f64, tolerance: f64) -> String {
     let decimals = (2.0 - tolerance.log10().floor()).clamp(0.0, 12.0) as usize;
     with_decimals(deviation, decimals)

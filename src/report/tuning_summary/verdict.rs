@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// Margin below which a constraint counts as binding, as a multiple of a visible change (1 mm or 1 degree).
 const BINDING: f64 = 1e-6;
 
-/// Status of a constraint.
+/// Status of a constraint in the tuned design.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ConstraintStatus {
@@ -34,7 +34,7 @@ impl ConstraintStatus {
         }
     }
 
-    /// Table cell for people; empty for a constraint with margin.
+    /// Words for the status in a table cell; `None` for a constraint whose margin is positive.
     pub(in crate::report) fn in_words(self) -> Option<&'static str> {
         match self {
             ConstraintStatus::Violated => Some("VIOLATED"),
@@ -59,7 +59,7 @@ pub struct SlightEffectRecord {
 }
 
 impl SlightEffectRecord {
-    /// Makes the records of targets. `name` returns the name of a target.
+    /// Makes the records of missed targets that the variables hardly change. `name` returns the name of the target with an index.
     pub fn all(effects: &[SlightEffect], name: impl Fn(usize) -> String) -> Vec<Self> {
         let record = |effect: &SlightEffect| SlightEffectRecord {
             target: name(effect.target),
@@ -74,7 +74,7 @@ impl SlightEffectRecord {
         self.target == target
     }
 
-    /// Sentences about the target.
+    /// Sentences that explain why the target is missed.
     pub fn in_words(&self) -> String {
         format!(
             "the variables hardly affect {}: it is missed by {} tolerances, and moves of all variables across their ranges \

@@ -260,7 +260,8 @@ impl TuningSummary {
     }
 }
 
-/// Completed fraction of an interrupted tuning, in words, from the number of interrupted starts and the number of all starts.
+/// Completed fraction of an interrupted tuning, in words. The arguments are the number of interrupted starts and the number of all
+/// starts.
 pub fn interrupted_in_words([interrupted, all]: [usize; 2]) -> String {
     let starts = counted(all, "start");
     match interrupted {

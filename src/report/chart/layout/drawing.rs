@@ -5,11 +5,11 @@ use super::super::mark::{number, path};
 use super::{Deviations, EndLabel, Layout, NOTE_LINE, Remark};
 use std::fmt::Write;
 
-/// Largest deviation that the strip shows, as a multiple of the tolerance.
+/// Largest deviation from a target that the strip below the plot shows, as a multiple of the tolerance.
 const MOST_DEVIATION: f64 = 2.0;
-/// Baseline of the first line of remarks.
+/// Vertical position of the baseline of the first line of remarks.
 const FIRST_NOTE: f64 = 37.0;
-/// Width of a letter in the title beside the plot.
+/// Width of a letter in the title of the vertical axis, beside the plot.
 const TITLE_LETTER: f64 = 7.0;
 
 impl Layout {
@@ -91,7 +91,7 @@ impl Layout {
         svg + "</g>\n"
     }
 
-    /// Writes the name on its own line, with remarks below it.
+    /// Writes the name of the chart on its own line, with the remarks below it.
     fn heading(&self, svg: &mut String, lettering: &Lettering) {
         let name = format!("{}{}", self.before, self.chart.y.name);
         let mut name = name.chars();
@@ -186,7 +186,7 @@ impl Layout {
         }
     }
 
-    /// Draws the strip of deviations. Allowed deviations are inside the shaded band.
+    /// Draws the strip that shows deviations from targets. Deviations within the tolerance are inside the shaded band.
     fn strip(&self, svg: &mut String, lettering: &Lettering) {
         let Some([top, bottom]) = self.strip else {
             return;

@@ -6,7 +6,7 @@ use super::super::{Chart, Line, Quantity, Wanted};
 use super::{AxisLayout, LETTER, SIZE};
 use crate::report::curve_table::CurveTable;
 
-/// Table of the line `a + b x` over -40 to 40.
+/// Table of the lines y = a + b x over x from -40 to 40. `lines` has a and b of each line.
 fn table(lines: &[[f64; 2]]) -> CurveTable {
     let places: Vec<f64> = (-4..=4).map(|k| 10.0 * f64::from(k)).collect();
     let column = |f: &dyn Fn(f64) -> f64| places.iter().map(|x| Some(f(*x))).collect();
@@ -72,7 +72,8 @@ fn labels_at_the_ends_do_not_overlap() {
     }
 }
 
-/// For a line and a constant target, the deviation is the difference divided by the tolerance, also between the rows.
+/// For a straight curve and a constant target, the deviation is their difference divided by the tolerance, also between the rows of
+/// the table.
 #[test]
 fn deviations_are_in_tolerances() {
     let wanted = Wanted::Values {

@@ -9,7 +9,7 @@ const PARTS: [&str; 4] = ["elastic", "geometric", "longitudinal", "unsprung"];
 /// Width of a chart. On a phone, one unit is one pixel.
 const WIDTH: f64 = 350.0;
 
-/// Legend of the colours.
+/// Legend for the colours of the parts of a load transfer.
 pub(super) fn key() -> String {
     let entry =
         |(number, name): (usize, &&str)| format!("<li><i class=\"part-{number}\"></i>{name}</li>");
@@ -19,18 +19,18 @@ pub(super) fn key() -> String {
 
 /// Scale shared by all charts of load transfer.
 pub(super) struct Scale {
-    /// Smallest sum of negative parts, and largest sum of positive parts.
+    /// Ends of the scale: smallest sum of the negative parts of a load transfer, and largest sum of the positive parts.
     ends: [f64; 2],
 }
 
-/// Sum of the negative parts and sum of the positive parts of an axle.
+/// Sum of the negative parts and sum of the positive parts of an axle's load transfer.
 fn sums(parts: &[f64; 4]) -> [f64; 2] {
     let below = parts.iter().filter(|part| **part < 0.0).sum();
     let above = parts.iter().filter(|part| **part > 0.0).sum();
     [below, above]
 }
 
-/// Scale that fits all of these states.
+/// Scale that fits the load transfers of all these states.
 pub(super) fn transfer_scale<'r>(states: impl Iterator<Item = &'r CarStateRecord>) -> Scale {
     let mut ends = [0.0_f64; 2];
     for parts in states.flat_map(|state| &state.transfer) {
@@ -43,7 +43,8 @@ pub(super) fn transfer_scale<'r>(states: impl Iterator<Item = &'r CarStateRecord
     Scale { ends }
 }
 
-/// Bars of the front and the rear axle, each with its parts and its total. Negative parts extend to the left of zero.
+/// Bars for the load transfer of the front and the rear axle, each with its parts and its total. Negative parts extend to the left
+/// of zero.
 pub(super) fn transfer(state: &CarStateRecord, scale: &Scale, unit: &str) -> String {
     let (from, to) = (40.0, WIDTH - 62.0);
     let [low, high] = scale.ends;
@@ -82,7 +83,7 @@ pub(super) fn transfer(state: &CarStateRecord, scale: &Scale, unit: &str) -> Str
     svg
 }
 
-/// Map of the states. Values of ay grow to the right, and values of ax grow upward, if the study lists them in rising order. A
+/// Picture of a g-g map. Values of ay grow to the right, and values of ax grow upward, if the study lists them in rising order. A
 /// stronger colour is a larger friction demand.
 pub(super) fn map(map: &CarMap) -> String {
     let (columns, rows) = (map.ay.len(), map.ax.len());
@@ -101,7 +102,7 @@ pub(super) fn map(map: &CarMap) -> String {
     );
     let shows_numbers = width >= 34.0 && height >= 18.0;
     for row in 0..rows {
-        // The first ax is at the bottom.
+        // The row with the first ax is at the bottom.
         let y = bottom - height * (row + 1) as f64;
         for column in 0..columns {
             let x = left + width * column as f64;
@@ -145,7 +146,7 @@ pub(super) fn map(map: &CarMap) -> String {
     svg + "</svg>"
 }
 
-/// Writes the values of ax and ay beside the cells. If there are many values, only some are written.
+/// Writes the values of ax and ay beside the cells of the g-g map. If there are many values, only some are written.
 fn axes(svg: &mut String, map: &CarMap, [left, bottom, width, height]: [f64; 4]) {
     let every = |count: usize, size: f64, least: f64| {
         ((least / size).ceil() as usize).clamp(1, count.max(1))

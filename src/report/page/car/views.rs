@@ -7,7 +7,7 @@ use std::fmt::Write;
 /// Width of a view. On a phone, one unit is one pixel.
 const WIDTH: f64 = 350.0;
 
-/// Scale of a view: picture units per length, position of the origin, and height of the picture.
+/// Scale of a view: picture units per length unit, position of the origin, and height of the picture.
 struct Scale {
     factor: f64,
     origin: [f64; 2],
@@ -15,7 +15,7 @@ struct Scale {
 }
 
 impl Scale {
-    /// Fits the scale to these positions (horizontal, vertical) and to the ground at height 0.
+    /// Makes the scale of a view that shows these positions (horizontal, vertical) and the ground at height 0.
     fn fit(places: impl Iterator<Item = [f64; 2]>, margins: [f64; 2]) -> Self {
         let mut low = [f64::INFINITY, 0.0];
         let mut high = [f64::NEG_INFINITY, 0.0];
@@ -190,8 +190,8 @@ pub(super) fn side(record: &CarRecord, state: &CarStateRecord) -> String {
     svg + "</svg>"
 }
 
-/// Draws the roll axis between the axles, and the arm of the centre of gravity. The two pairs of numbers are the positions of the
-/// axles along the car, and the heights of the roll axis at the axles.
+/// Draws the roll axis between the axles, and the arm (vertical distance) from this axis to the centre of gravity `cg`. The two
+/// pairs are the positions of the axles along the car, and the heights of the roll axis at the axles.
 fn roll_axis(
     svg: &mut String,
     scale: &Scale,

@@ -15,11 +15,11 @@ pub(super) struct Column<'a> {
     unit: String,
     kind: Option<Kind>,
     at_design: Option<f64>,
-    /// Smallest margin of a design that satisfies the constraint. `None` for other columns.
+    /// Smallest margin of the constraint with which a design satisfies it. `None` for a column that is not a constraint.
     least: Option<f64>,
-    /// Axis for the designs on the page.
+    /// Axis that shows the values of the designs on the page.
     axis: AxisLayout,
-    /// Logarithmic axis. `None` if a value is not positive.
+    /// Logarithmic axis for these values. `None` if one of them is not positive.
     log_axis: Option<AxisLayout>,
 }
 

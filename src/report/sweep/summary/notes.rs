@@ -82,7 +82,7 @@ fn unchecked(record: &SweepRecord, statistics: &SweepStatistics) -> Option<Strin
     })
 }
 
-/// Sentence about designs that violate constraints.
+/// Sentence about designs that violate constraints. `None` without such designs.
 fn violated(record: &SweepRecord, statistics: &SweepStatistics) -> Option<String> {
     let counts = record.outputs.iter().zip(&statistics.violating);
     let counts = counts.filter(|(_, count)| **count > 0);
@@ -104,7 +104,7 @@ fn violated(record: &SweepRecord, statistics: &SweepStatistics) -> Option<String
     })
 }
 
-/// Sentence about constraints that fix a value. Samples do not satisfy them.
+/// Sentence about constraints that fix a value. No sample of a sweep satisfies such a constraint. `None` without such constraints.
 fn fixed_values(record: &SweepRecord) -> Option<String> {
     let fixes = |output: &&OutputColumn| output.kind == Kind::Margin && output.least.is_none();
     let fixed: Vec<&str> = record
@@ -121,7 +121,8 @@ fn fixed_values(record: &SweepRecord) -> Option<String> {
     })
 }
 
-/// Sentence about designs with a smaller misfit than the best design. They are not ranked because they are not solved everywhere.
+/// Sentence about designs with a smaller misfit than the best design. They are not ranked, because they are not solved at every
+/// station. `None` without such designs.
 fn unranked(record: &SweepRecord, statistics: &SweepStatistics) -> Option<String> {
     let everywhere = if record.is_of_car() {
         "in every load case"

@@ -1,9 +1,11 @@
 //! `[sweep]`: designs to be computed.
 
+mod sampled;
+
 use super::elastic_targets::{RateKeys, rate_keys};
 use super::error::Problems;
 use super::file::{self, File};
-use super::motion::{evenly_spaced_at, within};
+use super::motion::within;
 use super::moves;
 use super::names::{choose, choose_or};
 use super::resolve::{Context, each, some};
@@ -21,83 +23,6 @@ pub const MOST_DESIGNS: u64 = 1_000_000_000_000;
 /// Largest number of variables with Saltelli sampling. All designs of one pair of samples must fit into a block, the group
 /// of designs that the sweep evaluates together.
 pub(crate) const MOST_EXCHANGED: usize = crate::evaluate::BLOCK - 2;
-
-impl Sampling {
-    const ALL: [(&str, Sampling); 5] = [
-        ("grid", Sampling::Grid),
-        ("latin_hypercube", Sampling::LatinHypercube),
-        ("sobol", Sampling::Sobol),
-        ("random", Sampling::Random),
-        ("saltelli", Sampling::Saltelli),
-    ];
-
-    /// Name of the method in studies.
-    pub fn name(self) -> &'static str {
-        Sampling::ALL[self as usize].0
-    }
-}
-
-impl Sampled {
-    /// Number of designs in the sweep.
-    pub fn designs(&self) -> u64 {
-        match self.method {
-            Sampling::Saltelli => self.samples * (self.variables.len() as u64 + 2),
-            _ => self.samples,
-        }
-    }
-}
-
-impl Sampled {
-    /// Returns a copy with only the data that determine the designs. With some methods, the designs do not depend on the number
-    /// of samples. The copy then has 0 samples.
-    pub(crate) fn meaning(&self) -> Sampled {
-        let samples = match self.method {
-            Sampling::Sobol | Sampling::Random | Sampling::Saltelli => 0,
-            Sampling::Grid | Sampling::LatinHypercube => self.samples,
-        };
-        Sampled {
-            samples,
-            ..self.clone()
-        }
-    }
-}
-
-impl SweepVariable {
-    /// Name of the variable's column.
-    pub fn column(&self, length_unit: crate::model::LengthUnit) -> String {
-        match &self.rate {
-            Some(rate) => format!("{}_{}", self.name, rate.value_unit(length_unit)),
-            None => format!("{}_{}", self.name, length_unit.symbol()),
-        }
-    }
-
-    /// Returns true if both variables change the same coordinates by the same factors, or the same rate.
-    pub(super) fn changes_same(&self, other: &SweepVariable) -> bool {
-        let rate = |own: &SweepVariable| own.rate.map(|rate| rate.parameter);
-        self.moves == other.moves && rate(self) == rate(other)
-    }
-
-    /// Value of the variable at the grid index `level`, counted from 0.
-    pub fn level(&self, level: u64) -> f64 {
-        let [low, high] = self.range;
-        evenly_spaced_at(low, high, self.steps.unwrap_or(1), level)
-    }
-
-    /// Value of the variable in the study's own design: 0 for an offset, and the study's rate (or the factor 1) for a rate.
-    /// `None` for a coordinate that several points share, because such a coordinate has no single value at the design.
-    pub fn at_design(&self, suspension: &Suspension) -> Option<f64> {
-        if let Some(rate) = &self.rate {
-            return Some(rate.own_value());
-        }
-        if !self.absolute {
-            return Some(0.0);
-        }
-        let [only] = self.moves[..] else {
-            return None;
-        };
-        Some(only.value_at(suspension))
-    }
-}
 
 /// Reads the sweep. `None` if it has an error.
 pub(super) fn sweep(
@@ -121,8 +46,7 @@ pub(super) fn sweep(
             sampled(section, variables, context, problems).map(Designs::Sampled)
         }
         (Some(path), Some(variables)) => {
-            let message =
-                "expected the key \"variables\" or the key \"designs\" (a file), found both";
+            let message = "expected the key variables or the key designs (a file), found both";
             let error = problems.add(variables.span(), message);
             error.related(path.span(), "the file");
             None
@@ -330,15 +254,16 @@ fn grid_points(
             return None;
         }
     }
-    let steps = || variables.iter().filter_map(|v| v.steps);
-    let points = steps().try_fold(1_u64, |product, steps| product.checked_mul(steps));
+    let steps: Vec<u64> = variables.iter().filter_map(|v| v.steps).collect();
+    let mut factors = steps.iter();
+    let points = factors.try_fold(1_u64, |product, steps| product.checked_mul(*steps));
     let points = points.filter(|points| *points <= MOST_DESIGNS);
     if points.is_none() {
-        let factors: Vec<String> = steps().map(|s| s.to_string()).collect();
+        let factors: Vec<String> = steps.iter().map(u64::to_string).collect();
         let message = format!(
-            "a grid of {} designs is too large: expected at most {MOST_DESIGNS:.0e}",
+            "a grid of {} designs is too large: expected at most {:.0e}",
             factors.join(" x "),
-            MOST_DESIGNS = MOST_DESIGNS as f64,
+            MOST_DESIGNS as f64
         );
         problems.add(list.clone(), message);
     }

@@ -21,6 +21,7 @@ mod other_tools;
 mod parsers;
 mod property_files;
 mod round_trips;
+mod rounding;
 mod samples;
 mod schema;
 mod sheets;

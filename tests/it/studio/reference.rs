@@ -118,13 +118,16 @@ fn an_undo_past_a_save_survives_a_reload() {
     };
     let text = sample("macpherson_front.toml");
     let served = Served::of(&text);
-    let weight = |value: &str| {
-        browser.click("#tab-targets");
-        type_in(&browser, "camber [°]: weight", value);
+    let wait_for = |weight: f64| {
         browser.wait(&format!(
-            "studio.state.overview.written.optimise.targets[0].weight === {value}"
+            "(studio.state.overview.written.optimise.targets[0].weight ?? 1) === {weight}"
         ));
         browser.wait(SETTLED);
+    };
+    let weight = |value: f64| {
+        browser.click("#tab-targets");
+        type_in(&browser, "camber [°]: weight", &value.to_string());
+        wait_for(value);
     };
     let save = || {
         browser.run("document.getElementById('banner').textContent = ''");
@@ -132,10 +135,10 @@ fn an_undo_past_a_save_survives_a_reload() {
     };
     browser.open(&served.address);
     browser.wait(READY);
-    weight("3");
+    weight(3.0);
     save();
     browser.click("#undo");
-    browser.wait(SETTLED);
+    wait_for(1.0);
     browser.wait(RECORDED);
     browser.open(&served.address);
     browser.wait(READY);
@@ -143,11 +146,10 @@ fn an_undo_past_a_save_survives_a_reload() {
     let written = "return studio.state.overview.written.optimise.targets[0].weight ?? 1";
     assert_eq!(browser.run(written), json!(1));
     browser.click("#redo");
-    browser.wait(SETTLED);
-    assert_eq!(browser.run(written), json!(3));
+    wait_for(3.0);
     browser.click("#undo");
-    browser.wait(SETTLED);
-    weight("2");
+    wait_for(1.0);
+    weight(2.0);
     save();
     assert!(served.text().contains("weight = 2"));
     assert!(!served.text().contains("weight = 3"));

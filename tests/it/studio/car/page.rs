@@ -109,6 +109,7 @@ fn a_car_is_dragged_edited_tuned_and_saved() {
 
     // If a case has no equilibrium, the page gives the reason and shows no value of an earlier design.
     browser.click("#tab-parts");
+    browser.wait(SETTLED);
     browser.run("document.querySelector('[aria-label=\"turn ay\"]').select()");
     browser.keys(&["2", ".", "5", "\u{e007}"]);
     browser.wait("studio.state.answer.failures.length === 1");

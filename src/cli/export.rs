@@ -32,8 +32,8 @@ pub(super) struct ExportArguments {
     #[arg(long, value_parser = frame)]
     pub(super) frame: Option<FrameConvention>,
     /// Round coordinates to multiples of this length, with the smallest increase of the misfit. Rounds coordinates that --set,
-    /// --design or a tuning changed, and in a study file also the coordinates of its variables. The length has a unit, as
-    /// in 0.5mm, or else the unit of the file
+    /// --design or a tuning changed. If the exported file is a study, it also rounds the coordinates of the study's variables. The
+    /// length has a unit, as in 0.5mm, or else the unit of the file
     #[arg(long, value_name = "LENGTH", value_parser = step)]
     pub(super) round: Option<Step>,
     /// With --round: round every coordinate of the hardpoints

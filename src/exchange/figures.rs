@@ -36,7 +36,7 @@ impl Figures {
         self.radius.or(self.tyre_diameter.map(|d| d / 2.0))
     }
 
-    /// Distance of the wheel from the centre plane, or half of the track.
+    /// Distance of the wheel from the vehicle's centre plane as the file gives it. Otherwise half of the track.
     pub(super) fn half_track(&self) -> Option<f64> {
         self.half_track.or(self.track.map(|track| track / 2.0))
     }

@@ -22,7 +22,8 @@ pub struct BandRecord {
     /// Column of the output that the band limits.
     #[serde(default)]
     pub output: String,
-    /// Drive value at which the band applies; for an axle, a value in the column `over`. `None` if the band applies everywhere.
+    /// Drive value at which the band applies. For an axle, `over` names the coordinate of this value. `None` if the band applies
+    /// everywhere.
     #[serde(default)]
     pub at: Option<f64>,
     /// For an axle: column of the motion to which `at` refers.

@@ -108,7 +108,7 @@ pub(super) struct WheelDrawn {
     pub radius: f64,
 }
 
-/// Text of a file as it was opened, and the text with the changes of the page.
+/// Text of a file as it was opened (`before`), and with the edits that the user made on the page (`after`).
 #[derive(Serialize)]
 pub(super) struct TextChange {
     pub file: String,

@@ -41,7 +41,7 @@ fn set(document: &mut DocumentMut, written: &str) -> Result<(), String> {
     place.put(last, value)
 }
 
-/// A position in the TOML document of a study, reached by following a path.
+/// Part of a study's TOML document that the keys of an override have reached so far.
 enum KeyPath<'a> {
     Item(&'a mut Item),
     Table(&'a mut dyn TableLike),

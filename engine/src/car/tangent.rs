@@ -176,8 +176,8 @@ pub(super) const HELD: [usize; 6] = [
     LONGITUDINAL,
 ];
 
-/// Tangent in which other equations replace the equations of the whole car. Each new equation keeps one unknown
-/// constant, in the order of [`HELD`].
+/// Tangent with the rows from [`BODY`] on replaced: these are the equations of the whole car. Each new row keeps one unknown
+/// constant. The unknowns are those in [`HELD`], in its order.
 pub(super) fn held(tangent: &Matrix) -> Matrix {
     let mut matrix = *tangent;
     for (row, unknown) in matrix[BODY..].iter_mut().zip(HELD) {

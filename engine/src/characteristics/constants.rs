@@ -29,7 +29,7 @@ pub struct Constants {
 }
 
 impl Constants {
-    /// Constants of a suspension.
+    /// Reads the constants of a suspension that formulas of characteristics use, such as wheelbase and brake share.
     pub fn of(suspension: &Suspension) -> Self {
         let vehicle = suspension.vehicle;
         let is_front = vehicle.position == Some(AxlePosition::Front);

@@ -37,7 +37,8 @@ pub enum Measure {
     Quantity(Quantity),
     /// A force in a link, a joint or the spring under a load.
     Carried(CarriedForce),
-    /// A value of a wheel with elastic parts. It follows from equilibria, so a single pose is not sufficient.
+    /// Test result, or characteristic, of a wheel with elastic parts. It is computed from equilibria under loads, not from one
+    /// pose.
     Elastic(KcValue),
     /// A quantity of an axle with elastic parts. It also follows from equilibria.
     OfAxle(crate::axle::Quantity),

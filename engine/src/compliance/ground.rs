@@ -125,8 +125,8 @@ impl<T: Valued> Surroundings<T> {
 /// Signs that convert the shared unknowns to the axes of the other wheel.
 pub(super) const MIRROR: [f64; SHARED] = [1.0, -1.0, 1.0, -1.0, 1.0, -1.0, -1.0, 1.0];
 
-/// Displacements and options for computing the forces of a wheel's parts, once relative to the body and once relative
-/// to the subframe.
+/// Displacements of carrier and rack, with options, for computing the forces of a wheel's parts. One set is relative to the body,
+/// the other to the subframe.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frames<T> {
     pub(super) body: Conditions<T>,

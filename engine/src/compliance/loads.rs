@@ -112,7 +112,8 @@ fn following<T: Real>(turn: Vector3<Dual<T, 3>>, v: Vector3<T>) -> Vector3<Dual<
     v + turn.cross(v)
 }
 
-/// Returns the force and moment of a load. The arguments are the spin axis and the vector to the wheel centre.
+/// Returns the force and moment of a load. `axis` is the spin axis. `centre` is the vector from the carrier's reference point to
+/// the wheel centre. The moment is about the reference point.
 #[inline(always)]
 fn wrench<T: Real>(
     loads: &WheelLoads<T>,

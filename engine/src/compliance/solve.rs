@@ -333,8 +333,9 @@ pub(super) fn between(from: &Task<f64>, to: &Task<f64>, share: f64) -> Task<f64>
     }
 }
 
-/// Returns true if the symmetric part of the carrier's tangent is positive definite for the motions that satisfy the
-/// rows of rigid joints and heights. Each pivot must exceed the fraction `least_share` of the largest earlier pivot.
+/// Returns true if the symmetric part of the carrier's tangent is positive definite for some motions. These are the motions that
+/// keep the rigid joints closed and the held heights constant. Each pivot must exceed the fraction `least_share` of the largest
+/// earlier pivot.
 pub(super) fn is_definite<T: Scalar>(
     equations: &Equations<T>,
     bounds: Bounds,

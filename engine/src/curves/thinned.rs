@@ -46,7 +46,7 @@ pub(crate) fn chosen(values: &[f64], most: usize) -> Vec<usize> {
     let mut chosen: Vec<usize> = (0..most).map(|i| i * (all - 1) / (most - 1)).collect();
     let nearest = (0..all).min_by(|a, b| values[*a].abs().total_cmp(&values[*b].abs()));
     if let Some(nearest) = nearest.filter(|k| !chosen.contains(k)) {
-        // The first and the last value stay.
+        // Only inner indices may change. So the first and the last value stay in the selection.
         let inner = chosen.iter_mut().skip(1).take(most.saturating_sub(2));
         if let Some(closest) = inner.min_by_key(|k| k.abs_diff(nearest)) {
             *closest = nearest;

@@ -61,8 +61,8 @@ impl<'s> AxleStations<'s> {
             index_or_push(&mut placements, placement);
         }
         let value = |placement: &Placement| over.written(placement.along(over), &axle);
-        // Gains are derivatives with respect to the moving coordinate, even if the curves use derivatives with respect to
-        // time.
+        // Gains (first derivatives of outputs) are with respect to the moving coordinate, even if the curves use derivatives with
+        // respect to time.
         let by_motion = AxlePlan {
             motion: AxleMotion {
                 time: None,

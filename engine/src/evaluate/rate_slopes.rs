@@ -33,8 +33,8 @@ pub(super) struct RateSlopes<'a> {
 }
 
 impl<'a> RateSlopes<'a> {
-    /// Prepares the slopes of quantities that contain velocities, if `is_wanted` is true for them. `None` if there are no
-    /// such quantities. An error says why the suspension's own design cannot be solved.
+    /// Prepares the slopes of all quantities that contain velocities and whose index satisfies `is_wanted`. `None` if there are no
+    /// such quantities. The error is the reason why the nominal design cannot be solved.
     pub(super) fn of(
         suspension: &'a Suspension,
         stations: &Stations,

@@ -83,8 +83,8 @@ impl HardpointFault {
     ) -> Option<HardpointFault> {
         let is_given = |name: &&str| given.contains(name);
         let count = |list: &[&'static str]| list.iter().filter(|name| is_given(name)).count();
-        // Selects the list of which the study gives the most hardpoints. If several lists are equal, selects the first of
-        // them.
+        // Each list in `complete` is a complete set of hardpoints. Selects the list with the most hardpoints in the study. If
+        // several lists are equal, selects the first of them.
         let nearest = group.complete.iter().rev().max_by_key(|list| count(list));
         let is_beside = group.beside.iter().any(is_given);
         let list = nearest.filter(|list| count(list) > 0 || is_beside)?;

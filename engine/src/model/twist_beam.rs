@@ -94,7 +94,8 @@ impl TwistBeam {
     ) -> impl Iterator<Item = (PointId, Vector3<f64>)> + use<> {
         let [mount, centre] = [self.far_mount, self.shear_centre].each(|id| design[id.0]);
         let aside = Vector3::new(0.0, mount.y.abs(), 0.0);
-        // By Thales' theorem, the rod from the mount is perpendicular to the lever from the hinge.
+        // The rod's end is on the circle in the x-z plane through the far mount and the shear centre, with their distance as
+        // diameter. So by Thales' theorem, the rod from the mount is perpendicular to the lever from the hinge.
         let (x, z) = (0.5 * (mount.x - centre.x), 0.5 * (mount.z - centre.z));
         let rod = Vector3::new(-x - z, 0.0, x - z);
         let hinge = (!self.is_hinge_given).then_some((self.hinge, centre + aside));

@@ -9,7 +9,7 @@ use super::moves::PointRate;
 use crate::assembly::Parts;
 use crate::number::{Jet, MOST_LANES, SimdReal, SimdTask, Vector3, Width};
 
-/// Assembles the builds of a nominal design.
+/// Computes the built designs of a nominal design, several builds at once. Each build has its own random deviations of the parts.
 pub(super) struct LaneBuilds {
     width: Width,
     at_once: usize,
@@ -20,7 +20,8 @@ pub(super) struct LaneBuilds {
     stride: usize,
     /// The built designs, one after another.
     designs: Vec<Vector3<f64>>,
-    /// Derivatives of the designs with respect to the variables, `[group][variable][point][axis][lane]`.
+    /// Derivatives of the designs with respect to the variables, `[group][variable][point][axis][lane]`. A group has one build in
+    /// each SIMD lane.
     point_rates: Vec<f64>,
     variables: usize,
     accepted: Vec<bool>,

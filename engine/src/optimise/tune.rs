@@ -349,8 +349,8 @@ impl<'a> Tuner<'a> {
         Minimum::of(fit, &of_rows, &self.bounds, &mut self.problem())
     }
 
-    /// Returns the directions that the targets determine at a fit. Tests the directions without effect on the targets by
-    /// moves along these directions. A move counts only as far as it keeps the constraints.
+    /// Returns the directions that the targets determine at a fit. Tests the directions without effect on the targets: moves the
+    /// design along them until the misfit rises or a constraint is violated.
     fn identifiability(&self, fit: &Fit) -> Identifiability {
         let mut problem = self.problem();
         let shape = problem.shape();

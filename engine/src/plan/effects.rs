@@ -156,7 +156,8 @@ impl Plan {
         effects
     }
 
-    /// Description, reason and cost of the forces under the plan's loads.
+    /// Description and cost of the forces under the plan's loads, and the setting in the study that requests them. The cost is
+    /// relative to the position alone. `None` without loads.
     fn load_forces(&self, study: &Study) -> Option<(String, String, f64)> {
         if self.loads.is_empty() {
             return None;

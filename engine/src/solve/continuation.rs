@@ -59,7 +59,8 @@ pub(crate) struct CurvePoint {
     pub series: Pose<Jet<f64, 3>>,
     /// Moving quantity as a Taylor series in the arc length.
     pub moved: Jet<f64, 3>,
-    /// Tangent: displacement, rotation, moving quantity; lengths are relative to the mechanism's size.
+    /// Unit tangent t of the curve: displacement (3), rotation (3) and moving quantity, which is the drive or the rack. Lengths are
+    /// relative to the mechanism's size.
     tangent: [f64; 7],
     factors: Lu<f64, 7>,
     /// Required sign of det [A; t]: the Jacobian A of this module, with the tangent as its last row.

@@ -45,7 +45,8 @@ impl AxleStudy {
                 plan.quantities.extend(new);
             }
         }
-        // Some target quantities already contain second derivatives, so their second derivatives are not available.
+        // The wheels' Taylor polynomials end at degree 3. With quantities that already contain second derivatives along the motion,
+        // only first derivatives of the quantities are available.
         if plan.degree() > 3 {
             plan.derivatives = plan.derivatives.min(1);
         }

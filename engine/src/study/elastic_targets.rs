@@ -256,7 +256,7 @@ pub(super) fn refuse_in_outputs(section: &file::Outputs, problems: &mut Problems
 
 /// Keys that name a rate of an elastic part, in a variable or in a scatter entry.
 pub(super) struct RateKeys<'a> {
-    /// Position of the entry in the file.
+    /// Position of the variable or scatter entry in the file.
     pub place: Span<usize>,
     /// Name of a bushing. An entry gives exactly one of this key, `link` and `rate`.
     pub bushing: &'a Option<Text>,

@@ -152,7 +152,7 @@ impl Sums {
                 }
             }
         }
-        // Without bands, every build with at least one value counts as within its bands.
+        // Without bands, every build counts as good that has at least one value: an output that could be computed at a station.
         let mut in_all = if bands.is_empty() {
             has_values
         } else {

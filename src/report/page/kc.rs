@@ -17,7 +17,8 @@ const FIRST: [&str; 5] = [
     "compliant_wheel_rate",
 ];
 
-/// Columns of a table of load levels.
+/// Columns of a table of load levels. `shift` is the inboard displacement, the recession or the rise of the wheel, according to the
+/// load.
 const COLUMNS: [&str; 4] = ["load", "toe", "camber", "shift"];
 
 /// Note on the charts of one wheel.

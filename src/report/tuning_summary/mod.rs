@@ -245,7 +245,7 @@ impl ConstraintSummary {
         self.limit.map(|limit| format!("{words} {}", brief(limit)))
     }
 
-    /// Table cell: drive value with the smallest margin, and its unit.
+    /// Table cell: drive value at which the constraint has its smallest margin, with unit.
     fn place(&self) -> Cell {
         Cell::by(self.at, |at| with_unit(to_digits(at, 6), &self.at_unit))
     }

@@ -370,7 +370,7 @@ impl Chart {
         Linearised { f, jacobian }
     }
 
-    /// Returns an enclosure of the poses of a box.
+    /// Returns intervals that contain every pose (p, R) of a box in the unknowns (p, v). See the formulas of this module.
     fn pose(&self, cell: &Cell) -> Pose<Interval> {
         let rows = rotation(cell);
         let [x, y, z] = rows.each(Vector3::to_array);

@@ -50,7 +50,8 @@ pub(super) struct WholeAxle<'a> {
     assemblers: [&'a Assembler; 2],
     changes: [Vec<Change>; 2],
     quantities: Vec<Quantity>,
-    /// Quantities that follow from the built design.
+    /// Request for the quantities that are computed on the built design. It excludes those in [`FROM_DESIGN`], which are measured
+    /// from the nominal design.
     request: Request<'static>,
 }
 

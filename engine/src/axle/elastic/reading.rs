@@ -386,8 +386,8 @@ impl Axle {
 }
 
 impl Equilibria<'_> {
-    /// Changes the reference for the direction of a solid axle. `home` is the rotation from the reference to the design
-    /// position.
+    /// Sets the reference direction from which quantities of a solid axle are measured. `home` is the rotation from this direction
+    /// to the design position. `None` makes the design position the reference.
     pub(crate) fn counted_from(self, home: Option<Matrix3<f64>>) -> Self {
         Equilibria { home, ..self }
     }

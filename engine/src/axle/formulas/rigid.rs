@@ -161,7 +161,7 @@ pub(crate) fn wheel_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, s
     );
     let rises = |wheel: WheelState<'_, T, W>| {
         let (difference, mean) = (wheel.rise_by_difference(), wheel.rise_by_mean());
-        // Derivatives with respect to the travel of this wheel and the travel of the other wheel.
+        // Derivatives of the contact point's rise with respect to the travel of this wheel and the travel of the other wheel.
         [mean + difference, mean - difference].each(|c| c.scaled(0.5))
     };
     let [left, right] = pads.wheels();

@@ -36,8 +36,9 @@ pub(crate) fn displace<T: Real>(
 }
 
 impl<const N: usize> AxleSolver<'_, N> {
-    /// Finds a fold (turning point) on the way to the level axle with its steering gear displaced. First the held
-    /// travel changes, then the travel that drives the axle. `None` if there is no fold.
+    /// Finds a fold (turning point) on the way to the level axle with its steering gear displaced. One of mean travel and half
+    /// difference is held, the other drives the axle. The held travel changes first, then the driving travel. `None` if there is no
+    /// fold.
     fn level_fold(&mut self) -> Option<Limit> {
         let corner = &mut self.corners[0];
         let (drive, held) = corner.inner(0.0, 0.0);

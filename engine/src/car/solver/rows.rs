@@ -33,7 +33,7 @@ const MOST_STEPS: usize = 10;
 const LONGEST: f64 = 0.1;
 /// Only rounding error remains if steps no longer become shorter, and one of them was below this limit.
 const STILL: f64 = 1e-12;
-/// Number of earlier states from which the start of a state is extrapolated.
+/// Number of earlier states of a row from which the initial unknowns of the next state are extrapolated.
 const POINTS: usize = 3;
 
 /// A state of a row.
@@ -201,8 +201,8 @@ impl<'a> CarSolver<'a> {
                 self.in_lanes(block, &mut rows);
             }
             for (number, row) in rows.iter_mut().enumerate() {
-                // A row that has left its lane has not solved the case with the index `column` yet. So this case is
-                // solved alone.
+                // The SIMD lanes solve one case of each row that is in a lane. A row outside the lanes has not solved its case with
+                // the index `column` yet. So this case is solved alone.
                 if row.next <= column && row.case().is_some() {
                     self.confirm(&mut block, (number, row), take);
                     self.alone(&mut block, (number, row), take);

@@ -80,7 +80,7 @@ impl LaneReader<'_> {
     }
 
     /// Adds seeds for a quantity: `weight` times its derivatives with respect to the configuration from which the quantity was
-    /// read. Not for camber, toe, caster and kingpin inclination.
+    /// read. For camber, toe, caster and kingpin inclination, use [`LaneReader::add_by_directions`] instead.
     #[inline(always)]
     pub fn differentiate<B: SimdReal, G: Gradient<B> + ?Sized>(
         &self,

@@ -16,7 +16,7 @@ pub(in crate::compliance) enum BushingPlace {
     Mount(usize),
     /// Connection of body and carrier.
     Carrier(usize),
-    /// Connection of body and subframe.
+    /// Connection of body and subframe: index of the subframe's mount.
     Subframe(usize),
 }
 

@@ -138,8 +138,8 @@ pub(super) fn built<T: Real>(
     ]
 }
 
-/// Returns one of two directions n normal to the line between both joints of an arm. `number` selects the direction: 0 or
-/// 1.
+/// Returns one of two directions n normal to the line from the arm's outer joint to its second joint `at` with the knuckle.
+/// `number` selects the direction: 0 or 1.
 #[inline(always)]
 fn across<T: Real>(arm: Arm, at: PointId, points: &[Vector3<T>], number: usize) -> Vector3<T> {
     let line = (points[at.0] - points[arm.outer.0]).normalised();

@@ -158,7 +158,7 @@ impl<T: Real> Row<T> {
         }
     }
 
-    /// Makes the equation of a rod without an end on an arm.
+    /// Makes the equation of a rod that has no end on an arm. Its ends may be on a rocker.
     #[inline(always)]
     fn rod(mechanism: &Mechanism, [inner, outer]: [PointId; 2], length: RodLength<T>) -> Row<T> {
         match [inner, outer].each(|id| mechanism.body(id)) {
@@ -190,8 +190,8 @@ impl<T: Real> Row<T> {
         row!(self, row => row.differential(at, weight, sink));
     }
 
-    /// Rates of force, moment and rack force along a motion of the knuckle with the rack fixed, equation (4) of this
-    /// module.
+    /// Rates of the force f, the moment m and the rack force q of equation (2), along a motion of the knuckle. The rack is fixed.
+    /// See equation (4) of this module.
     #[inline(always)]
     pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         row!(self, row => row.wrench_rate(at, along))

@@ -301,8 +301,8 @@ struct TurnedRockers<'a, 'c, T> {
 }
 
 impl<'a, 'c, T: Real> TurnedRockers<'a, 'c, T> {
-    /// Returns the rockers that move a point: the rocker that carries the point, and at most one further rocker, which
-    /// carries the rod. `None` for a point of another body.
+    /// Returns the rockers that move a point: the rocker that carries the point, and the rocker before it, if there is one. The
+    /// rocker before it carries the outer end of the rod that turns the first rocker. `None` for a point of another body.
     #[inline(always)]
     fn under(x: PointId, at: &'a Configuration<'c, T>, along: &'a Twist<T>) -> Option<Self> {
         let knuckle = KnuckleMotion { at, along };

@@ -61,8 +61,9 @@ impl Curvature {
         }
     }
 
-    /// Replaces the triangle R (`triangle`) by the factor of R^T R + S. A shift of the diagonal makes this sum positive
-    /// definite. Replaces q (`offset`) so that the slope R^T q of the objective |R d + q|^2 / 2 stays the same.
+    /// Replaces the triangle R (`triangle`) by the factor of R^T R + S, with the estimate S of the curvature. A shift of the
+    /// diagonal makes this sum positive definite. Replaces q (`offset`) so that the slope R^T q of the objective |R d + q|^2 / 2
+    /// stays the same.
     ///
     /// At a minimum under constraints, R^T R + S must be positive only for steps that keep the held rows unchanged. For all
     /// other steps, the function adds the square of each held row a.d + c with a weight w: w (a.d + c)^2 / 2. This square

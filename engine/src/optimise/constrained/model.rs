@@ -25,7 +25,8 @@ const MORE_DAMPING: f64 = 100.0;
 const DAMPINGS: usize = 3;
 /// Largest number of quadratic programs for one step in the search for the weights of all levels.
 const PROGRAMS: usize = 300;
-/// Largest difference between duplicate rows: a hundredth of the largest violation that still counts as satisfied.
+/// Largest violation with which a row that duplicates held rows still counts as satisfied. It is a hundredth of the largest
+/// violation with which any row counts as satisfied.
 const SLACK: f64 = 1e-9;
 
 /// Kind of step that the model proposes.

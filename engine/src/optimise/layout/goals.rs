@@ -7,7 +7,7 @@ use crate::study::Limited;
 /// Limits of one value at a station.
 #[derive(Clone, Debug)]
 pub(in crate::optimise) struct LimitedValue {
-    /// Index of the part of a constraint.
+    /// Index of the part (one measure with its limits) among the parts of all constraints.
     pub part: usize,
     /// Index of the value among all values that are read.
     pub of: usize,

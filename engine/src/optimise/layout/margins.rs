@@ -22,7 +22,7 @@ pub struct Margin {
 /// Largest difference between values of a row at several stations that counts as a rounding error, in the row's unit.
 const CONSTANT: f64 = 1e-6;
 
-/// For each row that is one of the two components of a distance, finds the row of the other component.
+/// For each row that is one of the two components of a point's distance from a line, finds the row of the other component.
 pub(super) fn other_components(labels: &[RowLabel], parts: &[Part]) -> Vec<Option<usize>> {
     let other = |own: &RowLabel| {
         let components = parts[own.part].limited.of.components()?;

@@ -19,9 +19,9 @@ use crate::number::Jet;
 use crate::number::Real;
 
 impl ClosedForm<f64> {
-    /// Pose as a Taylor series along a motion with the rack fixed, from the tangent of half the arm's angle. If this angle is
-    /// the drive, its value comes from the motion. Also returns the state of the closed form at the start of the series. `None`
-    /// if the rack moves, or if the series does not exist.
+    /// Pose as a Taylor series along a motion with the rack fixed. `tangent` is the tangent of half the arm's angle. If the arm's
+    /// angle is the drive, the angle is read from `motion` and `tangent` is not used. Also returns the state of the closed form at
+    /// the start of the series. `None` if the rack moves, or if the series does not exist.
     pub(crate) fn pose_series<const N: usize>(
         &self,
         tangent: f64,

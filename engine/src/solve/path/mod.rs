@@ -27,7 +27,7 @@ use crate::number::{Each, Matrix3, Vector3};
 use crate::threads::checkpoint;
 use std::ops::ControlFlow;
 
-/// Range of permitted sizes. The eighth powers of these sizes, and their inverses, neither overflow nor underflow.
+/// Range of permitted sizes of a mechanism. The eighth powers of these sizes, and their inverses, neither overflow nor underflow.
 const SIZES: std::ops::Range<f64> = 1e-30..1e30;
 
 /// Finds the poses of a design. [`Solver::prepare`] changes to the next design.

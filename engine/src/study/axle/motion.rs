@@ -49,8 +49,8 @@ fn at_load(
     problems.refuse(text.span(), message)
 }
 
-/// Time law of the coordinate that moves over time, and its values in units of the study. `Some(None)` if there is no time law,
-/// `None` if it has an error.
+/// Reads the time law of the coordinate that moves over time. Also returns the values of this coordinate, in units of the study.
+/// `Some(None)` if the study gives no time law, `None` if the time law has an error.
 fn over_time(
     section: &file::Motion,
     axle: &Axle,

@@ -274,7 +274,8 @@ impl Pass<'_> {
         }
     }
 
-    /// Converts a range `{ from, to, steps }`. `from` remains the lower end.
+    /// Converts the ends of a range `{ from, to, steps }` to the new units and axes. If the sign of the axis changes, the ends
+    /// change places, so `from` remains the lower end.
     fn range(&mut self, range: &mut dyn TableLike, of: Dimension, entry: Option<Entry>) {
         let conversion = entry.map_or(self.facts.ends[0], |entry| entry.conversion);
         let own = match of {

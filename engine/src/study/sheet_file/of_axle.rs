@@ -150,6 +150,6 @@ pub(super) struct AxlePlace {
     pub(super) site: AxleSite,
     /// Value of the coordinate that varies.
     pub(super) at: f64,
-    /// Keys of a target that describe the station by numbers.
+    /// Keys and values that describe the station in a target, such as `at` and `rack`.
     pub(super) numbers: Vec<(&'static str, f64)>,
 }

@@ -25,8 +25,8 @@ pub(super) fn band(
     let site = of.as_ref().and_then(|(_, site)| site.as_ref());
     let values = match (site, context.axle) {
         (Some(site), _) => Some(&site.values),
-        // The section already refuses a motion with another drive than the travel. So the band's drive value is checked
-        // only against a motion of travels.
+        // This is a band of one wheel without its own stations. `[tolerance]` already refuses a motion whose drive is not the
+        // travel. So the band's drive value is checked only if the drive is the travel.
         (None, None) => {
             let motion = context
                 .motion

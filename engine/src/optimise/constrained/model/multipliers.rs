@@ -21,7 +21,7 @@ enum Push {
 }
 
 impl ConvexModel<'_> {
-    /// Multipliers of the rows and of the levels.
+    /// Multipliers of the constraint rows, and of the levels (limits on norms of residuals).
     pub(in super::super) fn multipliers(&self) -> [&[f64]; 2] {
         [&self.row_multipliers, &self.level_multipliers]
     }

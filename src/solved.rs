@@ -22,7 +22,7 @@ pub struct Solved<'s> {
 /// Plan by which the curves were computed.
 enum Planned<'s> {
     Corner(Plan),
-    /// Axle, plan of its curves, and pose of the axle at each station (or the reason why there is none).
+    /// Axle, plan of its curves, and pose of the axle at each station (or the reason why the axle has no pose).
     Axle(&'s AxleStudy, AxlePlan, Vec<Result<AxlePose, NoPose>>),
 }
 

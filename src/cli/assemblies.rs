@@ -45,7 +45,7 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
     Ok(Exit::of(is_complete))
 }
 
-/// Prints the number of assemblies of a wheel, with the travel and the rack displacement if there is none.
+/// Prints the number of assemblies of a wheel. If the wheel has no assembly, also prints the travel and the rack displacement.
 fn print_number(
     out: &Printer,
     wheel: &WheelAssemblies,

@@ -48,7 +48,8 @@ impl<'s> Outgoing<'s> {
     }
 
     /// Prepares a study with the rounded coordinates of its wheel, which are exact in the unit of the grid. The right wheel of an
-    /// axle with its own points is not rounded. `unit` and `convention` are those of the file, as in [`Outgoing::of`].
+    /// axle with its own points is not rounded. `unit` and `convention` are the unit and
+    /// the axes of the file, as in [`Outgoing::of`].
     pub fn rounded(
         study: &'s Study,
         rounded: &Rounded,

@@ -167,7 +167,7 @@ impl<B: SimdReal> Outlined for Placing<'_, B> {
 pub(crate) struct InLanes<B: SimdReal> {
     pose: Pose<B>,
     /// Lanes that have converged, whose members have positive lengths, and whose rockers are far from their toggles. The caller
-    /// assembles the builds of other lanes one by one.
+    /// assembles each build of the other lanes singly, without lanes.
     pub(crate) accepted: B::Mask,
 }
 

@@ -116,8 +116,8 @@ pub struct AxleSolver<'a, const N: usize> {
 const MOST_STEPS: usize = 80;
 /// Number of terms in the series for the heights of contact points.
 const TERMS: usize = 4;
-/// Largest number of rounds in which all unsolved placements are solved together. The remaining placements are then solved
-/// one by one.
+/// Largest number of rounds in which all unsolved placements are solved together. The solver then solves each
+/// remaining placement on its own.
 const MOST_ROUNDS: usize = 4;
 /// Largest step along the series of a pose, relative to the mechanism's size. Up to this step, the error of four terms is smaller
 /// than rounding errors, except close to a fold.

@@ -3,7 +3,7 @@
 /// Largest number of significant digits that all decimal numbers keep in double precision.
 const KEPT_DIGITS: usize = 15;
 
-/// Digits that an exact conversion adds to a number at most: those of the factor 25.4.
+/// Largest number of digits that an exact conversion adds to a number. The factor 25.4 has three digits.
 const ADDED_DIGITS: usize = 3;
 
 /// Converts a decimal number to another unit, if the result is also a decimal number: 9.5 in are 241.3 mm, not

@@ -165,7 +165,7 @@ impl Minimum<'_> {
         let mut squares = BoundedLeastSquares::new(free.len(), all);
         squares.reduce(&columns, &width, &moved);
         let unlimited = vec![f64::INFINITY; free.len()];
-        let below: Vec<f64> = unlimited.iter().map(|limit| -limit).collect();
+        let below = vec![f64::NEG_INFINITY; free.len()];
         squares.solve(FOLLOWS * FOLLOWS * targets as f64, &below, &unlimited);
         let steps = squares.step().iter().zip(&width).zip(free);
         steps.fold(own, |sum, ((step, width), k)| {

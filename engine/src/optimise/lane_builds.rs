@@ -72,7 +72,7 @@ impl LaneBuilds {
         &self.point_rates[group.start / self.at_once * length..][..length]
     }
 
-    /// Returns true if the solution of a build in SIMD lanes converged. Other builds are assembled one by one.
+    /// Returns true if the solution of a build in SIMD lanes converged. The caller assembles each other build singly.
     pub(super) fn is_accepted(&self, build: usize) -> bool {
         self.accepted[build]
     }

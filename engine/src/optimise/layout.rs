@@ -119,7 +119,7 @@ pub struct RowLabel {
     pub station: usize,
 }
 
-/// Layout of the residuals and constraints beside those of a rigid wheel: those of an axle, or of a wheel with elastic parts.
+/// Layout of the residuals and constraints that belong to an axle or to elastic parts, beside the layout of a rigid wheel.
 #[derive(Clone, Debug)]
 pub(super) enum Beside {
     /// Residuals and constraints of an axle.

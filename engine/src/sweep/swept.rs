@@ -72,7 +72,7 @@ impl SweptWorker<'_> {
         }
     }
 
-    /// Number of designs of the last block that the lanes could not solve, so that they were solved one by one. 0 for a car,
+    /// Number of designs of the last block that the worker solved singly, because the lanes could not solve them. 0 for a car,
     /// whose sweep has no such lanes.
     pub fn one_by_one(&self) -> usize {
         match self {

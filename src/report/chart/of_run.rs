@@ -87,7 +87,7 @@ impl<'r> Charted<'r> {
         }
     }
 
-    /// Curves over the named motions, with the names of the motions. Their tables follow those of the study's own motion.
+    /// Curves over the named motions, with the names of the motions. The tables of the study's own motion come first.
     pub(in crate::report) fn of_named(
         record: &'r Record,
         whole: &'r [CurveTable],

@@ -349,7 +349,7 @@ fn single_limit(constraint: &Constraint, is_upper: bool) -> Option<f64> {
     limit.filter(|_| is_shown && part.lower != part.upper)
 }
 
-/// True for a band of which a limit is a curve over the motion.
+/// Returns true for a band if one of its limits is a curve over the motion.
 fn is_between_curves(target: &Target) -> bool {
     let is_curve = |limit: &Option<Limit>| matches!(limit, Some(Limit::Curve { .. }));
     match &target.wanted {

@@ -1,6 +1,8 @@
 //! Tests of `hardpoint convert --side`: the study of the wheel on the other side of the car.
 
-use super::physical::{assert_near, compare, sign, summary, tables_of_results};
+use super::physical::{
+    FIRST_ITERATION, assert_near, compare, is_plain_tuning, sign, summary, tables_of_results,
+};
 use super::{ROOT, converted, done, is_elastic, results, run, studies};
 use hardpoint::characteristics::Characteristic;
 use hardpoint::study::{CarStudy, Study};
@@ -97,23 +99,17 @@ fn every_sample_wheel_has_the_same_results_on_the_other_side() {
 #[test]
 fn every_sample_tuning_of_a_wheel_begins_with_the_same_misfit_on_the_other_side() {
     let directory = tempfile::tempdir().unwrap();
-    let short = [
-        "optimise.max_iterations=1",
-        "optimise.starts=1",
-        "optimise.side_effects=false",
-    ];
-    let sets: Vec<&str> = short.iter().flat_map(|set| ["--set", set]).collect();
     let mut compared = 0;
-    for file in wheels() {
-        let text = fs::read_to_string(&file).unwrap();
-        // Omits robust tunings, which take long. Their targets have the same form.
-        if !text.contains("\n[optimise]") || text.contains("\nscatter = ") {
-            continue;
-        }
-        let old = summary(&results("optimise", &file, &sets, directory.path()));
+    for file in wheels().into_iter().filter(|file| is_plain_tuning(file)) {
+        let old = summary(&results(
+            "optimise",
+            &file,
+            &FIRST_ITERATION,
+            directory.path(),
+        ));
         let place = directory.path().join("right");
         let right = converted(&file, &RIGHT, &place);
-        let new = summary(&results("optimise", &right, &sets, &place));
+        let new = summary(&results("optimise", &right, &FIRST_ITERATION, &place));
         let label = file.display().to_string();
         assert_near(&label, &old["misfit_before"], &new["misfit_before"], 1e-9);
         compared += 1;

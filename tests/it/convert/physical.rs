@@ -217,28 +217,38 @@ pub(super) fn assert_near(
     );
 }
 
+/// Options that end a tuning after its first iteration.
+pub(super) const FIRST_ITERATION: [&str; 6] = [
+    "--set",
+    "optimise.max_iterations=1",
+    "--set",
+    "optimise.starts=1",
+    "--set",
+    "optimise.side_effects=false",
+];
+
+/// Returns true if a sample has a tuning without scatter. Tunings with scatter take long, and their targets have the same form.
+pub(super) fn is_plain_tuning(file: &Path) -> bool {
+    let text = fs::read_to_string(file).unwrap();
+    text.contains("\n[optimise]") && !text.contains("\nscatter = ")
+}
+
 /// Targets, tolerances and weights keep their meaning: the misfit of the design does not change.
 #[test]
 fn every_sample_tuning_begins_with_the_same_misfit_in_other_units_and_axes() {
     let directory = tempfile::tempdir().unwrap();
-    let short = [
-        "optimise.max_iterations=1",
-        "optimise.starts=1",
-        "optimise.side_effects=false",
-    ];
-    let sets: Vec<&str> = short.iter().flat_map(|set| ["--set", set]).collect();
     let mut compared = 0;
-    for file in studies() {
-        let text = fs::read_to_string(&file).unwrap();
-        // Omits robust tunings, which take long. Their targets have the same form.
-        if !text.contains("\n[optimise]") || text.contains("\nscatter = ") {
-            continue;
-        }
-        let old = summary(&results("optimise", &file, &sets, directory.path()));
+    for file in studies().into_iter().filter(|file| is_plain_tuning(file)) {
+        let old = summary(&results(
+            "optimise",
+            &file,
+            &FIRST_ITERATION,
+            directory.path(),
+        ));
         for (number, options) in [INCHES, METRES].iter().enumerate() {
             let place = directory.path().join(number.to_string());
             let new = converted(&file, options, &place);
-            let new = summary(&results("optimise", &new, &sets, &place));
+            let new = summary(&results("optimise", &new, &FIRST_ITERATION, &place));
             let label = format!("{} {options:?}", file.display());
             if CarStudy::is_at(&file) {
                 assert_near(&label, &old["misfit"][0], &new["misfit"][0], 1e-9);

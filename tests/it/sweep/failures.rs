@@ -39,8 +39,8 @@ fn what_fails_is_counted_and_left_empty() {
     let reasons = summary["failures"].as_array().unwrap();
     let counted: u64 = reasons.iter().map(|r| r["designs"].as_u64().unwrap()).sum();
     assert_eq!(counted, failed.len() as u64);
-    // The evaluation in SIMD lanes accepts no design that fails during the motion. The program evaluates such designs
-    // one by one.
+    // The evaluation in SIMD lanes accepts no design that fails during the motion. The program evaluates
+    // each such design singly.
     let one_by_one = summary["one_by_one"].as_u64().unwrap();
     assert!((counted..=300).contains(&one_by_one), "{one_by_one}");
     assert_eq!(reasons[0]["examples"][0], failed[0]);

@@ -30,7 +30,7 @@
 //!
 //! The two legs of the arm leave o only the rotation about the axis. With the two equations of a joint, the knuckle can
 //! only rotate about the line from o to p in addition. For a design, equation (1) gives the same position as module `arm`.
-//! That module gives the derivatives with respect to hardpoints.
+//! Module `arm` gives the derivatives with respect to hardpoints.
 //!
 //! Rates along the motion (v, w). M is constant, since e is fixed in the body:
 //!

@@ -86,7 +86,7 @@ fn check(tally: &Tally, least_share: f64) {
     println!("{many} took more than 20 times the median");
     assert!(many * 100 <= tally.evaluations.len(), "{many}");
     assert!(most <= 50 * median, "{most} evaluations, median {median}");
-    // Of a thousand mixes, 642 could be satisfied.
+    // 642 of a thousand mixes could be satisfied.
     assert!(4 * tally.feasible >= tally.evaluations.len());
     assert!(tally.converged as f64 >= least_share * tally.feasible as f64);
 }
